@@ -1,0 +1,290 @@
+"""The command line: arguments, printing, exit codes; no geometry.
+
+Only click is imported here; each command imports what it needs, so `camgen --help` is quick.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from camgen import __version__
+from camgen.errors import CamgenError, FileError, SpecError
+
+if TYPE_CHECKING:
+    from camgen.mechanism import Mechanism
+    from camgen.report import Report
+
+KINDS = ("dxf", "stl", "3mf", "report")
+INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
+
+_EXIT_CODES = """\b
+Exit codes:
+  0  every finding holds
+  1  a finding fails (files are written, the table says which)
+  2  the spec or the command is wrong (all faults listed, nothing written)
+  3  well formed, but no such mechanism exists (nothing written)
+  4  a file could not be written or read
+Of several the worst, that is the largest, is returned. 130 is Ctrl-C, 70 a fault of camgen itself."""
+
+_as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
+
+
+def _kinds(context: click.Context, parameter: click.Parameter, value: str | None) -> frozenset[str]:
+    """The kinds of files that --only names."""
+    if value is None:
+        return frozenset(KINDS)
+    kinds = frozenset(kind.strip() for kind in value.split(","))
+    wrong = sorted(kinds - set(KINDS))
+    if wrong:
+        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(KINDS)} was expected.")
+    return kinds
+
+
+@click.group(epilog=_EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="camgen")
+def cli() -> None:
+    """Cam and linkage CAD geometry from a text spec, with the motion proved from the written files."""
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: geometry.swing_deg=24.")
+@_as_json
+def build(specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], as_json: bool) -> None:
+    """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
+    from camgen import pipeline
+
+    _each(specs, lambda spec, progress: pipeline.build(spec, out, only, settings, progress), as_json)
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@_as_json
+def check(folders: Sequence[Path], as_json: bool) -> None:
+    """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
+    from camgen import pipeline
+
+    _each(folders, pipeline.check, as_json)
+
+
+@cli.command()
+@click.argument("mechanism")
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+def new(mechanism: str, file: Path | None) -> None:
+    """Write a commented starter spec of a MECHANISM to FILE, or print it; it builds as it is."""
+    _known(mechanism)
+    text = (_starters() / f"{mechanism}.toml").read_text(encoding="utf-8")
+    if file is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        with open(file, "x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise FileError(file, "exists already and is left as it is; choose another name") from None
+
+
+@cli.command("list")
+def list_() -> None:
+    """List the mechanisms and the laws of motion."""
+    from camgen.mechanisms import MECHANISMS
+    from camgen.motion import LAWS
+
+    click.echo("Mechanisms")
+    for name in MECHANISMS:
+        summary = (_starters() / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
+        click.echo(f"  {name:<20} {summary}")
+    click.echo("\nLaws of motion")
+    for law in LAWS.values():
+        click.echo(f"  {law.name:<20} {law.source}")
+
+
+@cli.command()
+@click.argument("mechanism")
+def schema(mechanism: str) -> None:
+    """Print the JSON Schema of a MECHANISM's spec, for editors."""
+    import json
+
+    from camgen import spec
+
+    click.echo(json.dumps(spec.schema(_known(mechanism), mechanism), indent=2, ensure_ascii=False))
+
+
+# ---- what the commands share -----------------------------------------------------------------------------------------
+
+
+def _known(name: str) -> type[Mechanism]:
+    """The class of a mechanism; SpecError with the nearest name where there is none."""
+    from camgen.mechanisms import MECHANISMS, load
+    from camgen.spec import unknown
+
+    if name not in MECHANISMS:
+        raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
+    return load(name)
+
+
+def _starters() -> Path:
+    """Folder of the starter specs: inside the installed package, or beside it in a checkout."""
+    package = Path(__file__).parent
+    return next(folder for folder in (package / "specs", package.parent / "specs") if folder.is_dir())
+
+
+def _each(paths: Sequence[Path], work: Callable[[Path, Callable[[str], None]], Report], as_json: bool) -> NoReturn:
+    """Do the work on each path, print what came out, and end with the worst exit code."""
+    worst, records = 0, []
+    for path in paths:
+        try:
+            with _Spinner() as progress:
+                report = work(path, progress)
+        except (CamgenError, OSError) as error:
+            failure = _explained(error)
+            worst = max(worst, failure.exit_code)
+            _complain(failure)
+            records.append(_failure_record(path, failure))
+            continue
+        worst = max(worst, 0 if report.ok else 1)
+        records.append(report.as_dict())
+        if not as_json:
+            _print_report(report)
+    if as_json:
+        import json
+
+        click.echo(json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False))
+    sys.exit(worst)
+
+
+def _explained(error: CamgenError | OSError) -> CamgenError:
+    """The error itself, or the FileError that stands for an OSError."""
+    if isinstance(error, CamgenError):
+        return error
+    return FileError(error.filename or "file", error.strerror or str(error))
+
+
+def _complain(error: CamgenError) -> None:
+    """Print a user's error on stderr."""
+    click.echo(f"error: {error}", err=True)
+
+
+def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
+    """What --json prints in place of a report that could not be made."""
+    faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
+    return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}
+
+
+def _print_report(report: Report) -> None:
+    """The findings as a table on stdout, then the verdict."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    # A table that goes to a file or a pipe is as wide as it needs to be.
+    console = Console(highlight=False) if sys.stdout.isatty() else Console(highlight=False, width=240)
+    title = f"{report.name} ({report.mechanism})"
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in ("finding", "measured", "limit", "margin"):
+        table.add_column(column, justify="left" if column == "finding" else "right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    table.add_column("where", overflow="fold")
+    table.add_column("", no_wrap=True)
+    for finding in report.findings:
+        margin = abs(finding.limit - finding.measured)
+        numbers = (finding.measured, finding.limit, margin if finding.ok else -margin)
+        verdict = Text("ok", "green") if finding.ok else Text("FAIL", "bold red")
+        table.add_row(finding.code, *(f"{n:.4g}" for n in numbers), finding.unit, Text(finding.where), verdict)
+    console.print(table)
+    failed = [finding for finding in report.findings if not finding.ok]
+    for finding in failed:
+        console.print(Text(f"{finding.code} ({finding.where}): {finding.message}"), soft_wrap=True)
+    count = len(report.findings)
+    console.print(f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL")
+
+
+class _Spinner:
+    """Shows on stderr which step is at work when it takes over a second; only on a terminal."""
+
+    def __enter__(self) -> Callable[[str], None]:
+        self._status: Any = None
+        self._timer: Any = None
+        return self._step if sys.stderr is not None and sys.stderr.isatty() else lambda _: None
+
+    def _step(self, text: str) -> None:
+        self._end()
+        import threading
+
+        self._timer = threading.Timer(1.0, self._show, [text])
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _show(self, text: str) -> None:
+        from rich.console import Console
+
+        self._status = Console(stderr=True).status(text)
+        self._status.start()
+
+    def _end(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer.join()
+        if self._status is not None:
+            self._status.stop()
+        self._timer = self._status = None
+
+    def __exit__(self, *_: object) -> None:
+        self._end()
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what stdout's encoding does not
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        code = _run(arguments)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nobody reads on: let the last flush go nowhere
+        code = PIPE_CLOSED
+    except OSError as error:
+        _complain(_explained(error))
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        code = FileError.exit_code
+    sys.exit(code)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    """Exit code of a run, errors printed."""
+    try:
+        cli.main(arguments, prog_name="camgen", standalone_mode=False)
+    except SystemExit as done:
+        return done.code if isinstance(done.code, int) else 0
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("interrupted; earlier results are as they were", err=True)
+        return INTERRUPTED
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except CamgenError as error:
+        _complain(error)
+        return error.exit_code
+    except OSError:
+        raise
+    except Exception as error:
+        place = error.__traceback__
+        while place is not None and place.tb_next is not None:
+            place = place.tb_next
+        at = f"{Path(place.tb_frame.f_code.co_filename).name}:{place.tb_lineno}" if place else "?"
+        click.echo(f"internal error: {type(error).__name__}: {error} ({at}); please report it with the spec", err=True)
+        return INTERNAL
+    return 0

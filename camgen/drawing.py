@@ -1,0 +1,380 @@
+"""The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
+
+Two views in first-angle projection (the part seen from above, and to its right seen from the left), overall sizes,
+least and greatest radius about the datum, a table of holes, notes and a title block. Nothing here knows a mechanism.
+"""
+
+from __future__ import annotations
+
+import cmath
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from camgen import __version__
+from camgen.arcfit import as_circle, fit_arcs
+from camgen.dxf import extent
+from camgen.outlines import Arc, Contour, Floats, end_point, start_point
+from camgen.parts import Layer, Part
+from camgen.sheet import Sheet, Text, write_dxf_sheet, write_pdf
+
+# Standard scales, mm of paper for a mm of the part. [ISO 5455]
+_SCALES = (50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+_SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
+# Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
+_FILING, _MARGIN = 20.0, 10.0
+_TITLE = (170.0, 36.0)
+_TABLE_WIDTHS = (10.0, 17.0, 17.0, 54.0)
+_ROW = 5.0
+# Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
+_LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
+_DIMENSION_GAP = 24.0
+
+
+def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, meta: Mapping[str, str]) -> list[Path]:
+    """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder; returns their paths.
+
+    tolerance: mm, of the arcs that stand for the exact outline; meta: further cells of the title block, such as
+    {"Mechanism": ..., "Material": ...}. An OSError means that a file could not be written.
+    """
+    stem = f"{prefix}-{part.name}"
+    layout = _Layout(part, stem, tolerance, meta)
+    paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
+    write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
+    write_pdf(paths[1], layout.sheet)
+    return paths
+
+
+@dataclass(frozen=True)
+class Hole:
+    """A row of the table: its place (complex mm), what it is; its label goes to label_at, inside it or to the right."""
+
+    place: complex
+    shape: str
+    label_at: complex
+    inside: bool
+
+
+def holes_of(contours: Sequence[Contour]) -> list[tuple[str, Hole]]:
+    """Holes with their labels: equal shapes share a letter, numbered where there are several."""
+    holes = [_hole(contour) for contour in contours]
+    shapes = list(dict.fromkeys(hole.shape for hole in holes))
+    named: list[tuple[str, Hole]] = []
+    for letter, shape in zip(_letters(), shapes, strict=False):
+        same = [hole for hole in holes if hole.shape == shape]
+        named += [(f"{letter}{i}" if len(same) > 1 else letter, hole) for i, hole in enumerate(same, 1)]
+    return named
+
+
+def _letters() -> itertools.chain[str]:
+    alphabet = "ABCDEFGHJKLMNPQRSTUVWXYZ"  # no I, no O
+    return itertools.chain(alphabet, (a + b for a in alphabet for b in alphabet))
+
+
+def _hole(contour: Contour) -> Hole:
+    """What a hole is: a circle, an arc slot, a circle with a keyway or flat, or else the size of its box."""
+    aside = cmath.exp(0.25j * math.pi)
+    round_one = as_circle(contour)
+    if round_one:
+        centre, radius = round_one
+        return Hole(centre, f"Ø{number(2 * radius)}", centre + radius * aside, False)
+    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
+    if len(arcs) == len(contour.pieces) == 4 and abs(arcs[0].centre - arcs[2].centre) < 1e-9:
+        outer, inner = sorted((arcs[0], arcs[2]), key=lambda arc: -arc.radius)
+        radius, width = (outer.radius + inner.radius) / 2, outer.radius - inner.radius
+        low, high = sorted((math.degrees(outer.t0), math.degrees(outer.t1)))
+        turn = 360 * math.floor(low / 360)
+        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° to {high - turn:.1f}°"
+        return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2), True)
+    lower, upper = extent([fit_arcs(contour, 0.01)])
+    box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
+    widest = max(arcs, key=lambda arc: abs(arc.sweep), default=None)
+    if widest and abs(widest.sweep) > math.pi:
+        shape = f"Ø{number(2 * widest.radius)}, {box} overall"
+        return Hole(widest.centre, shape, widest.centre + widest.radius * aside, False)
+    return Hole((lower + upper) / 2, box, (lower + upper) / 2, True)
+
+
+def number(value: float) -> str:
+    """A length as on a drawing: at most three digits after the point, no idle zeros."""
+    return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
+
+
+def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
+    """Points of a contour of lines and arcs at the least and the greatest distance from the origin."""
+    points: list[complex] = []
+    for piece in contour.pieces:
+        points += [start_point(piece), end_point(piece)]
+        if isinstance(piece, Arc) and piece.centre != 0:
+            towards = cmath.phase(piece.centre)
+            for angle in (towards, towards + math.pi):
+                along = (angle - piece.start) * math.copysign(1, piece.sweep) % (2 * math.pi)
+                if along <= abs(piece.sweep):
+                    points.append(piece.centre + cmath.rect(piece.radius, angle))
+        elif not isinstance(piece, Arc):
+            a, d = start_point(piece), end_point(piece) - start_point(piece)
+            share = -(a * d.conjugate()).real / abs(d) ** 2
+            points += [a + share * d] if 0 < share < 1 else []
+    return min(points, key=abs), max(points, key=abs)
+
+
+def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
+    regions = [layer.region for layer in layers]
+    return [fit_arcs(contour, tolerance) for region in regions for contour in (region.outer, *region.holes)]
+
+
+class _Layout:
+    """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
+
+    def __init__(self, part: Part, stem: str, tolerance: float, meta: Mapping[str, str]) -> None:
+        self.part, self.stem, self.meta = part, stem, meta
+        self.outer = fit_arcs(part.region.outer, tolerance)
+        self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
+        self.named = holes_of(part.region.holes)
+        self.above = _contours(part.layers[1:], tolerance)
+        self.engraved = _contours(part.engraved, tolerance)
+        self.notes = self._notes(tolerance)
+        self.low, self.high = extent([self.outer, *self.above])
+        self.size_name, self.scale = self._choose()
+        width, height = _SIZES[self.size_name]
+        self.sheet = Sheet(width, height, f"{part.title} ({stem})")
+        self.table_x = width - _MARGIN - sum(_TABLE_WIDTHS)
+        self.datum = self._datum()
+        self._frame()
+        self._plan()
+        self._side()
+        self._table()
+        self._note_lines()
+        self._title_block()
+
+    def paper(self, z: complex) -> complex:
+        """A point of the part on the paper."""
+        return self.datum + self.scale * z
+
+    def _room(self, size: str) -> tuple[float, float]:
+        """Width and height that both views and their dimensions may take, mm."""
+        width, height = _SIZES[size]
+        foot = max(_TITLE[1], 3.0 + 4.5 * len(self.notes))
+        return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
+
+    def _choose(self) -> tuple[str, float]:
+        """Sheet size and scale: A4 unless A3 spares a reduction."""
+        span = self.high - self.low
+
+        def best(size: str) -> float:
+            wide, tall = self._room(size)
+            wide -= _LEFT + _RIGHT + _BESIDE
+            tall -= _BELOW + _ABOVE
+            fits = (s for s in _SCALES if s * (span.real + self.part.thickness) <= wide and s * span.imag <= tall)
+            return next(fits, _SCALES[-1])
+
+        a4, a3 = best("A4"), best("A3")
+        return ("A3", a3) if a4 < 1 and a3 > a4 else ("A4", a4)
+
+    def _datum(self) -> complex:
+        """Where the part's origin goes: both views in the middle of their room."""
+        wide, tall = self._room(self.size_name)
+        span = self.scale * (self.high - self.low)
+        spare_x = wide - _LEFT - _RIGHT - _BESIDE - span.real - self.scale * self.part.thickness
+        spare_y = tall - _BELOW - _ABOVE - span.imag
+        foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
+        corner = complex(_FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + spare_y / 2)
+        return corner - self.scale * self.low
+
+    def _frame(self) -> None:
+        right, top = self.sheet.width - _MARGIN, self.sheet.height - _MARGIN
+        corners = (complex(_FILING, _MARGIN), complex(right, _MARGIN), complex(right, top), complex(_FILING, top))
+        self.sheet.line(*corners, layer="TEXT", closed=True)
+
+    def _plan(self) -> None:
+        sheet, scale = self.sheet, self.scale
+
+        def put(contour: Contour, layer: str) -> None:
+            sheet.contour(contour.moved(scale, self.datum), layer)
+
+        for contour in (self.outer, *self.holes):
+            put(contour, "CUT")
+        for contour in self.above:
+            put(contour, "VIEW")
+        for contour in self.engraved:
+            put(contour, "TEXT")
+        self._centre_lines()
+        for label, hole in self.named:
+            at = self.paper(hole.label_at)
+            if hole.inside:
+                sheet.text(at - 1.25j, label, align="centre", layer="DIM")
+            else:
+                sheet.text(at + 1 + 0.6j, label, layer="DIM")
+        low, high = self.paper(self.low), self.paper(self.high)
+        span = self.high - self.low
+        # the extension lines start at the box: the points where it touches the outline are not all on one side
+        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, number(span.real))
+        self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, number(span.imag))
+        self._radii()
+
+    def _centre_lines(self) -> None:
+        """Axes through the datum across the whole part, crosses on round holes and other centres."""
+        sheet, over = self.sheet, 4.0
+        low, high = self.paper(self.low), self.paper(self.high)
+        axes = self.low.real <= 0 <= self.high.real and self.low.imag <= 0 <= self.high.imag
+        if axes:
+            x, y = self.datum.real, self.datum.imag
+            sheet.line(complex(low.real - over, y), complex(high.real + over, y), layer="CENTER")
+            sheet.line(complex(x, low.imag - over), complex(x, high.imag + over), layer="CENTER")
+        radii = dict.fromkeys(self.part.centres, 1.0)
+        circles = [as_circle(contour) for contour in (self.part.region.outer, *self.part.region.holes)]
+        radii |= {circle[0]: min(circle[1], 5 / self.scale + 1) for circle in circles if circle}
+        for centre, radius in radii.items():
+            if axes and abs(centre) < 1e-9:
+                continue
+            at, reach = self.paper(centre), self.scale * radius + 2
+            for direction in (1, 1j):
+                sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
+
+    def _radii(self) -> None:
+        """Least and greatest distance of the outline from the datum, or the diameter; sense of turning."""
+        taken: list[float] = []
+        round_one = as_circle(self.outer)
+        if round_one:
+            centre, radius = round_one
+            aside = cmath.exp(0.25j * math.pi)
+            self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
+            taken.append(math.pi / 4)
+        if not round_one or abs(round_one[0]) > 1e-9:
+            for point, word in zip(nearest_and_farthest(self.outer), ("min", "max"), strict=True):
+                self._leader(point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}")
+                taken.append(cmath.phase(point))
+        self._turning(taken)
+
+    def _leader(self, point: complex, direction: complex, text: str) -> None:
+        """Arrow from outside onto a point of the outline, with the text along it."""
+        tip = self.paper(point)
+        reading = direction if direction.real > -1e-9 else -direction
+        label = Text(0j, text, 2.5, "centre", reading, "DIM")
+        self.sheet.line(tip + (label.width + 5) * direction, tip, layer="DIM")
+        self.sheet.arrow(tip, -direction)
+        self.sheet.things.append(replace(label, at=tip + (label.width / 2 + 4) * direction + 0.8j * reading))
+
+    def _turning(self, taken: Sequence[float]) -> None:
+        """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""
+
+        def free(angle: float) -> float:
+            return min((abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in taken), default=math.pi)
+
+        # Dimensions are below and to the left.
+        upper = max((math.pi / 4, 3 * math.pi / 4), key=free)
+        angle = upper if free(upper) > 0.6 else max((-math.pi / 4, -3 * math.pi / 4), key=free)
+        pieces = [piece for contour in (self.outer, *self.above) for piece in contour.pieces]
+        ring = np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
+        near: Floats = np.abs(np.angle(ring * cmath.exp(-1j * angle)))
+        reach = float(np.max(np.abs(ring)[near < 0.5], initial=float(np.min(np.abs(ring)))))
+        radius = self.scale * reach + 5
+        half = min(0.4, 9 / radius)
+        self.sheet.arc(self.datum, radius, angle - half, 2 * half, "TEXT")
+        tip = self.datum + cmath.rect(radius, angle + half)
+        self.sheet.arrow(tip, 1j * cmath.exp(1j * (angle + half - 1.5 / radius)), "TEXT")
+        self.sheet.text(tip + 2.5j * cmath.exp(1j * (angle + half)) - 1.2j, "+", 3.5, "centre")
+
+    def _side(self) -> None:
+        """Edge view, heights growing to the right, with the thickness."""
+        left = self.paper(self.high).real + _RIGHT + _BESIDE / 2
+        for layer in self.part.layers:
+            low, high = extent([fit_arcs(layer.region.outer, 0.01)])
+            a = complex(left + self.scale * layer.z0, self.paper(low).imag)
+            b = complex(left + self.scale * layer.z1, self.paper(high).imag)
+            self.sheet.line(a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True)
+        thick = self.scale * self.part.thickness
+        if self.low.imag <= 0 <= self.high.imag:
+            y = self.datum.imag
+            self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
+        bottom = self.paper(self.low).imag
+        self._dimension(complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness))
+        heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
+        for i, height in enumerate(heights, 1):
+            top = complex(left, self.paper(self.high).imag)
+            self._dimension(top, top + self.scale * height, 9j * i, number(height))
+
+    def _dimension(self, a: complex, b: complex, away: complex, text: str) -> None:
+        """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
+        sheet = self.sheet
+        out = away / abs(away)
+        for end in (a, b):
+            sheet.line(end + out, end + away + 2 * out, layer="DIM")
+        a, b = a + away, b + away
+        length, along = abs(b - a), (b - a) / abs(b - a)
+        reading = 1 if abs(along.real) > 0.5 else 1j
+        outside = length < 12
+        if outside:
+            a, b = a - 6 * along, b + 6 * along
+        sheet.line(a, b, layer="DIM")
+        sheet.arrow(a + 6 * along if outside else a, along if outside else -along)
+        sheet.arrow(b - 6 * along if outside else b, -along if outside else along)
+        sheet.text((a + b) / 2 + 0.9j * reading, text, 3.5, "centre", reading, "DIM")
+
+    def _table(self) -> None:
+        """Table of holes, at the upper right; rows that do not fit are counted in its last line."""
+        top = self.sheet.height - _MARGIN
+        room = int((top - _MARGIN - _TITLE[1]) / _ROW) - 1
+        rows = [(label, number(h.place.real), number(h.place.imag), h.shape) for label, h in self.named]
+        if len(rows) > room:
+            rows = [*rows[: room - 1], ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf")]
+        edges = self.table_x + np.cumsum((0.0, *_TABLE_WIDTHS))
+        for i, row in enumerate([("Hole", "X", "Y", "Size"), *rows]):
+            y = top - (i + 1) * _ROW
+            for k, cell in enumerate(row):
+                number_cell = k in (1, 2)
+                at = complex(edges[k + 1] - 1.5 if number_cell else edges[k] + 1.5, y + 1.3)
+                self.sheet.text(at, cell, 2.5, "right" if number_cell else "left")
+            self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
+        bottom = top - (len(rows) + 1) * _ROW
+        for x in edges[:-1]:
+            self.sheet.line(complex(x, top), complex(x, bottom), layer="TEXT")
+
+    def _notes(self, tolerance: float) -> list[str]:
+        part = self.part
+        lines = [f"Thickness {number(part.thickness)}"]
+        round_one = as_circle(self.outer)
+        if round_one and abs(round_one[0]) > 1e-9:
+            x, y = round_one[0].real, round_one[0].imag
+            lines.append(f"Outline Ø{number(2 * round_one[1])} about X {number(x)}, Y {number(y)}")
+        if len(part.layers) > 1:
+            spans = [f"z {number(layer.z0)} to {number(layer.z1)}" for layer in part.layers]
+            lines += [f"Layer {i}: {span}" for i, span in enumerate(spans, 1)]
+        depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
+        lines += [f"Engraved {depth} deep" for depth in depths]
+        lines += [f"Profile: {self.stem}.dxf, ± {tolerance:g}", "+ : positive sense of turning (ccw)"]
+        return [*lines, *part.notes]
+
+    def _note_lines(self) -> None:
+        """Notes at the lower left, beside the title block, upwards."""
+        for i, line in enumerate(reversed(self.notes)):
+            self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5)
+
+    def _title_block(self) -> None:
+        right = self.sheet.width - _MARGIN
+        x0, y0 = right - _TITLE[0], _MARGIN
+        scale = f"{number(self.scale)}:1" if self.scale >= 1 else f"1:{number(1 / self.scale)}"
+        wide = _TITLE[0] / max(1, len(self.meta))
+        own = [(key, value, wide * i, 1, wide) for i, (key, value) in enumerate(self.meta.items())]
+        cells = [
+            ("Part", self.part.title, 0, 2, 85),
+            ("File", f"{self.stem}-drawing", 85, 2, 85),
+            *own,
+            ("Quantity", str(self.part.count), 0, 0, 25),
+            ("Scale", scale, 25, 0, 25),
+            ("Sheet", self.size_name, 50, 0, 20),
+            ("Units", "mm", 70, 0, 20),
+            ("Projection", "first angle", 90, 0, 40),
+            ("Made by", f"camgen {__version__}", 130, 0, 40),
+        ]
+        for key, value, x, row, wide in cells:
+            low = complex(x0 + x, y0 + 12 * row)
+            box = (low, low + wide, low + wide + 12j, low + 12j)
+            self.sheet.line(*box, layer="TEXT", closed=True)
+            self.sheet.text(low + 1.5 + 8.6j, key, 1.8)
+            full = Text(low + 1.5 + 2.6j, value, 3.5)
+            self.sheet.things.append(replace(full, height=3.5 * min(1, (wide - 3) / max(full.width, 1e-9))))

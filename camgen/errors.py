@@ -1,0 +1,67 @@
+"""What can go wrong, as exceptions that carry their facts; each class knows its exit code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class CamgenError(Exception):
+    """Base of all errors that a user can cause; `exit_code` is what the command line returns."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong with a spec: dotted path, the value found, what would be right, nearest known key."""
+
+    path: str
+    value: str
+    expected: str
+    nearest: str | None = None
+
+    def __str__(self) -> str:
+        hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
+        found = f": {self.value}" if self.value else ""
+        return f"{self.path}{found} - {self.expected}{hint}"
+
+
+class SpecError(CamgenError):
+    """The spec is wrong; carries every fault found at once."""
+
+    exit_code = 2
+
+    def __init__(self, faults: Sequence[Fault], source: str = "spec") -> None:
+        self.faults = tuple(faults)
+        self.source = source
+        lines = "\n".join(f"  {fault}" for fault in self.faults)
+        super().__init__(f"{source}: {len(self.faults)} fault(s)\n{lines}")
+
+
+class DesignError(CamgenError):
+    """The spec is well formed but no such mechanism exists.
+
+    quantity, value, limit, unit: what fails and by how much; where: at which angle or place; remedy: what to change.
+    """
+
+    exit_code = 3
+
+    def __init__(
+        self, quantity: str, value: float, limit: float, unit: str, where: str = "", remedy: str = ""
+    ) -> None:
+        self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
+        self.where, self.remedy = where, remedy
+        place = f" at {where}" if where else ""
+        advice = f"; {remedy}" if remedy else ""
+        super().__init__(f"{quantity} is {value:.6g} {unit}{place}, limit {limit:.6g} {unit}{advice}")
+
+
+class FileError(CamgenError):
+    """A file could not be written or read; carries its path and the reason."""
+
+    exit_code = 4
+
+    def __init__(self, path: object, reason: str) -> None:
+        self.path, self.reason = str(path), reason
+        super().__init__(f"{path}: {reason}")

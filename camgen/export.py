@@ -1,0 +1,141 @@
+"""What goes to the machine: DXF to cut, STL and 3MF to print. Millimetres, and the same bytes for the same spec.
+
+An OSError means that the file could not be written.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from camgen.arcfit import as_circle, fit_arcs
+from camgen.dxf import add_contour, document, extent
+from camgen.outlines import Contour, Floats, Points, Region, polygon
+from camgen.sampling import facet_contour
+from camgen.solids import Mesh
+
+# What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
+_LAYERS = {"CUT": (7, 25), "CENTER": (1, 13)}
+# Half length of the strokes of a centre mark, mm.
+_MARK = 1.0
+# Digits after the point in 3MF: float32 numbers from 0.01 mm up come back bit by bit.
+_DECIMALS = 9
+
+
+def write_dxf(
+    path: Path,
+    region: Region,
+    centres: Sequence[complex],
+    tolerance: float,
+    curves: Literal["bulge", "lines"] = "bulge",
+) -> None:
+    """Write a region's contours on layer CUT, a cross at each centre on layer CENTER, and nothing else.
+
+    Full circles are CIRCLEs; the others are arcs within tolerance ("bulge"), or chords for readers without bulges
+    ("lines"), mm. Outer contour first, counter-clockwise like the holes.
+    """
+
+    def flat(contour: Contour) -> Contour:
+        contour = contour.counter_clockwise()
+        if curves == "lines" and not as_circle(contour):
+            ring: Points = facet_contour(contour, tolerance)
+            return polygon(ring.tolist())
+        return fit_arcs(contour, tolerance)
+
+    contours = [flat(contour) for contour in (region.outer, *region.holes)]
+    marks = [centre + corner for centre in centres for corner in (-_MARK * (1 + 1j), _MARK * (1 + 1j))]
+    low, high = extent([*contours, polygon(marks)] if marks else contours)
+    with document(path, _LAYERS, (low, high)) as space:
+        for contour in contours:
+            add_contour(space, contour, "CUT")
+        for centre in centres:
+            for stroke in (_MARK, _MARK * 1j):
+                a, b = centre - stroke, centre + stroke
+                space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": "CENTER"})
+
+
+def write_stl(path: Path, mesh: Mesh, header: str) -> None:
+    """Write a mesh as binary STL; `header` (ASCII, up to 80 bytes) names the part and does not begin with "solid"."""
+    import trimesh
+
+    label = header.encode("ascii", "replace")
+    if label.startswith(b"solid") or len(label) > 80:
+        raise ValueError(f"STL header {header!r}: at most 80 bytes and not 'solid...', which means a text file")
+    # process=False: trimesh must not merge, drop or reorder anything.
+    body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False, validate=False)
+    data = trimesh.exchange.stl.export_stl(body)
+    path.write_bytes(label.ljust(80, b"\0") + data[80:])
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """One copy in a 3MF: its object's name, its own name, a rotation with shift (3, 4) for column vectors."""
+
+    object: str
+    name: str
+    transform: Floats = field(default_factory=lambda: np.eye(3, 4))
+
+
+def placing(angle: float, position: complex, z: float, thickness: float, flipped: bool = False) -> Floats:
+    """Transform (3, 4) of a part turned by angle (rad) about z and moved to position (complex mm) and height z, mm.
+
+    flipped: first turned over about Oy, (x, y, z) -> (-x, y, thickness - z): a rotation, no mirror image.
+    """
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
+    shift = [position.real, position.imag, z + (thickness if flipped else 0)]
+    return np.column_stack([turn @ over, shift]) + 0.0
+
+
+def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], key: str) -> None:
+    """Write a 3MF of named meshes and their copies; `key` (the spec's hash) makes every UUID, so same key, same bytes.
+
+    A copy in place under its object's own name is a build item of the mesh; any other is a named components object
+    that places the mesh.
+    """
+    import lib3mf
+
+    def made(*what: object) -> str:
+        return str(uuid.uuid5(uuid.NAMESPACE_URL, ":".join(map(str, ("camgen", key, *what)))))
+
+    model = lib3mf.get_wrapper().CreateModel()
+    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+    model.SetBuildUUID(made("build"))
+    identity = _transform(np.eye(3, 4))
+    meshes: dict[str, Any] = {}
+    for name, mesh in objects.items():
+        vertices, faces = np.ascontiguousarray(mesh.vertices, np.float32), np.ascontiguousarray(mesh.faces, np.uint32)
+        thing = meshes[name] = model.AddMeshObject()
+        thing.SetName(name)
+        thing.SetUUID(made("mesh", name))
+        thing.SetGeometry(
+            (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
+        )
+    for item in items:
+        thing = meshes[item.object]
+        if item.name != item.object or not np.array_equal(item.transform, np.eye(3, 4)):
+            thing = model.AddComponentsObject()
+            thing.SetName(item.name)
+            thing.SetUUID(made("copy", item.name))
+            thing.AddComponent(meshes[item.object], _transform(item.transform)).SetUUID(made("component", item.name))
+        build = model.AddBuildItem(thing, identity)
+        build.SetUUID(made("item", item.name))
+        build.SetPartNumber(item.name)
+    writer = model.QueryWriter("3mf")
+    writer.SetDecimalPrecision(_DECIMALS)
+    path.write_bytes(bytes(writer.WriteToBuffer()))
+
+
+def _transform(matrix: Floats) -> Any:
+    """lib3mf's transform (4, 3), which serves row vectors."""
+    import lib3mf
+
+    result = lib3mf.Transform()
+    for i, row in enumerate(np.asarray(matrix).T.tolist()):
+        result.Fields[i][:] = row
+    return result

@@ -1,0 +1,32 @@
+"""Findings: what was checked, as data; passing ones are listed too, with their margin."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check: stable code, verdict, measured value against its limit, unit, where (file or part), a sentence."""
+
+    code: str
+    ok: bool
+    measured: float
+    limit: float
+    unit: str
+    where: str
+    message: str
+
+    def as_dict(self) -> dict[str, object]:
+        """The finding as report.json lists it."""
+        return asdict(self)
+
+
+def at_most(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:
+    """A finding that holds when measured <= limit; nan never holds."""
+    return Finding(code, bool(measured <= limit), float(measured), float(limit), unit, where, message)
+
+
+def at_least(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:
+    """A finding that holds when measured >= limit; nan never holds."""
+    return Finding(code, bool(measured >= limit), float(measured), float(limit), unit, where, message)

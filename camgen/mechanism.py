@@ -1,0 +1,135 @@
+"""The one interface: a mechanism is a frozen record whose fields are its spec and which answers six questions as data.
+
+    motion(theta, order)   the wanted output
+    parts()                what to make
+    poses(theta)           where each body is
+    contacts()             how parts touch
+    limits()               closed-form design checks, as findings
+    study()                named numbers, curves and tables for the report
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from camgen.findings import Finding
+from camgen.outlines import Floats, Points
+from camgen.parts import Part
+from camgen.spec import Spec
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a body is over the turn: ground = position + exp(i angle) * body; `flipped`: the body is first mirrored in its Oy.
+
+    angle: (n,) rad; position: (n,) complex mm; z: height of the body's underside in the assembly, mm.
+    A flipped part is turned over about Oy (x -> -x, z -> thickness - z).
+    """
+
+    angle: Floats
+    position: Points
+    flipped: bool = False
+    z: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """A round tip on a swinging arm, rolling on the outline of a part that turns about the origin by theta.
+
+    part: name of the part whose outer outline is touched; flipped: the part is mounted mirrored in its Oy at theta = 0;
+    turned: further turn of the mounted part, rad. Tip centre = pivot + arm * exp(i s), s the follower's angle (the
+    wanted motion, rad), pivot and arm complex mm; tip_radius mm (0: knife edge); leaves: +1 or -1, sense of s that
+    takes the tip off the part; pressure_angle: the largest of the exact part, rad (an outline that is off by e turns
+    the follower by e / (|arm| cos pressure_angle)); speed_ripple, lash and undercut: what the designer accepts, as a
+    share of the greatest speed and in rad. The first contact of a part drives, a further one limits the free play.
+    """
+
+    name: str
+    part: str
+    pivot: complex
+    arm: complex
+    tip_radius: float
+    leaves: int
+    pressure_angle: float
+    speed_ripple: float
+    lash: float
+    undercut: float
+    flipped: bool = False
+    turned: float = 0.0
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure of the report: series of (label, x, y); `marks` are vertical lines (label, x).
+
+    A plot over the cam angle has x in degrees.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    series: Sequence[tuple[str, Floats, Floats]]
+    marks: Sequence[tuple[str, float]] = ()
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the report: rows of text or numbers under the columns' names."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[object]]
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """A body that is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) in its own frame."""
+
+    name: str
+    strokes: Sequence[Points] = ()
+    circles: Sequence[tuple[complex, float]] = ()
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the report shows of a mechanism, without the report knowing the mechanism."""
+
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    plots: Sequence[Plot] = ()
+    tables: Sequence[Table] = ()
+    sketches: Sequence[Sketch] = ()
+    notes: Sequence[str] = ()
+
+
+class Mechanism(Spec, ABC):
+    """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
+
+    @abstractmethod
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted output and its derivatives to theta, (n,); rad or mm."""
+
+    def reachable(self, theta: Floats) -> Floats:
+        """Output that exact parts give: the wanted one, less what the spec itself implies (undercut), (n,)."""
+        return self.motion(theta)
+
+    @abstractmethod
+    def parts(self) -> Sequence[Part]:
+        """Distinct parts, with counts."""
+
+    @abstractmethod
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """Poses of each part's copies (in order) and of each sketch, by name."""
+
+    @abstractmethod
+    def contacts(self) -> Sequence[Rolling]:
+        """How parts touch."""
+
+    @abstractmethod
+    def limits(self) -> Sequence[Finding]:
+        """Closed-form design checks; raises DesignError where no such mechanism exists."""
+
+    @abstractmethod
+    def study(self) -> Study:
+        """Named numbers, curves and tables for the report."""

@@ -1,0 +1,20 @@
+"""The mechanisms that camgen knows: one file each, named here once."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from camgen.mechanism import Mechanism
+
+MECHANISMS = {
+    "uniform-swing": "camgen.mechanisms.uniform_swing:UniformSwing",
+}
+
+
+def load(name: str) -> type[Mechanism]:
+    """The class of a mechanism in MECHANISMS; only its own module is imported."""
+    module, _, cls = MECHANISMS[name].partition(":")
+    found: type[Mechanism] = getattr(import_module(module), cls)
+    return found

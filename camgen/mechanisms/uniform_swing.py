@@ -1,0 +1,356 @@
+"""The uniform-swing cam drive: a cam that swings a follower frame to and fro at constant angular speed.
+
+                      B ----------- A          O cam centre (origin), A fixed pivot at (L, 0)
+                      |             :          A-B-C the follower, AB = H, BC = L, right angle at B,
+       O              |             :          C the tip that touches the cam; drawn turned by 90 deg
+                      C
+
+In mid position O, A, B, C is a rectangle with C = (0, -H). The follower's angle s is its turn from there; the tip leaves
+the cam as s grows. With closure "conjugate" a second tip, mirrored in OA, rides on the same cam turned over about Oy.
+[Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706, with the signs of eqs. 7, 8 and 11 corrected]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.distances import point_to_ring, thinnest_wall
+from camgen.errors import DesignError, Fault
+from camgen.findings import Finding, at_most
+from camgen.followers import DiscCam, SwingingArm, greatest
+from camgen.mechanism import Mechanism, Plot, Pose, Rolling, Sketch, Study, Table
+from camgen.outlines import Contour, Floats, Points, Region, circle
+from camgen.parts import Layer, Part, arrowhead, d_bore, keyed_bore, windows
+from camgen.program import uniform_swing
+from camgen.sampling import facet_contour
+from camgen.spec import Length, Record
+
+_LAYOUT_TOLERANCE = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+_ARROW = 2.5  # mm, circumscribed radius of the direction mark
+
+
+class Geometry(Record):
+    """Lengths and angles of the mechanism."""
+
+    pivot_distance: Length
+    arm_offset: Length
+    swing_deg: Annotated[float, Field(gt=0, lt=180)]
+    tip_radius: Annotated[float, Field(ge=0, le=1e6)]
+    closure: Literal["conjugate", "force"] = "conjugate"
+    reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+
+
+class Motor(Record):
+    """What drives the cam."""
+
+    speed_rpm: Annotated[float, Field(gt=0, le=1e6)] = 30.0
+
+
+class Parts(Record):
+    """The cam as a body."""
+
+    thickness: Length = 6.0
+    bore: Length = 8.0
+    shaft: Literal["plain", "keyway", "d-flat"] = "plain"
+    key_width: Length = 2.0
+    key_depth: Length = 1.0
+    flat_depth: Length = 0.5
+    pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
+    windows: Annotated[int, Field(ge=0, le=24)] = 5
+    wall: Length = 3.0
+    mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.1
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    min_wall: Length = 0.8
+
+
+class UniformSwing(Mechanism):
+    """Spec and answers of a uniform-swing cam drive; the output is the follower's angle s, rad, 0 in mid position."""
+
+    geometry: Geometry
+    motor: Motor = Motor()
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        p, nozzle = self.making, self.print.nozzle
+        checks = [
+            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (
+                self.allowed.min_wall >= nozzle,
+                "limits.min_wall",
+                self.allowed.min_wall,
+                f"at least the nozzle, {nozzle:g} mm",
+            ),
+            (
+                p.mark_depth < p.thickness,
+                "parts.mark_depth",
+                p.mark_depth,
+                f"less than the thickness, {p.thickness:g} mm",
+            ),
+            (
+                p.shaft != "d-flat" or p.flat_depth < p.bore,
+                "parts.flat_depth",
+                p.flat_depth,
+                f"less than the bore, {p.bore:g} mm",
+            ),
+            (
+                p.shaft != "keyway" or p.key_width < p.bore,
+                "parts.key_width",
+                p.key_width,
+                f"less than the bore, {p.bore:g} mm",
+            ),
+        ]
+        return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def cam(self) -> DiscCam:
+        """The cam engine set up for this spec; raises DesignError where the follower cannot swing so far."""
+        g = self.geometry
+        arm = -complex(g.pivot_distance, g.arm_offset)
+        room = 2 * math.atan2(g.arm_offset, g.pivot_distance)
+        if math.radians(g.swing_deg) >= room:
+            raise DesignError(
+                "geometry.swing_deg", g.swing_deg, math.degrees(room), "deg", "the inner end of the swing",
+                "the tip reaches the line of the two shafts there: use a smaller swing or a larger arm_offset",
+            )  # fmt: skip
+        program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
+        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
+        return self.cam.program(theta, order)
+
+    def reachable(self, theta: Floats) -> Floats:
+        """Angle s that the exact cam gives: the wanted one less the undercut at the reversals, (n,) rad."""
+        return self.cam.reachable(theta)
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    def parts(self) -> Sequence[Part]:
+        """The cam; with conjugate closure two of it, one of them turned over about Oy.
+
+        Pin holes lie on Ox at equal distances and keyway or flat on Oy, so the turned part fits the other one.
+        """
+        return (self._cam_part,)
+
+    @cached_property
+    def _cam_part(self) -> Part:
+        p, outline = self.making, self.cam.outline
+        rim = facet_contour(outline, _LAYOUT_TOLERANCE * min(1.0, abs(self.cam.follower.arm) / 60))
+        bore, reach = self._bore()
+        room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
+        if reach >= room:
+            raise DesignError(
+                "parts.bore",
+                p.bore,
+                2 * room,
+                "mm",
+                "the cam's nearest side",
+                "the bore leaves the cam: use a smaller one",
+            )
+        holes, keep_clear = [bore], []
+        if p.pin_diameter:
+            x = reach + p.wall + p.pin_diameter / 2
+            holes += [circle(complex(side * x), p.pin_diameter / 2) for side in (1, -1)]
+            keep_clear += [(complex(side * x), p.pin_diameter / 2) for side in (1, -1)]
+        engraved: tuple[Layer, ...] = ()
+        if p.mark_depth:
+            at = -1j * (reach + p.wall / 2 + _ARROW)
+            if float(np.min(point_to_ring(np.array([at]), rim))) > _ARROW + p.wall / 2:
+                mark = Region(arrowhead(at, _ARROW, 1 + 0j))
+                engraved = (Layer(mark, p.thickness - p.mark_depth, p.thickness),)
+                keep_clear.append((at, _ARROW))
+        holes += windows(rim, reach, p.windows, p.wall, keep_clear)
+        wall = thinnest_wall(rim, [facet_contour(h, _LAYOUT_TOLERANCE) for h in holes])
+        if not wall > 0:
+            raise DesignError(
+                "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
+                "holes meet: use a smaller bore, key or pin_diameter",
+            )  # fmt: skip
+        pair = self.geometry.closure == "conjugate"
+        return Part(
+            "cam", "Uniform-swing cam", (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),), 2 if pair else 1,
+            engraved, (0j, *(centre for centre, _ in keep_clear[: 2 if p.pin_diameter else 0])),
+            ("turns counter-clockwise, as the arrow shows",)
+            + (("two alike: turn one over about Oy (x to -x)",) if pair else ()),
+            p.bore, self.allowed.min_wall,
+        )  # fmt: skip
+
+    def _bore(self) -> tuple[Contour, float]:
+        """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
+        p = self.making
+        if p.shaft == "keyway":
+            return keyed_bore(p.bore, p.key_width, p.key_depth), math.hypot(p.key_width / 2, p.bore / 2 + p.key_depth)
+        if p.shaft == "d-flat":
+            return d_bore(p.bore, p.flat_depth), p.bore / 2
+        return circle(0j, p.bore / 2), p.bore / 2
+
+    # ---- assembly ---------------------------------------------------------------------------------------------------
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """The cam (and its turned twin above it) turning about O, the follower about A."""
+        theta = np.asarray(theta, float)
+        still = np.zeros(theta.shape, complex)
+        cams = [Pose(theta, still)]
+        if self.geometry.closure == "conjugate":
+            cams.append(Pose(theta, still, flipped=True, z=self.making.thickness + self.print.slide_clearance))
+        return {
+            "cam": cams,
+            "follower": [Pose(self.reachable(theta), still + self.geometry.pivot_distance)],
+            "ground": [Pose(np.zeros(theta.shape), still)],
+        }
+
+    def contacts(self) -> Sequence[Rolling]:
+        """The tip on the cam; with conjugate closure also the second tip on the turned cam."""
+        follower = self.cam.follower
+        steepest = math.radians(self._pressure[0])
+        first = Rolling(
+            "tip", "cam", follower.pivot, follower.arm, follower.tip_radius, follower.leaves, steepest,
+            self.allowed.speed_ripple, math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg),
+        )  # fmt: skip
+        if self.geometry.closure == "force":
+            return (first,)
+        return (first, replace(first, name="second tip", arm=first.arm.conjugate(), leaves=-first.leaves, flipped=True))
+
+    # ---- checks and study -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _pressure(self) -> tuple[float, float, float]:
+        """Largest pressure angle over the turn, and over each half turn less the undercut, deg."""
+        cuts = [c for u in self.cam.undercuts for c in (u.begin, u.end)]
+
+        def degrees(theta: Any) -> Floats:
+            return np.degrees(self.cam.pressure_angle(theta))
+
+        def half(begin: float) -> float:
+            # the angle jumps at a sharp reversal and at an undercut's ends: look from either side
+            marks = sorted({begin, begin + math.pi, *(c for c in cuts if begin < c < begin + math.pi)})
+            return max(
+                (
+                    greatest(degrees, a + 1e-9, b - 1e-9)[1]
+                    for a, b in pairwise(marks)
+                    if not self.cam.riding((a + b) / 2)
+                ),
+                default=0.0,
+            )
+
+        rise, back = half(0.0), half(math.pi)
+        corners = [greatest(degrees, u.begin, u.end)[1] for u in self.cam.undercuts]
+        return max(rise, back, *corners), rise, back
+
+    def limits(self) -> Sequence[Finding]:
+        """Pressure angle and undercut of the exact cam against the spec's limits."""
+        limit, worst = self.allowed.pressure_angle_deg, self._pressure[0]
+        findings = [
+            at_most(
+                "PRESSURE_ANGLE", worst, limit, "deg", "exact profile",
+                f"rise {self._pressure[1]:.1f} deg, return {self._pressure[2]:.1f} deg; a smaller swing or a pivot nearer "
+                "to square with the tip's radius lowers it",
+            )
+        ]  # fmt: skip
+        lost = max((math.degrees(u.shortfall) for u in self.cam.undercuts), default=0.0)
+        where = "; ".join(
+            f"cam angle {math.degrees(u.begin):.3f} to {math.degrees(u.end):.3f} deg" for u in self.cam.undercuts
+        )
+        depth = max((u.depth for u in self.cam.undercuts), default=0.0)
+        findings.append(
+            at_most(
+                "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where or "exact profile",
+                f"the swing falls short there by {lost:.4g} deg ({depth:.4g} mm at the tip), as the spec implies; "
+                "a smaller tip_radius or a reversal_blend_deg lowers it" if lost else "the tip follows the whole motion",
+            )
+        )  # fmt: skip
+        return findings
+
+    def study(self) -> Study:
+        """Figures, speed and pressure-angle curves, and the remedies for what the design suffers from."""
+        g, cam = self.geometry, self.cam
+        theta = np.linspace(0, 2 * math.pi, 1441)
+        radius = np.abs(cam.pitch(theta))
+        rpm = self.motor.speed_rpm
+        speed = float(np.max(np.abs(cam.program(theta, 1))))
+        numbers = {
+            "swing_deg": g.swing_deg,
+            "speed_ratio": 1 / speed,
+            "uniform_share_percent": 100 * (1 - g.reversal_blend_deg / 180),
+            "follower_speed_deg_s": math.degrees(speed) * rpm * math.tau / 60,
+            "peak_speed_mm_s": abs(cam.follower.arm) * speed * rpm * math.tau / 60,
+            "pitch_radius_min_mm": float(np.min(radius)),
+            "pitch_radius_max_mm": float(np.max(radius)),
+            "pitch_curvature_radius_min_mm": 1 / greatest(cam.curvature, 0.0, 2 * math.pi)[1],
+            "profile_length_mm": cam.outline.length,
+            "profile_area_mm2": cam.outline.area,
+            "pressure_angle_rise_deg": self._pressure[1],
+            "pressure_angle_return_deg": self._pressure[2],
+            "undercut_deg": max((math.degrees(u.shortfall) for u in cam.undercuts), default=0.0),
+            "undercut_mm": max((u.depth for u in cam.undercuts), default=0.0),
+        }
+        degrees = np.degrees(theta)
+        undercut = Table(
+            "Undercut of the exact profile",
+            ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
+            [
+                [math.degrees(u.begin), math.degrees(u.end), math.degrees(u.shortfall), math.degrees(u.worst), u.depth]
+                for u in cam.undercuts
+            ],
+        )
+        return Study(
+            numbers,
+            plots=(
+                Plot(
+                    "Pressure angle",
+                    "cam angle, deg",
+                    "deg",
+                    [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
+                ),
+            ),
+            tables=(undercut,) if cam.undercuts else (),
+            sketches=self._sketches(),
+            notes=self._notes(),
+        )
+
+    def _sketches(self) -> tuple[Sketch, Sketch]:
+        arm, rho = self.cam.follower.arm, self.cam.follower.tip_radius
+        corner = 1j * arm.imag
+        strokes = [np.array([0, corner, arm])]
+        circles = [(arm, rho)] if rho else []
+        if self.geometry.closure == "conjugate":
+            strokes.append(np.conj(strokes[0]))
+            circles += [(z.conjugate(), r) for z, r in circles]
+        pivots = [(0j, self.making.bore / 4), (complex(self.geometry.pivot_distance), self.making.bore / 4)]
+        return Sketch("follower", strokes, circles), Sketch("ground", (), pivots)
+
+    def _notes(self) -> tuple[str, ...]:
+        notes = [
+            "Source: Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706. Its equations 7, 8 and the y row of 11 print + x sin "
+            "where a rotation needs - x sin; equation 1 is k = pi / (2 Delta).",
+            "MOTION_ERROR compares with the wanted motion less the undercut that the spec implies; UNDERCUT states that loss.",
+        ]
+        if self._pressure[0] > 45:
+            tilt = math.degrees(cmath.phase(-self.cam.follower.arm))
+            notes.append(
+                f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; the conjugate "
+                "pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or a general disc cam with "
+                "its pivot placed so that the arm is square to the cam's radius in mid position."
+            )  # fmt: skip
+        return tuple(notes)

@@ -1,0 +1,214 @@
+"""Flat shapes as the judge holds them: rings of straight edges and arcs, and circles fitted to them.
+
+    ring     closed outline: the vertices and, per edge, the DXF bulge tan(sweep / 4)
+    shape    flat material: an outer ring, counter-clockwise, less its holes
+
+Points of the plane are complex numbers x + iy, mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Points = NDArray[np.complex128]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Ring:
+    """Closed outline: edge i runs from points[i] to points[i + 1], the last one back to points[0].
+
+    points: (n,) complex, mm.  bulges: (n,) tan(sweep / 4), 0 for a straight edge, positive where it turns left.
+    """
+
+    points: Points
+    bulges: Floats
+
+    @property
+    def ends(self) -> Points:
+        """Last point of each edge, (n,)."""
+        return np.roll(self.points, -1)
+
+    @property
+    def area(self) -> float:
+        """Signed area, mm^2, positive when counter-clockwise; arcs counted exactly."""
+        a, b, t = self.points - self.points[0], self.ends - self.points[0], self.bulges
+        straight = np.abs(t) < 0.01
+        safe = np.where(straight, 1.0, t)
+        # Area between an arc and its chord, per chord^2; the series serves where the closed form would cancel.
+        closed = ((1 + safe**2) ** 2 * np.arctan(safe) - safe * (1 - safe**2)) / (8 * safe**2)
+        cap = np.where(straight, t / 3 + t**3 / 15 - t**5 / 105, closed)
+        return float(np.sum(np.imag(np.conj(a) * b) / 2 + cap * np.abs(b - a) ** 2))
+
+    @property
+    def length(self) -> float:
+        """Length, mm."""
+        return float(np.sum(np.abs(self.ends - self.points) / np.sinc(2 * np.arctan(self.bulges) / np.pi)))
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Least x and y, greatest x and y, mm; arcs counted exactly."""
+        arcs = self.bulges != 0
+        a, b, t = self.points[arcs], self.ends[arcs], self.bulges[arcs]
+        centre = (a + b) / 2 + 0.5j * (b - a) * (1 - t * t) / (2 * t)
+        compass = np.array([1, 1j, -1, -1j])
+        # An extreme of the circle lies on the arc when it is passed before the end is.
+        turned = np.angle(compass[:, None] / (a - centre)) * np.sign(t) % (2 * np.pi)
+        extremes = (centre + compass[:, None] * np.abs(a - centre))[turned <= 4 * np.arctan(np.abs(t))]
+        z = np.concatenate([self.points, extremes])
+        return float(z.real.min()), float(z.imag.min()), float(z.real.max()), float(z.imag.max())
+
+    def reversed(self) -> Ring:
+        """The same outline run the other way."""
+        return Ring(self.points[::-1], -np.roll(self.bulges[::-1], -1))
+
+    def counter_clockwise(self) -> Ring:
+        """The outline run counter-clockwise."""
+        return self if self.area > 0 else self.reversed()
+
+    def moved(self, turn: complex = 1, shift: complex = 0, mirror: bool = False) -> Ring:
+        """Image under z -> turn * z + shift, of the conjugate when mirror; the sense of turning is kept.
+
+        The flip about Oy, z -> -conj(z), is turn = -1 with mirror.
+        """
+        if mirror:
+            return Ring(turn * np.conj(self.points) + shift, -self.bulges).reversed()
+        return Ring(turn * self.points + shift, self.bulges)
+
+    def facetted(self, tolerance: float) -> Points:
+        """Vertices (m,) complex of a polygon inscribed in the outline, its chords within `tolerance` mm of the arcs."""
+        sweep = 4 * np.arctan(self.bulges)
+        chord = self.ends - self.points
+        radius = np.abs(chord) / np.where(sweep == 0, 1, 2 * np.abs(np.sin(sweep / 2)))
+        step = 2 * np.arccos(np.maximum(1 - tolerance / np.maximum(radius, tolerance), 0.0))
+        count = np.where(sweep == 0, 1, np.maximum(np.ceil(np.abs(sweep) / step), 1)).astype(int)
+        edge = np.repeat(np.arange(len(count)), count)
+        half = sweep[edge] / 2
+        u = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)) / count[edge]
+        along = u * np.sinc(u * half / np.pi) / np.sinc(half / np.pi)
+        return np.asarray(self.points[edge] + chord[edge] * along * np.exp(1j * half * (u - 1)))
+
+    def samples(self, per_arc: int = 8) -> Points:
+        """Vertices, and on each arc `per_arc` points in equal steps from its first vertex, (m,) complex."""
+        half = 2 * np.arctan(self.bulges)
+        arcs = half != 0
+        u = np.arange(1, per_arc)[:, None] / per_arc
+        along = u * np.sinc(u * half[arcs] / np.pi) / np.sinc(half[arcs] / np.pi)
+        inner = self.points[arcs] + (self.ends - self.points)[arcs] * along * np.exp(1j * half[arcs] * (u - 1))
+        return np.concatenate([self.points, inner.ravel()])
+
+    def encloses(self, z: complex) -> bool:
+        """Whether z lies inside (arcs facetted to a thousandth of the outline's size)."""
+        left, low, right, high = self.box
+        a = self.facetted(1e-3 * max(right - left, high - low)) - z
+        b = np.roll(a, -1)
+        crosses = (a.imag > 0) != (b.imag > 0)
+        side = np.imag(np.conj(a) * b)[crosses] > 0
+        return bool(np.count_nonzero(side == (b.imag > a.imag)[crosses]) % 2)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Flat material: the inside of `outer` (counter-clockwise) less its holes."""
+
+    outer: Ring
+    holes: tuple[Ring, ...]
+
+    @property
+    def area(self) -> float:
+        """Area, mm^2."""
+        return self.outer.area - sum(abs(hole.area) for hole in self.holes)
+
+    def moved(self, turn: complex = 1, shift: complex = 0, mirror: bool = False) -> Shape:
+        """Image under z -> turn * z + shift, of the conjugate when mirror."""
+        image = (ring.moved(turn, shift, mirror) for ring in self.holes)
+        return Shape(self.outer.moved(turn, shift, mirror), tuple(image))
+
+
+def shape_of(rings: Sequence[Ring]) -> Shape:
+    """The one flat part that the rings bound: the largest is the outside, all others are its holes.
+
+    ValueError when there is no ring, or when one lies outside the largest (more than one part).
+    """
+    if not rings:
+        raise ValueError("no closed contour")
+    outer, *holes = sorted(rings, key=lambda ring: -abs(ring.area))
+    outside = sum(not outer.encloses(complex(hole.points[0])) for hole in holes)
+    if outside:
+        raise ValueError(f"{outside} contour(s) lie outside the largest one")
+    return Shape(outer.counter_clockwise(), tuple(holes))
+
+
+# ---- circles -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Circle:
+    """Circle through measured points: centre, diameter, the points' largest distance from it, the free diameter.
+
+    `clear_diameter` is the largest pin about the centre that passes: for a facetted hole whose vertices lie on the
+    circle it is the diameter between flats, for a shaft with a flat twice the flat's distance. All in mm.
+    """
+
+    centre: complex
+    diameter: float
+    deviation: float
+    clear_diameter: float
+
+
+def fit_circle(points: Points) -> tuple[complex, float, float]:
+    """Centre, radius and largest deviation, mm, of the circle of least squares through (n,) complex points.
+
+    Algebraic fit [Kasa 1976], then Gauss-Newton on the true distances. nan for fewer than three points.
+    """
+    if len(points) < 3:
+        return complex(np.nan, np.nan), np.nan, np.nan
+    origin = points.mean()
+    z = points - origin
+    table = np.column_stack([2 * z.real, 2 * z.imag, np.ones(len(z))])
+    x, y, c = np.linalg.lstsq(table, np.abs(z) ** 2, rcond=None)[0]
+    centre, radius = complex(x, y), float(np.sqrt(max(c + x * x + y * y, 0.0)))
+    for _ in range(8):
+        spoke = z - centre
+        distance = np.abs(spoke)
+        table = np.column_stack([spoke.real / distance, spoke.imag / distance, np.ones(len(z))])
+        dx, dy, dr = np.linalg.lstsq(table, distance - radius, rcond=None)[0]
+        centre, radius = centre + complex(dx, dy), radius + float(dr)
+        if abs(complex(dx, dy)) + abs(dr) < 1e-15 * radius:
+            break
+    return complex(centre + origin), radius, float(np.max(np.abs(np.abs(z - centre) - radius)))
+
+
+def _circle(ring: Ring, points: Points) -> Circle:
+    centre, radius, deviation = fit_circle(points)
+    a, b = ring.points - centre, ring.ends - centre
+    u = np.clip(-np.real(np.conj(b - a) * a) / np.abs(b - a) ** 2, 0, 1)
+    reach = np.where(ring.bulges == 0, np.abs(a + u * (b - a)), np.abs(a))
+    nearest = min(float(reach.min()), float(np.abs(ring.samples() - centre).min()))
+    return Circle(centre, 2 * radius, deviation, 2 * nearest)
+
+
+def hole_circles(shape: Shape) -> list[Circle]:
+    """For each hole, in order, the circle through its vertices (and through points of its arcs)."""
+    return [_circle(hole, hole.samples()) for hole in shape.holes]
+
+
+def bore_circle(ring: Ring, nominal_diameter: float) -> Circle:
+    """Circle of a bore's round part; corners of a keyway, which lie off it, are left out.
+
+    The half of the points that lie nearest the nominal radius gives a first circle; all points that lie on that one
+    give the answer.
+    """
+    points = ring.samples()
+    centre = fit_circle(points)[0]
+    for _ in range(10):  # the first centre is drawn aside by the keyway; each round draws it less
+        misfit = np.abs(np.abs(points - centre) - nominal_diameter / 2)
+        core = points[np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]]
+        centre, radius, deviation = fit_circle(core)
+    on_circle = np.abs(np.abs(points - centre) - radius) <= max(2 * deviation, 1e-6 * nominal_diameter)
+    return _circle(ring, points[on_circle])

@@ -1,0 +1,355 @@
+"""Spec files: the tables that all mechanisms share, and the way from TOML to a checked record and back.
+
+    read      file -> data (plain tables, lists, numbers, text)
+    override  data, "geometry.swing_deg=24" -> data
+    choose    data -> name of the mechanism
+    validate  data -> record of a mechanism's class, or SpecError with every fault
+    dump      record -> TOML with every default filled in
+    schema    class -> JSON Schema, for editors
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from copy import deepcopy
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core.core_schema import ErrorType
+
+from camgen.errors import Fault, FileError, SpecError
+
+Data = dict[str, Any]
+
+Length = Annotated[float, Field(gt=0, le=1e6)]
+Clearance = Annotated[float, Field(ge=0, le=10)]
+
+
+class Record(BaseModel):
+    """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Accuracy(Record):
+    """How far the files may be from the exact outline."""
+
+    chord_tolerance: Annotated[float, Field(ge=1e-7, le=0.1)] = 0.001
+
+
+class Print(Record):
+    """What the workshop's printer needs; shared by all mechanisms."""
+
+    nozzle: Annotated[float, Field(gt=0, le=5)] = 0.4
+    slide_clearance: Clearance = 0.2
+    press_clearance: Clearance = 0.0
+    bed: tuple[Length, Length] = (220.0, 220.0)
+
+
+class Output(Record):
+    """How files are written."""
+
+    curves: Literal["bulge", "lines"] = "bulge"
+
+
+class Spec(Record):
+    """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
+
+    mechanism: str
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$",
+            max_length=60,
+            description="a name of small letters a-z, digits and single hyphens between them, at most 60",
+        ),
+    ]
+    print: Print = Print()
+    accuracy: Accuracy = Accuracy()
+    output: Output = Output()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
+        return ()
+
+
+S = TypeVar("S", bound=Spec)
+
+# ---- reading ---------------------------------------------------------------------------------------------------------
+
+
+def read(path: Path) -> Data:
+    """Tables of a TOML file.
+
+    FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML.
+    """
+    try:
+        raw = Path(path).read_bytes()
+    except IsADirectoryError:
+        raise FileError(path, "is a folder, a spec file was expected") from None
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
+        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    try:
+        text = raw.decode("utf-8-sig")
+        data = tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        before = raw[: error.start].decode("utf-8", "replace")
+        fault = Fault(_place(before), f"byte 0x{raw[error.start]:02x}", "text in UTF-8")
+        raise SpecError([fault], str(path)) from None
+    except (ValueError, RecursionError) as error:
+        raise SpecError([_syntax_fault(text, error)], str(path)) from None
+    if not data:
+        expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
+        raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
+    return data
+
+
+def _place(before: str) -> str:
+    """Line and column of what follows `before`, both counted from 1."""
+    return f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
+
+
+def _syntax_fault(text: str, error: Exception) -> Fault:
+    """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
+    if isinstance(error, RecursionError):
+        return Fault("TOML", "", "tables and lists nested less deeply")
+    said = re.fullmatch(r"(?s)(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
+    if said is None:  # a number or a date that Python cannot hold comes without a place
+        return Fault("TOML", "", str(error).partition(";")[0])
+    reason, line, column = said.groups()
+    end = text.rstrip()
+    place = f"line {line}, column {column}" if line else _place(end)
+    lines = (text if line else end).split("\n")
+    quoted = lines[int(line) - 1 if line else -1].strip()
+    return Fault(place, _shortened(quoted), f"valid TOML: {reason}")
+
+
+def override(data: Data, setting: str) -> Data:
+    """Copy of the tables with one value set, "geometry.swing_deg=24"; the value is TOML, or else text.
+
+    A key that no spec has is left for `validate` to find; SpecError where the setting is not of this form.
+    """
+    path, equals, text = setting.partition("=")
+    *tables, key = keys = [key.strip() for key in path.split(".")]
+    if not equals or not all(keys):
+        raise SpecError([Fault("--set", _shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+        value = parsed["value"] if len(parsed) == 1 else text
+    except (ValueError, RecursionError):
+        value = text.strip()
+    changed = deepcopy(data)
+    table = changed
+    for depth, name in enumerate(tables, 1):
+        table = table.setdefault(name, {})
+        if not isinstance(table, dict):
+            where = ".".join(tables[:depth])
+            raise SpecError([Fault(f"--set {path.strip()}", _shown(table), f"{where} is a value and has no keys")])
+    table[key] = value
+    return changed
+
+
+# ---- checking --------------------------------------------------------------------------------------------------------
+
+
+def unknown(path: str, value: object, known: Iterable[str]) -> Fault:
+    """Fault for a value that is none of the known names, with the nearest of them."""
+    names = sorted(known)
+    nearest = get_close_matches(value, names, 1) if isinstance(value, str) else []
+    return Fault(path, "" if value is None else _shown(value), _one_of(names), nearest[0] if nearest else None)
+
+
+def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
+    """Name of the mechanism that the tables ask for.
+
+    SpecError where it is missing or not known, together with the faults of the tables that every mechanism shares.
+    """
+    name = data.get("mechanism")
+    if isinstance(name, str) and name in known:
+        return name
+    faults = [unknown("mechanism", name, known)]
+    shared = {key: value for key, value in data.items() if key in Spec.model_fields} | {"mechanism": ""}
+    try:
+        validate(Spec, shared, source)
+    except SpecError as error:
+        faults += error.faults
+    raise SpecError(faults, source)
+
+
+def validate(cls: type[S], data: Data, source: str = "spec") -> S:
+    """The tables as a record of the class; SpecError with every fault at once, each by its dotted path."""
+    try:
+        record = cls.model_validate(_tuples(data))
+    except ValidationError as error:
+        raise SpecError(_faults(cls, data, error), source) from None
+    faults = record.faults()
+    if faults:
+        raise SpecError(faults, source)
+    return record
+
+
+def _tuples(value: Any) -> Any:
+    """The value with every list as a tuple, as frozen records hold them."""
+    if isinstance(value, dict):
+        return {key: _tuples(item) for key, item in value.items()}
+    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+
+
+def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
+    """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
+    root = cls.model_json_schema()
+    found: dict[str, Fault] = {}
+    for item in error.errors(include_url=False):
+        path, node, table = _locate(item["loc"], data, root)
+        dotted = ".".join(map(str, path)) or "spec"
+        expected, nearest = _words(node, root), None
+        if item["type"] == "extra_forbidden":
+            keys = list(_properties(table, root))
+            close = get_close_matches(str(path[-1]), keys, 1)
+            nearest = close[0] if close else None
+            expected = f"unknown key; known here: {', '.join(keys)}"
+        elif item["type"] == "missing":
+            given = _at(data, path[:-1])
+            extra = [key for key in given if key not in _properties(table, root)] if isinstance(given, dict) else []
+            close = get_close_matches(str(path[-1]), extra, 1)
+            expected = f"missing: {expected}" + (f" ('{close[0]}' is no key)" if close else "")
+        elif item["type"] not in get_args(ErrorType) or node is None:  # a class's own check brings its own words
+            expected = item["msg"]
+        elif item["type"] == "value_error":
+            expected = str(item["ctx"]["error"])
+        shown = "" if item["type"] == "missing" else _shown(_at(data, path))
+        found.setdefault(dotted, Fault(dotted, shown, expected, nearest))
+    return list(found.values())
+
+
+def _locate(loc: Sequence[str | int], data: Data, root: Data) -> tuple[list[str | int], Data | None, Data]:
+    """Path of an error in the data, the schema of its value (None: no such key) and of the table that holds it.
+
+    pydantic names the member of a union as a step of the path; such a step is in neither data nor schema: left out.
+    """
+    path: list[str | int] = []
+    node: Data | None = root
+    table = root
+    for depth, step in enumerate(loc):
+        below = _step(node, step, root)
+        value = _at(data, path)
+        held = step in value if isinstance(value, dict) else isinstance(step, int)
+        if below is None and not (held and depth == len(loc) - 1):
+            continue
+        path.append(step)
+        table, node = node or table, below
+    return path, node, table
+
+
+def _at(data: Any, path: Iterable[str | int]) -> Any:
+    """The value at a path; None where there is none."""
+    for step in path:
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data
+
+
+def _members(node: Data, root: Data) -> list[Data]:
+    """The schemas that a value may follow, references resolved, null left out."""
+    if "$ref" in node:
+        return _members(root["$defs"][node["$ref"].rsplit("/", 1)[1]], root)
+    for key in ("anyOf", "oneOf", "allOf"):
+        if key in node:
+            return [member for each in node[key] for member in _members(each, root)]
+    return [] if node.get("type") == "null" else [node]
+
+
+def _properties(node: Data | None, root: Data) -> Data:
+    """Keys of a table's schema and their schemas; of all members of a union together."""
+    return {key: value for member in _members(node or {}, root) for key, value in member.get("properties", {}).items()}
+
+
+def _step(node: Data | None, step: str | int, root: Data) -> Data | None:
+    """Schema one step below: of a table's key or a list's item; None where there is none."""
+    if isinstance(step, str):
+        found: Data | None = _properties(node, root).get(step)
+        return found
+    for member in _members(node or {}, root):
+        items: list[Data] = member.get("prefixItems", [])
+        if member.get("type") == "array":
+            return items[step] if step < len(items) else member.get("items")
+    return None
+
+
+# ---- plain words -----------------------------------------------------------------------------------------------------
+
+
+def _words(node: Data | None, root: Data) -> str:
+    """What a schema asks for, in plain words: "a number > 0 and <= 1000000"."""
+    if node and "pattern" in node and "description" in node:
+        return str(node["description"])
+    return " or ".join(dict.fromkeys(_simple_words(member, root) for member in _members(node or {}, root))) or "a value"
+
+
+def _simple_words(node: Data, root: Data) -> str:
+    if "const" in node or "enum" in node:
+        return _one_of(node.get("enum") or [node["const"]])
+    kind = node.get("type")
+    if kind == "object":
+        return f"a table with {', '.join(node.get('properties', ()))}"
+    if kind == "array":
+        if "prefixItems" in node:
+            return "a list of " + ", ".join(_words(item, root) for item in node["prefixItems"])
+        return f"a list, each item {_words(node.get('items'), root)}"
+    signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+    bounds = " and ".join(f"{sign} {node[key]:.12g}" for key, sign in signs.items() if key in node)
+    name = {"number": "a number", "integer": "a whole number", "boolean": "true or false", "string": "text"}.get(
+        str(kind), "a value"
+    )
+    if "pattern" in node:
+        name += f" of the form {node['pattern']}"
+    return f"{name} {bounds}" if bounds else name
+
+
+def _one_of(names: Sequence[object]) -> str:
+    shown = ", ".join(_shown(name) for name in names)
+    return f"one of {shown}" if len(names) > 1 else shown
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _shown(value: object) -> str:
+    """A value as a spec would write it, at most 60 characters."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return f"a table with {_shortened(', '.join(map(str, value)))}" if value else "an empty table"
+    if isinstance(value, list | tuple):
+        return _shortened(f"[{', '.join(_shown(item) for item in value)}]")
+    if isinstance(value, int) and abs(value) >= 10**30:
+        return f"a number of about 1e{math.floor(math.log10(abs(value)))}"
+    if isinstance(value, str):
+        return _shortened(repr(value))
+    return f"{value:.12g}" if isinstance(value, float) else str(value)
+
+
+# ---- writing ---------------------------------------------------------------------------------------------------------
+
+
+def dump(record: Spec) -> str:
+    """The spec as TOML with every default filled in; read again it gives an equal record and the same text."""
+    import tomli_w
+
+    return tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True))
+
+
+def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
+    """JSON Schema (2020-12) of a spec; with a mechanism's name, of that one only."""
+    found: Data = {"$schema": "https://json-schema.org/draft/2020-12/schema", **cls.model_json_schema()}
+    if mechanism is not None:
+        found["properties"]["mechanism"] = {"const": mechanism}
+    return found

@@ -1,0 +1,28 @@
+"""Every tolerance that is not a user's choice: a name, a unit, a reason."""
+
+from __future__ import annotations
+
+# Two points of exact geometry closer than this are one point, mm. Coordinates reach 1e5 mm, where float64 resolves 1.5e-11.
+SAME_POINT = 1e-9
+
+# Newton on an intersection of exact curves stops below this residual, mm (a few ulp of a 100 mm coordinate is 1e-13).
+INTERSECTION = 1e-12
+
+# Largest relative rounding of a coordinate by the float32 of STL and 3MF: half an ulp, 2**-24.
+FLOAT32_ROUNDING = 2.0**-24
+
+# Spare allowed on a first-order error bound for the terms of second order.
+BOUND_SPARE = 0.05
+
+# Motion allowed for the float32 of STL on top of the outline's tolerance, deg (45 mm on a 67 mm arm at 58 deg gives 4.4e-6).
+FLOAT32_MOTION_DEG = 1e-5
+
+# Cam angles at which a file's motion is judged; seeded random, so never the generator's own.
+JUDGED_ANGLES = 7200
+
+# Window over which speed is averaged before it is compared, deg of cam angle: facets make raw speed ripple as 1/N.
+SPEED_WINDOW_DEG = 5.0
+
+# Volume may differ by this share, besides the facets' own part; it finds a lost hole or a wrong thickness,
+# the outline's accuracy is judged by the motion.
+VOLUME_SHARE = 1e-3

@@ -1,0 +1,321 @@
+"""The judge: what the written files themselves say, against the wanted motion and the plain numbers of the parts.
+
+It reads files, rolls tips on what it read, and knows nothing of the formulas that made the curve. The part turns about the
+centre of the bore that is in the file, since that is where the shaft will be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen import tolerances
+from camgen.contact import RollingContact, rolling_contact
+from camgen.distances import thinnest_wall
+from camgen.findings import Finding, at_least, at_most
+from camgen.mechanism import Rolling
+from camgen.readback import (
+    Circle,
+    Ring,
+    Shape,
+    bore_circle,
+    mesh_faults,
+    read_3mf,
+    read_dxf,
+    read_stl,
+    shape_of,
+    slice_mesh,
+)
+
+Floats = NDArray[np.float64]
+Motion = Callable[[Floats], Floats]
+
+MILLIMETRES = 4  # $INSUNITS of DXF
+MOTION_KINDS = ("dxf", "stl", "3mf")
+_WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a part's files should hold, as plain numbers.
+
+    holes: centre (complex, mm) and area (mm^2) of each hole; heights: where meshes are sliced, mm; length: of all edges
+    of the region, mm; bore: diameter of the hole on whose centre the part turns.
+    """
+
+    part: str
+    holes: tuple[tuple[complex, float], ...]
+    heights: tuple[float, ...]
+    thickness: float
+    volume: float
+    length: float
+    bore: float | None
+    min_wall: float
+    chord_tolerance: float
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Findings on one file, and the shape read from it (its bore at the origin); None where none could be recovered."""
+
+    findings: tuple[Finding, ...]
+    shape: Shape | None
+    bore: Circle | None = None
+
+
+def judge_dxf(path: Path, expected: Expected) -> Judged:
+    """Units, closed contours, holes and walls of a drawing that is to be cut."""
+    drawing, where = read_dxf(path), path.name
+    units = drawing.units or 0
+    closed = at_most(
+        "DXF_CLOSED", len(drawing.faults), 0, "contours", where,
+        "; ".join(f.message for f in drawing.faults) or f"{len(drawing.cut)} contours, each one closed entity",
+    )  # fmt: skip
+    findings = [
+        Finding("DXF_UNITS", units == MILLIMETRES, units, MILLIMETRES, "$INSUNITS", where,
+                "drawn in millimetres" if units == MILLIMETRES else "the header does not say millimetres (4)"),
+        closed,
+    ]  # fmt: skip
+    if not closed.ok:
+        return Judged(tuple(findings), None)
+    return _judge_sections([list(drawing.cut)], expected, where, 0.0, findings)
+
+
+def judge_mesh(path: Path, expected: Expected) -> Judged:
+    """Watertightness, volume, sections and walls of a solid in an STL or 3MF file."""
+    where = path.name
+    if path.suffix == ".3mf":
+        package = read_3mf(path)
+        meshes = [package.meshes[item.name].moved(item.transform) for item in package.items]
+        remarks = [*package.warnings, *([] if package.unit.lower() == "millimeter" else [f"unit is {package.unit}"])]
+        remarks += [] if len(meshes) == 1 else [f"{len(meshes)} objects instead of 1"]
+        if remarks:
+            return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
+        mesh = meshes[0]
+    else:
+        mesh = read_stl(path)
+    faults = mesh_faults(mesh)
+    count = faults.count + abs(faults.bodies - 1)
+    findings = [
+        at_most(
+            "WATERTIGHT", count, 0, "faults", where,
+            f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
+            f"{faults.degenerate} degenerate triangles, {faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+        )
+    ]  # fmt: skip
+    if count:
+        return Judged(tuple(findings), None)
+    findings.append(_volume(faults.volume, expected, where))
+    size = float(np.max(np.abs(mesh.vertices[:, :2])))
+    try:
+        sections = [slice_mesh(mesh, z) for z in expected.heights]
+    except ValueError as error:
+        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
+        return Judged(tuple(findings), None)
+    return _judge_sections(sections, expected, where, size * tolerances.FLOAT32_ROUNDING, findings)
+
+
+def _volume(volume: float, expected: Expected, where: str) -> Finding:
+    facets = expected.length * expected.chord_tolerance * expected.thickness
+    limit = tolerances.VOLUME_SHARE * expected.volume + facets
+    return at_most(
+        "VOLUME", abs(volume - expected.volume), limit, "mm^3", where,
+        f"{volume:.3f} mm^3 in the file, {expected.volume:.3f} mm^3 by Green's theorem on the exact outline",
+    )  # fmt: skip
+
+
+def _judge_sections(
+    sections: Sequence[Sequence[Ring]], expected: Expected, where: str, rounding: float, findings: list[Finding]
+) -> Judged:
+    """Whether every section holds the contours that were meant, and how thin its walls are."""
+    try:
+        shapes = [shape_of(rings) for rings in sections]
+    except ValueError as error:
+        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
+        return Judged(tuple(findings), None)
+    shape = shapes[0]
+    bore = _bore(shape, expected.bore)
+    off, remark = _misplaced(shapes, expected, rounding)
+    limit = 2 * expected.chord_tolerance + 4 * rounding
+    findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
+    facets = [ring.facetted(_WALL_FACETS) for ring in (shape.outer, *shape.holes)]
+    wall = thinnest_wall(facets[0], facets[1:])
+    findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, "smallest wall between contours"))
+    if bore is not None:
+        shape = shape.moved(shift=-bore.centre)
+    return Judged(tuple(findings), shape, bore)
+
+
+def _bore(shape: Shape, diameter: float | None) -> Circle | None:
+    """The circle of the hole nearest the datum."""
+    if diameter is None or not shape.holes:
+        return None
+    nearest = min(shape.holes, key=lambda ring: float(np.min(np.abs(ring.points))))
+    return bore_circle(nearest, diameter)
+
+
+def _misplaced(shapes: Sequence[Shape], expected: Expected, rounding: float) -> tuple[float, str]:
+    """How far holes are from where and how large they were meant to be, mm; nan when their number differs.
+
+    Size counts as the radius of the circle of the same area. The bore's place is judged by the motion about it.
+    """
+    for shape in shapes:
+        if len(shape.holes) != len(expected.holes):
+            return math.nan, f"{len(shape.holes) + 1} contours instead of {len(expected.holes) + 1}"
+        if abs(shape.area - shapes[0].area) > 4 * rounding * (shape.outer.length + 1):
+            return math.nan, "sections at different heights differ"
+    found = [_area_centre(ring) for ring in shapes[0].holes]
+    off = 0.0
+    for centre, area in expected.holes:
+        place, size = min(found, key=lambda hole: abs(hole[0] - centre))
+        off = max(off, abs(math.sqrt(size / math.pi) - math.sqrt(abs(area) / math.pi)))
+        if expected.bore is None or abs(centre) > expected.bore / 2:
+            off = max(off, abs(place - centre))
+    return off, f"{len(found) + 1} contours read back, holes in their places"
+
+
+def _area_centre(ring: Ring) -> tuple[complex, float]:
+    z = ring.facetted(_WALL_FACETS)
+    a, b = z - z[0], np.roll(z, -1) - z[0]
+    cross = np.imag(np.conj(a) * b)
+    return complex(z[0] + np.sum((a + b) * cross) / (3 * np.sum(cross))), abs(ring.area)
+
+
+# ---- motion ----------------------------------------------------------------------------------------------------------
+
+
+def judged_angles() -> Floats:
+    """Cam angles at which motion is judged, rad: one at random in each of JUDGED_ANGLES equal steps, always the same ones."""
+    n = tolerances.JUDGED_ANGLES
+    return (np.arange(n) + np.random.default_rng(20181).random(n)) * (2 * math.pi / n)
+
+
+def mounted(shape: Shape, rolling: Rolling) -> RollingContact:
+    """The tip of `rolling` in contact with a recovered shape, mounted as in assembly."""
+    ring = shape.outer
+    if rolling.flipped:
+        ring = ring.moved(-1, mirror=True).counter_clockwise()
+    if rolling.turned:
+        ring = ring.moved(complex(math.cos(rolling.turned), math.sin(rolling.turned)))
+    return rolling_contact(ring, rolling.pivot, rolling.arm, rolling.tip_radius, rolling.leaves)
+
+
+def motion_limit(rolling: Rolling, chord_tolerance: float, kind: str) -> float:
+    """Largest motion error, rad, that an outline within the tolerance can give, 5 % spare; plus float32 for meshes."""
+    lever = abs(rolling.arm) * math.cos(rolling.pressure_angle)
+    limit = chord_tolerance / lever * (1 + tolerances.BOUND_SPARE)
+    if kind == "dxf":
+        return limit
+    rounding = tolerances.FLOAT32_ROUNDING * math.sqrt(2) * (abs(rolling.pivot) + abs(rolling.arm)) / lever
+    return limit + max(math.radians(tolerances.FLOAT32_MOTION_DEG), rounding)
+
+
+def judge_motion(
+    kind: str,
+    where: str,
+    shape: Shape,
+    rollings: Sequence[Rolling],
+    wanted: Motion,
+    reachable: Motion,
+    chord_tolerance: float,
+) -> tuple[list[Finding], dict[str, float]]:
+    """Roll the tips on a recovered shape; compare with the reachable motion: the wanted one less the spec's undercut.
+
+    Returns findings and the recovered figures. What follows from the motion is only judged where the motion is right.
+    """
+    drive, theta = rollings[0], judged_angles()
+    contact = mounted(shape, drive)
+    meant, touch = reachable(theta), contact.touch(theta)
+    limit = motion_limit(drive, chord_tolerance, kind)
+    lost = np.isnan(touch.angle)
+    error = np.where(lost, np.inf, np.abs(touch.angle - meant))
+    worst = int(np.argmax(error))
+    remark = f"tip rolled on the file at {len(theta)} cam angles"
+    if lost.any():
+        remark += f"; it misses the outline at {np.count_nonzero(lost)} of them"
+    if not error[worst] <= limit:
+        remark += "; what follows from a wrong motion is not judged"
+    findings = [
+        at_most(
+            "MOTION_ERROR",
+            math.degrees(error[worst]),
+            math.degrees(limit),
+            "deg",
+            _place(where, theta[worst]),
+            remark,
+        )
+    ]
+    numbers = {
+        f"swing_recovered_{kind}_deg": math.degrees(float(np.ptp(touch.angle))),
+        f"motion_error_{kind}_deg": math.degrees(error[worst]),
+        f"pressure_angle_{kind}_deg": math.degrees(float(np.max(np.abs(touch.pressure_angle)))),
+    }
+    if not findings[0].ok:
+        return findings, numbers
+    asked = wanted(theta)
+    if np.any(asked != meant):
+        loss = np.where(asked != meant, np.abs(touch.angle - asked), 0.0)
+        worst = int(np.argmax(loss))
+        numbers[f"undercut_{kind}_deg"] = math.degrees(loss[worst])
+        findings.append(
+            at_most(
+                "UNDERCUT",
+                math.degrees(loss[worst]),
+                math.degrees(drive.undercut + limit),
+                "deg",
+                _place(where, theta[worst]),
+                "swing that the file loses where the tip is undercut; the limit is the spec's and the outline tolerance",
+            )
+        )
+    findings.append(_ripple(contact, where, theta, reachable, drive.speed_ripple))
+    for other in rollings[1:]:
+        play = drive.leaves * (mounted(shape, other).angle(theta) - touch.angle)
+        findings += _free_play(where, theta, play, drive.lash, 2 * limit)
+        numbers[f"lash_{kind}_deg"] = math.degrees(float(np.max(play)))
+    return findings, numbers
+
+
+def _place(where: str, theta: float) -> str:
+    return f"{where}, cam angle {math.degrees(theta):.3f} deg"
+
+
+def _free_play(where: str, theta: Floats, play: Floats, lash: float, overlap: float) -> list[Finding]:
+    """Free play of the follower between two tips: not too much, and nowhere less than nothing."""
+    most, least = int(np.argmax(play)), int(np.argmin(play))
+    return [
+        at_most(
+            "LASH",
+            math.degrees(play[most]),
+            math.degrees(lash),
+            "deg",
+            _place(where, theta[most]),
+            "largest free play of the follower between both tips",
+        ),
+        at_most(
+            "INTERFERENCE",
+            math.degrees(max(0.0, -play[least])),
+            math.degrees(overlap),
+            "deg",
+            _place(where, theta[least]),
+            "largest overlap of both tips with the pair; the limit is the outline tolerance at both tips",
+        ),
+    ]
+
+
+def _ripple(contact: RollingContact, where: str, theta: Floats, reachable: Motion, limit: float) -> Finding:
+    """Speed averaged over a window of cam angle, against the same average of the reachable motion."""
+    half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
+    made = contact.angle(theta + half) - contact.angle(theta - half)
+    meant = reachable(theta + half) - reachable(theta - half)
+    off = np.abs(made - meant)
+    worst = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
+    return at_most(
+        "SPEED_RIPPLE", float(off[worst]) / float(np.max(np.abs(meant))), limit, "share",
+        f"{where}, cam angle {math.degrees(theta[worst]):.3f} deg",
+        f"of the greatest speed; averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle (facets make the raw speed ripple as 1/N)",
+    )  # fmt: skip

@@ -1,0 +1,266 @@
+"""Every check is seen to fail: each damage trips exactly its finding, or says clearly that the file cannot be read."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgen import pipeline
+from camgen.errors import FileError
+from camgen.mechanism import Mechanism
+from camgen.readback import read_dxf, shape_of
+from camgen.verify import judge_motion
+
+# No windows, so that the cam's holes are alike in a mirror and only the profile tells.
+OVERRIDES = ("parts.windows=0", "name='cam'")
+SPEC = Path(__file__).parent.parent / "specs" / "uniform-swing.toml"
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sound build, never changed."""
+    out = tmp_path_factory.mktemp("sound")
+    report = pipeline.build(SPEC, out, frozenset({"dxf", "stl", "3mf"}), OVERRIDES)
+    assert report.ok
+    return out / "cam"
+
+
+@pytest.fixture
+def folder(made: Path, tmp_path: Path) -> Path:
+    """A copy of it to be damaged."""
+    return Path(shutil.copytree(made, tmp_path / "cam"))
+
+
+def failing(folder: Path) -> set[tuple[str, str]]:
+    """Codes that fail, with the kind of file."""
+    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in pipeline.check(folder).findings if not f.ok}
+
+
+def test_a_sound_build_passes(folder: Path) -> None:
+    assert failing(folder) == set()
+
+
+# ---- STL -------------------------------------------------------------------------------------------------------------
+
+
+def edit_stl(folder: Path, edit: Callable[[np.ndarray], np.ndarray]) -> None:
+    path = folder / "cam-cam.stl"
+    data = path.read_bytes()
+    triangles = edit(np.frombuffer(data[84:], TRIANGLE).copy())
+    path.write_bytes(data[:80] + np.uint32(len(triangles)).tobytes() + triangles.tobytes())
+
+
+def moved(change: Callable[[np.ndarray], np.ndarray]) -> Callable[[np.ndarray], np.ndarray]:
+    """An edit that maps the corners' plane points (complex) and keeps their heights."""
+
+    def edit(triangles: np.ndarray) -> np.ndarray:
+        corners = triangles["corners"].astype(float)
+        plane = change(corners[..., 0] + 1j * corners[..., 1])
+        triangles["corners"] = np.stack([plane.real, plane.imag, corners[..., 2]], axis=-1)
+        return triangles
+
+    return edit
+
+
+def outer_ring(folder: Path) -> np.ndarray:
+    drawing = read_dxf(folder / "cam-cam.dxf")
+    return shape_of(drawing.cut).outer.facetted(0.001)
+
+
+def shrink(z: np.ndarray) -> np.ndarray:
+    """Scaled about the shaft so that the far side loses 10 um."""
+    return np.where(np.abs(z) > 10.5, z * (1 - 0.010 / 42), z)
+
+
+def one_vertex(z: np.ndarray) -> np.ndarray:
+    """The rim's vertex nearest (28, 10) pushed out by 30 um, top and bottom alike."""
+    picked = z.ravel()[np.argmin(np.abs(z - (28 + 10j)))]
+    return np.where(z == picked, z * (1 + 0.030 / abs(picked)), z)
+
+
+def test_stl_shrunk_by_10_um(folder: Path) -> None:
+    edit_stl(folder, moved(shrink))
+    assert failing(folder) == {("MOTION_ERROR", "stl")}
+
+
+def test_stl_with_one_moved_vertex(folder: Path) -> None:
+    edit_stl(folder, moved(one_vertex))
+    assert failing(folder) == {("MOTION_ERROR", "stl")}
+
+
+def test_stl_mirrored(folder: Path) -> None:
+    def mirror(triangles: np.ndarray) -> np.ndarray:
+        triangles["corners"][..., 0] *= -1
+        triangles["corners"] = triangles["corners"][:, ::-1]  # keep the outside outside
+        return triangles
+
+    edit_stl(folder, mirror)
+    assert failing(folder) == {("MOTION_ERROR", "stl")}
+
+
+def test_stl_with_a_shifted_bore(folder: Path) -> None:
+    edit_stl(folder, moved(lambda z: np.where(np.abs(z) < 4.2, z + 0.02, z)))
+    assert failing(folder) == {("MOTION_ERROR", "stl")}
+
+
+def test_stl_with_a_shifted_pin_hole(folder: Path) -> None:
+    edit_stl(folder, moved(lambda z: np.where(np.abs(z - 8.5) < 1.6, z + 0.02, z)))
+    assert failing(folder) == {("ROUND_TRIP", "stl")}
+
+
+def test_stl_of_the_wrong_thickness(folder: Path) -> None:
+    def thicker(triangles: np.ndarray) -> np.ndarray:
+        triangles["corners"][..., 2] *= 1.01
+        return triangles
+
+    edit_stl(folder, thicker)
+    assert failing(folder) == {("VOLUME", "stl")}
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        pytest.param(lambda t: t[1:], id="missing triangle"),
+        pytest.param(lambda t: np.concatenate([t, t[:1]]), id="doubled triangle"),
+        pytest.param(lambda t: flipped(t), id="flipped triangle"),
+    ],
+)
+def test_stl_with_a_bad_triangle(folder: Path, edit: Callable[[np.ndarray], np.ndarray]) -> None:
+    edit_stl(folder, edit)
+    assert failing(folder) == {("WATERTIGHT", "stl")}
+
+
+def flipped(triangles: np.ndarray) -> np.ndarray:
+    triangles["corners"][7] = triangles["corners"][7][::-1].copy()
+    return triangles
+
+
+# ---- DXF -------------------------------------------------------------------------------------------------------------
+
+
+def edit_dxf(folder: Path, edit: Callable[[ezdxf.document.Drawing], None]) -> None:
+    path = folder / "cam-cam.dxf"
+    drawing = ezdxf.readfile(path)
+    edit(drawing)
+    drawing.saveas(path)
+
+
+def rim(drawing: ezdxf.document.Drawing):  # type: ignore[no-untyped-def]
+    return drawing.modelspace().query("LWPOLYLINE").first
+
+
+def circles(drawing: ezdxf.document.Drawing, radius: float):  # type: ignore[no-untyped-def]
+    return [c for c in drawing.modelspace().query("CIRCLE") if abs(c.dxf.radius - radius) < 1e-6]
+
+
+def push(change: Callable[[np.ndarray], np.ndarray]) -> Callable[[ezdxf.document.Drawing], None]:
+    def edit(drawing: ezdxf.document.Drawing) -> None:
+        line = rim(drawing)
+        rows = np.array(line.get_points("xyb"))
+        z = change(rows[:, 0] + 1j * rows[:, 1])
+        line.set_points([(p.real, p.imag, b) for p, b in zip(z, rows[:, 2], strict=True)], format="xyb")
+
+    return edit
+
+
+def open_rim(drawing: ezdxf.document.Drawing) -> None:
+    rim(drawing).closed = False
+
+
+def double_rim(drawing: ezdxf.document.Drawing) -> None:
+    drawing.modelspace().add_entity(rim(drawing).copy())
+
+
+def inches(drawing: ezdxf.document.Drawing) -> None:
+    drawing.units = ezdxf.units.IN
+
+
+def shift_bore(drawing: ezdxf.document.Drawing) -> None:
+    circles(drawing, 4)[0].dxf.center = (0.02, 0)
+
+
+def lose_pin_hole(drawing: ezdxf.document.Drawing) -> None:
+    drawing.modelspace().delete_entity(circles(drawing, 1.5)[0])
+
+
+def swell_bore(drawing: ezdxf.document.Drawing) -> None:
+    circles(drawing, 4)[0].dxf.radius = 6.5
+
+
+@pytest.mark.parametrize(
+    ("edit", "codes"),
+    [
+        pytest.param(push(shrink), {"MOTION_ERROR"}, id="10 um shrink"),
+        pytest.param(push(one_vertex), {"MOTION_ERROR"}, id="moved vertex"),
+        pytest.param(shift_bore, {"MOTION_ERROR"}, id="shifted bore"),
+        pytest.param(inches, {"DXF_UNITS"}, id="inch header"),
+        pytest.param(open_rim, {"DXF_CLOSED"}, id="open contour"),
+        pytest.param(double_rim, {"DXF_CLOSED"}, id="double contour"),
+        pytest.param(lose_pin_hole, {"ROUND_TRIP"}, id="lost hole"),
+        pytest.param(swell_bore, {"ROUND_TRIP", "MIN_WALL"}, id="bore that leaves a thin wall"),
+    ],
+)
+def test_dxf(folder: Path, edit: Callable[[ezdxf.document.Drawing], None], codes: set[str]) -> None:
+    edit_dxf(folder, edit)
+    assert failing(folder) == {(code, "dxf") for code in codes}
+
+
+# ---- both, and the pair ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
+def test_a_file_cut_short_is_told(folder: Path, kind: str) -> None:
+    path = folder / f"cam-cam.{kind}"
+    path.write_bytes(path.read_bytes()[:-1000])
+    with pytest.raises(FileError) as caught:
+        pipeline.check(folder)
+    assert path.name in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
+def test_a_lost_file_is_told(folder: Path, kind: str) -> None:
+    (folder / f"cam-cam.{kind}").unlink()
+    with pytest.raises(FileError) as caught:
+        pipeline.check(folder)
+    assert f"cam-cam.{kind}" in str(caught.value)
+
+
+def judged(folder: Path, **changes: object) -> set[str]:
+    """Failing codes when the drawing is judged with a changed mechanism: `first` and `second` change a contact."""
+    mechanism: Mechanism = pipeline.read_mechanism(folder / "spec.toml")
+    shape = shape_of(read_dxf(folder / "cam-cam.dxf").cut)
+    first, second = mechanism.contacts()
+    rollings = [replace(first, **changes.get("first", {})), replace(second, **changes.get("second", {}))]  # type: ignore[arg-type]
+    findings, _ = judge_motion("dxf", "cam-cam.dxf", shape, rollings, mechanism.motion, mechanism.reachable, 0.001)
+    return {f.code for f in findings if not f.ok}
+
+
+def test_the_wrong_tip_radius(folder: Path) -> None:
+    assert judged(folder) == set()
+    assert judged(folder, first={"tip_radius": 3.01}) == {"MOTION_ERROR"}
+
+
+def test_a_twin_turned_by_one_degree_jams(folder: Path) -> None:
+    assert judged(folder, second={"turned": np.radians(1.0)}) == {"INTERFERENCE"}
+    assert judged(folder, second={"turned": np.radians(-1.0)}) == {"INTERFERENCE"}
+
+
+def test_a_twin_that_is_not_turned_over(folder: Path) -> None:
+    assert judged(folder, second={"flipped": False}) == {"INTERFERENCE", "LASH"}
+
+
+def test_a_smaller_second_tip_rattles(folder: Path) -> None:
+    assert judged(folder, second={"tip_radius": 2.8}) == {"LASH"}
+
+
+def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:
+    spec = folder / "spec.toml"
+    spec.write_text(spec.read_text().replace("swing_deg = 30.0", "swing_deg = 29.9"))
+    assert ("MOTION_ERROR", "dxf") in failing(folder)
