@@ -160,7 +160,7 @@ def _each(paths: Sequence[Path], work: Callable[[Path, Callable[[str], None]], R
         import json
 
         click.echo(json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False))
-    sys.exit(worst)
+    raise click.exceptions.Exit(worst)
 
 
 def _explained(error: CamgenError | OSError) -> CamgenError:
@@ -266,10 +266,12 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 def _run(arguments: Sequence[str] | None) -> int:
     """Exit code of a run, errors printed."""
     try:
-        cli.main(arguments, prog_name="camgen", standalone_mode=False)
-    except SystemExit as done:
-        return done.code if isinstance(done.code, int) else 0
-    except (KeyboardInterrupt, click.Abort):
+        # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
+        with cli.make_context("camgen", list(sys.argv[1:] if arguments is None else arguments)) as context:
+            cli.invoke(context)
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except KeyboardInterrupt:
         click.echo("interrupted; earlier results are as they were", err=True)
         return INTERRUPTED
     except click.ClickException as error:

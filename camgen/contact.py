@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from camgen.rings import Floats, Ints, Points, Ring
+from camgen.tolerances import SAME_POINT
 
 # Interval ends closer than this are one, rad: ends shared by neighbours differ by rounding, and no gap may stay.
 # Over it an element is used past its end, 1e-10 mm along a cam of 100 mm.
@@ -126,7 +127,8 @@ class _Elements:
 def _offset(ring: Ring, radius: float) -> _Elements:
     """The outline moved out by the tip radius: edges, and an arc about each convex corner.
 
-    An arc that is concave with less than the tip radius has no offset: the tip cannot reach it.
+    An arc that is concave with less than the tip radius has no offset: the tip cannot reach it. One with the tip radius
+    itself, such as the fillet in which the tip rests, has a single point, and its neighbours end there.
     """
     count = len(ring.points)
     edge = np.flatnonzero(ring.ends != ring.points)
@@ -136,12 +138,13 @@ def _offset(ring: Ring, radius: float) -> _Elements:
     across = -1j * (b - a) / chord
     first, last = across / half_turn, across * half_turn
     curvature = 4 * bulge / (1 + bulge**2) / chord
-    open_to_tip = np.flatnonzero(1 + radius * curvature > 0)
+    open_to_tip = np.flatnonzero(1 + radius * curvature > SAME_POINT)
     edges = _Elements(a + radius * first, b + radius * last, first, 4 * np.arctan(bulge), edge).take(open_to_tip)
     following = np.roll(first, -1)
     turn = np.angle(following * np.conj(last))
-    corner = np.flatnonzero((turn > 0) & (radius > 0))
-    corners = _Elements(b + radius * last, b + radius * following, last, turn, count + edge).take(corner)
+    start, end = b + radius * last, b + radius * following
+    corner = np.flatnonzero((turn > 0) & (start != end))
+    corners = _Elements(start, end, last, turn, count + edge).take(corner)
     return edges.join(corners)
 
 

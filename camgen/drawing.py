@@ -18,7 +18,7 @@ import numpy as np
 from camgen import __version__
 from camgen.arcfit import as_circle, fit_arcs
 from camgen.dxf import extent
-from camgen.outlines import Arc, Contour, Floats, end_point, start_point
+from camgen.outlines import Arc, Contour, Floats, Points, end_point, start_point
 from camgen.parts import Layer, Part
 from camgen.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 
@@ -28,7 +28,7 @@ _SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 # Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
 _FILING, _MARGIN = 20.0, 10.0
 _TITLE = (170.0, 36.0)
-_TABLE_WIDTHS = (10.0, 17.0, 17.0, 54.0)
+_TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _ROW = 5.0
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
 _LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
@@ -51,12 +51,12 @@ def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, meta:
 
 @dataclass(frozen=True)
 class Hole:
-    """A row of the table: its place (complex mm), what it is; its label goes to label_at, inside it or to the right."""
+    """A row of the table: its place (complex mm) and what it is; a label fits at `middle`, or beside a round hole."""
 
     place: complex
     shape: str
-    label_at: complex
-    inside: bool
+    middle: complex
+    radius: float = 0.0
 
 
 def holes_of(contours: Sequence[Contour]) -> list[tuple[str, Hole]]:
@@ -77,26 +77,25 @@ def _letters() -> itertools.chain[str]:
 
 def _hole(contour: Contour) -> Hole:
     """What a hole is: a circle, an arc slot, a circle with a keyway or flat, or else the size of its box."""
-    aside = cmath.exp(0.25j * math.pi)
     round_one = as_circle(contour)
     if round_one:
         centre, radius = round_one
-        return Hole(centre, f"Ø{number(2 * radius)}", centre + radius * aside, False)
+        return Hole(centre, f"Ø{number(2 * radius)}", centre, radius)
     arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
     if len(arcs) == len(contour.pieces) == 4 and abs(arcs[0].centre - arcs[2].centre) < 1e-9:
         outer, inner = sorted((arcs[0], arcs[2]), key=lambda arc: -arc.radius)
         radius, width = (outer.radius + inner.radius) / 2, outer.radius - inner.radius
         low, high = sorted((math.degrees(outer.t0), math.degrees(outer.t1)))
         turn = 360 * math.floor(low / 360)
-        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° to {high - turn:.1f}°"
-        return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2), True)
+        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° - {high - turn:.1f}°"
+        return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2))
     lower, upper = extent([fit_arcs(contour, 0.01)])
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
     widest = max(arcs, key=lambda arc: abs(arc.sweep), default=None)
     if widest and abs(widest.sweep) > math.pi:
         shape = f"Ø{number(2 * widest.radius)}, {box} overall"
-        return Hole(widest.centre, shape, widest.centre + widest.radius * aside, False)
-    return Hole((lower + upper) / 2, box, (lower + upper) / 2, True)
+        return Hole(widest.centre, shape, widest.centre, widest.radius)
+    return Hole((lower + upper) / 2, box, (lower + upper) / 2)
 
 
 def number(value: float) -> str:
@@ -125,6 +124,12 @@ def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
 def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
     regions = [layer.region for layer in layers]
     return [fit_arcs(contour, tolerance) for region in regions for contour in (region.outer, *region.holes)]
+
+
+def _along(contours: Sequence[Contour]) -> Points:
+    """Points along contours, close enough to place a label."""
+    pieces = [piece for contour in contours for piece in contour.pieces]
+    return np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
 
 
 class _Layout:
@@ -203,18 +208,26 @@ class _Layout:
         for contour in self.engraved:
             put(contour, "TEXT")
         self._centre_lines()
+        obstacles = _along([self.outer, *self.holes, *self.above, *self.engraved])
         for label, hole in self.named:
-            at = self.paper(hole.label_at)
-            if hole.inside:
-                sheet.text(at - 1.25j, label, align="centre", layer="DIM")
-            else:
-                sheet.text(at + 1 + 0.6j, label, layer="DIM")
+            place = self._label_place(hole, obstacles)
+            sheet.text(self.paper(place) - 1.25j, label, align="centre", layer="DIM")
+            obstacles = np.append(obstacles, place + np.array([-2, -1, 0, 1, 2]) / self.scale)
         low, high = self.paper(self.low), self.paper(self.high)
         span = self.high - self.low
         # the extension lines start at the box: the points where it touches the outline are not all on one side
         self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, number(span.real))
         self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, number(span.imag))
         self._radii()
+
+    def _label_place(self, hole: Hole, obstacles: Points) -> complex:
+        """Middle of a hole's label: in the hole if it is wide, else beside it where there is most room."""
+        if hole.radius == 0:
+            return hole.middle
+        away = hole.radius / 2 if self.scale * hole.radius > 8 else hole.radius + 2.8 / self.scale
+        places = hole.middle + away * np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
+        room = np.min(np.abs(places[:, None] - obstacles), axis=1)
+        return complex(places[np.argmax(np.round(room, 3))])
 
     def _centre_lines(self) -> None:
         """Axes through the datum across the whole part, crosses on round holes and other centres."""
@@ -268,8 +281,7 @@ class _Layout:
         # Dimensions are below and to the left.
         upper = max((math.pi / 4, 3 * math.pi / 4), key=free)
         angle = upper if free(upper) > 0.6 else max((-math.pi / 4, -3 * math.pi / 4), key=free)
-        pieces = [piece for contour in (self.outer, *self.above) for piece in contour.pieces]
-        ring = np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
+        ring = _along([self.outer, *self.above])
         near: Floats = np.abs(np.angle(ring * cmath.exp(-1j * angle)))
         reach = float(np.max(np.abs(ring)[near < 0.5], initial=float(np.min(np.abs(ring)))))
         radius = self.scale * reach + 5
@@ -328,7 +340,7 @@ class _Layout:
             for k, cell in enumerate(row):
                 number_cell = k in (1, 2)
                 at = complex(edges[k + 1] - 1.5 if number_cell else edges[k] + 1.5, y + 1.3)
-                self.sheet.text(at, cell, 2.5, "right" if number_cell else "left")
+                self.sheet.text(at, cell, 2.5, "right" if number_cell else "left", room=_TABLE_WIDTHS[k] - 2)
             self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
         bottom = top - (len(rows) + 1) * _ROW
         for x in edges[:-1]:
@@ -376,5 +388,4 @@ class _Layout:
             box = (low, low + wide, low + wide + 12j, low + 12j)
             self.sheet.line(*box, layer="TEXT", closed=True)
             self.sheet.text(low + 1.5 + 8.6j, key, 1.8)
-            full = Text(low + 1.5 + 2.6j, value, 3.5)
-            self.sheet.things.append(replace(full, height=3.5 * min(1, (wide - 3) / max(full.width, 1e-9))))
+            self.sheet.text(low + 1.5 + 2.6j, value, 3.5, room=wide - 3)

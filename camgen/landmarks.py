@@ -26,7 +26,8 @@ def zeros(f: Function, n: int = 720) -> Floats:
     """Angles of a turn at which f changes sign, (k,) rad in [0, 2 pi), sorted.
 
     f(theta, order): real values (order 0) and slopes (1), (n,), of period 2 pi; nan where not assembled. Two changes
-    within one n-th of a turn go unseen. Newton's method, kept inside the bracket by bisection.
+    within one n-th of a turn go unseen. Newton's method, kept inside the bracket by bisection,
+    and bisection alone where the slope is nan.
     """
     # Off the round angles, where symmetry likes to put zeros.
     grid = np.linspace(0.0, TURN, n + 1) + 0.381966 * (TURN / n)

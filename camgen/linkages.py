@@ -249,7 +249,9 @@ class Linkage:
 
     def solve(self, theta: ArrayLike, order: int = 0, names: tuple[str, ...] | None = None) -> dict[str, Jet]:
         """Jets of the points named (all), (order + 1, n) complex, at theta, (n,) rad; nan where not assembled."""
-        angles = np.atleast_1d(np.asarray(theta, float))
+        if order not in (0, 1, 2):
+            raise ValueError(f"order is 0, 1 or 2, not {order}")
+        angles = np.ravel(np.asarray(theta, float))
         jets = {name: np.empty((order + 1, angles.size), complex) for name in names or self.points}
         lanes = min(2, os.cpu_count() or 1) if angles.size >= THREADED else 1
         cuts = [angles.size * k // lanes for k in range(lanes + 1)]
@@ -400,7 +402,10 @@ def four_bar(frame: float, crank: float, coupler: float, output: float) -> FourB
     slack = min(most - far, near - least)
     spans = []
     if slack < 0:
-        turn = [math.degrees(_corner(frame, crank, min(max(side, near), far))) for side in (least, most)]
+        turn = [
+            0.0 if side <= near else 180.0 if side >= far else math.degrees(_corner(frame, crank, side))
+            for side in (least, most)
+        ]
         spans = [span for span in ((0.0, turn[0]), (turn[1], 180.0)) if span[1] > span[0]]
     if sum(lengths[:3]) < lengths[3]:
         kind = "none"

@@ -37,13 +37,32 @@ class Ring:
     @property
     def area(self) -> float:
         """Signed area, mm^2, positive when counter-clockwise; arcs counted exactly."""
-        a, b, t = self.points - self.points[0], self.ends - self.points[0], self.bulges
+        a, b = self.points - self.points[0], self.ends - self.points[0]
+        return float(np.sum(np.imag(np.conj(a) * b) / 2 + self._caps()))
+
+    @property
+    def centroid(self) -> complex:
+        """Centre of the enclosed area, mm; arcs counted exactly."""
+        a, b = self.points - self.points[0], self.ends - self.points[0]
+        half = 2 * np.arctan(self.bulges)
+        flat = np.abs(half) < 0.02
+        safe = np.where(flat, 1.0, half)
+        # A cap's centre above its chord as a share of its height; a flat one is a parabola's, 2/5.
+        share = (2 * np.sin(safe) ** 3 / (3 * (safe - np.sin(safe) * np.cos(safe))) - np.cos(safe)) / (1 - np.cos(safe))
+        above = (a + b) / 2 - np.where(flat, 0.4, share) * 0.5j * self.bulges * (b - a)
+        triangles, caps = np.imag(np.conj(a) * b) / 2, self._caps()
+        moment = np.sum(triangles * (a + b) / 3 + caps * above)
+        return complex(self.points[0] + moment / np.sum(triangles + caps))
+
+    def _caps(self) -> Floats:
+        """Signed area between each edge's arc and its chord, mm^2, (n,)."""
+        t = self.bulges
         straight = np.abs(t) < 0.01
         safe = np.where(straight, 1.0, t)
-        # Area between an arc and its chord, per chord^2; the series serves where the closed form would cancel.
+        # Per chord^2; the series serves where the closed form would cancel.
         closed = ((1 + safe**2) ** 2 * np.arctan(safe) - safe * (1 - safe**2)) / (8 * safe**2)
         cap = np.where(straight, t / 3 + t**3 / 15 - t**5 / 105, closed)
-        return float(np.sum(np.imag(np.conj(a) * b) / 2 + cap * np.abs(b - a) ** 2))
+        return np.asarray(cap * np.abs(self.ends - self.points) ** 2)
 
     @property
     def length(self) -> float:

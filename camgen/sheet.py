@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -112,9 +112,12 @@ class Sheet:
         align: Align = "left",
         direction: complex = 1,
         layer: str = "TEXT",
+        room: float = math.inf,
     ) -> None:
-        """Add a line of text."""
-        self.things.append(Text(at, text, height, align, direction, layer))
+        """Add a line of text, smaller where it would be longer than `room` mm (CAD fonts run a little wider)."""
+        line = Text(at, text, height, align, direction, layer)
+        shrink = min(1.0, room / (1.15 * line.width)) if text else 1.0
+        self.things.append(replace(line, height=height * shrink))
 
 
 def write_pdf(path: Path, sheet: Sheet) -> None:

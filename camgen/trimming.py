@@ -98,17 +98,22 @@ def _outermost(cuts: list[Cut]) -> list[Cut]:
     return sorted(keep, key=lambda c: c.start)
 
 
-def _samples(piece: Piece) -> Floats:
+def _samples(piece: Piece, least: float) -> tuple[Floats, Points]:
+    """Parameters and points along a piece; those within `least` mm of an end are left out, for at a cusp they are rounding."""
     if isinstance(piece, Line):
-        return np.array([piece.t0, piece.t1])
-    u = np.concatenate((np.linspace(0, 1, _EVEN), _GRADED, 1 - _GRADED))
-    return np.asarray(piece.t0 + (piece.t1 - piece.t0) * np.unique(u), float)
+        return np.array([piece.t0, piece.t1]), np.array([piece.a, piece.b])
+    u = np.unique(np.concatenate((np.linspace(0, 1, _EVEN), _GRADED, 1 - _GRADED)))
+    t = piece.t0 + (piece.t1 - piece.t0) * u
+    z = piece.at(t)
+    keep = np.minimum(np.abs(z - z[0]), np.abs(z - z[-1])) > least
+    keep[[0, -1]] = True
+    return t[keep], z[keep]
 
 
 def _crossings(pieces: Sequence[Piece]) -> list[tuple[int, float, int, float]]:
     """All proper crossings (piece i, t, piece j, t) with i, t before j, t; residual below INTERSECTION."""
-    parameters = [_samples(p) for p in pieces]
-    points = [p.at(t) for p, t in zip(pieces, parameters, strict=True)]
+    least = 10 * INTERSECTION * max(1.0, *(abs(start_point(p)) for p in pieces))
+    parameters, points = zip(*(_samples(p, least) for p in pieces), strict=True)
     a = np.concatenate([z[:-1] for z in points])
     b = np.concatenate([z[1:] for z in points])
     piece_of = np.concatenate([np.full(len(t) - 1, k) for k, t in enumerate(parameters)])

@@ -169,7 +169,7 @@ def _misplaced(shapes: Sequence[Shape], expected: Expected, rounding: float) -> 
             return math.nan, f"{len(shape.holes) + 1} contours instead of {len(expected.holes) + 1}"
         if abs(shape.area - shapes[0].area) > 4 * rounding * (shape.outer.length + 1):
             return math.nan, "sections at different heights differ"
-    found = [_area_centre(ring) for ring in shapes[0].holes]
+    found = [(ring.centroid, abs(ring.area)) for ring in shapes[0].holes]
     off = 0.0
     for centre, area in expected.holes:
         place, size = min(found, key=lambda hole: abs(hole[0] - centre))
@@ -177,13 +177,6 @@ def _misplaced(shapes: Sequence[Shape], expected: Expected, rounding: float) -> 
         if expected.bore is None or abs(centre) > expected.bore / 2:
             off = max(off, abs(place - centre))
     return off, f"{len(found) + 1} contours read back, holes in their places"
-
-
-def _area_centre(ring: Ring) -> tuple[complex, float]:
-    z = ring.facetted(_WALL_FACETS)
-    a, b = z - z[0], np.roll(z, -1) - z[0]
-    cross = np.imag(np.conj(a) * b)
-    return complex(z[0] + np.sum((a + b) * cross) / (3 * np.sum(cross))), abs(ring.area)
 
 
 # ---- motion ----------------------------------------------------------------------------------------------------------

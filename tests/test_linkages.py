@@ -1,4 +1,4 @@
-"""Linkages and what stands out on them, against the two machines' cited values, mpmath, brute force and closed forms."""
+"""Linkages and what stands out on them, against the two machines' values, mpmath, brute force and closed forms."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def slider_crank(crank: float, rod: float, offset: float = 0.0) -> Linkage:
     return Linkage({"O": Fixed(0), "A": Crank("O", crank), "B": RRP("A", rod, 1j * offset, 0.0)})
 
 
-def take_up(reading: str, frame: float = TAKE_UP["frame"], eye: float = TAKE_UP["eye_distance"]) -> Linkage:
+def take_up(reading: str, frame: float = 9.0, eye: float = 52.0, branch: int = 1) -> Linkage:
     """O, A, B, C and the eye D: k = -s, so D lies to the right of A-B."""
     coupler, output = TAKE_UP[reading]
     points = {"O": Fixed(0), "C": Fixed(frame), "A": Crank("O", TAKE_UP["input_crank"])}
-    return Linkage(points | {"B": RRR("A", "C", coupler, output, 1), "D": On("A", "B", 1 - 1j * eye / coupler)})
+    return Linkage(points | {"B": RRR("A", "C", coupler, output, branch), "D": On("A", "B", 1 - 1j * eye / coupler)})
 
 
 def turning(linkage: Linkage, a: str, b: str):
@@ -77,7 +77,9 @@ def test_rod_angle_and_rate_and_the_lost_sign() -> None:
     jets = DRIVE.solve(TABLE, 2)
     rod = direction(jets["A"], jets["B"])
     np.testing.assert_allclose(-np.degrees(rod[0]), ECCENTRIC["published_phi2_deg"], atol=0.006)
-    np.testing.assert_allclose(-rod[1] * -ECCENTRIC["table_speed"], -np.array(ECCENTRIC["published_phi2_rate"]), atol=0.01)
+    np.testing.assert_allclose(
+        -rod[1] * -ECCENTRIC["table_speed"], -np.array(ECCENTRIC["published_phi2_rate"]), atol=0.01
+    )
 
 
 def test_speeds_of_the_motor() -> None:
@@ -131,10 +133,10 @@ def test_travel_of_a_tiny_crank_keeps_its_digits() -> None:
             s = mpmath.sin(mpmath.mpf(float(theta)))
             c = mpmath.cos(mpmath.mpf(float(theta)))
             exact = crank * (1 - c) + rod - mpmath.sqrt(mpmath.mpf(rod) ** 2 - (mpmath.mpf(crank) * s) ** 2)
-            assert slider_travel(theta, crank, rod) == pytest.approx(float(exact), rel=1e-12)
+            assert slider_travel(theta, crank, rod) == pytest.approx(float(exact), rel=1e-12, abs=0)
             naive = rod + crank - (crank * math.cos(theta) + math.sqrt(rod**2 - (crank * math.sin(theta)) ** 2))
             if exact > crank:
-                assert naive != pytest.approx(float(exact), rel=1e-12)  # the check would see the cancellation
+                assert naive != pytest.approx(float(exact), rel=1e-12, abs=0)  # the check would see the cancellation
     tiny = slider_crank(crank, rod).point("B")(EVERYWHERE, 2).real
     np.testing.assert_allclose(tiny, -crank * (np.cos(EVERYWHERE) + 1e-8 * np.cos(2 * EVERYWHERE)), atol=crank * 1e-14)
 
@@ -203,7 +205,8 @@ def test_rate_extremes_and_the_interchange(link: str, a: str, b: str) -> None:
     at, value = rates(take_up("printed"), a, b)
     assert value.min() == pytest.approx(least, abs=1e-9) and at[value.argmin()] == pytest.approx(at_least, abs=1e-3)
     assert value.max() == pytest.approx(most, abs=1e-9) and at[value.argmax()] == pytest.approx(at_most, abs=1e-3)
-    other = turning(take_up("interchanged"), *(("C", "B") if link == "w2" else ("A", "B")))
+    # The two links change places in the parallelogram A, B, C, B': the joint goes to the other side.
+    other = turning(take_up("interchanged", branch=-1), *(("C", "B") if link == "w2" else ("A", "B")))
     np.testing.assert_allclose(other(EVERYWHERE, 0), turning(take_up("printed"), a, b)(EVERYWHERE, 0), atol=1e-12)
 
 
@@ -221,7 +224,7 @@ def test_mean_rates_are_one_and_angles_unwrap() -> None:
 def test_spread_grows_with_the_frame() -> None:
     for frame, spread in TAKE_UP["spread"].items():
         _, value = rates(take_up("printed", float(frame)), "C", "B")
-        assert np.ptp(value) == pytest.approx(spread, abs=6e-4)
+        assert np.ptp(value) == pytest.approx(spread, abs=1e-3)
 
 
 def test_formula_1_as_printed_does_not_close() -> None:
@@ -453,6 +456,16 @@ def test_every_step_and_its_derivatives_against_mpmath() -> None:
                 assert abs(got[2] - complex(second)) < 1e-11 * 100
 
 
+def test_distance_and_direction_against_finite_differences() -> None:
+    h = 1e-4
+    back, mid, on = (chained().solve(EVERYWHERE[:50] + k * h, 2) for k in (-1, 0, 1))
+    for measure in (distance, direction):
+        before, rows, after = (measure(at["E"], at["G"]) for at in (back, mid, on))
+        np.testing.assert_allclose(rows[0, :], np.abs(mid["G"][0] - mid["E"][0])) if measure is distance else None
+        np.testing.assert_allclose(rows[1], (after[0] - before[0]) / (2 * h), atol=1e-5)
+        np.testing.assert_allclose(rows[2], (after[1] - before[1]) / (2 * h), atol=1e-5)
+
+
 def test_rates_that_are_wrong_are_seen() -> None:
     """The finite difference test resolves an acceleration that is off by a part in a million."""
     jets, h = chained().solve(EVERYWHERE[:5], 2), 1e-4
@@ -542,6 +555,9 @@ def test_blocks_and_threads_give_the_same_as_one_angle(monkeypatch: pytest.Monke
     single = chained().solve(float(EVERYWHERE[3]), 2)
     assert single["H"].shape == (3, 1) and abs(single["H"][0, 0] - whole["H"][0, 3]) < 1e-12
     assert np.isnan(chained().point("H")(np.array([math.nan, math.inf]))).all()
+    assert chained().point("H")(EVERYWHERE.reshape(50, 10), 1).shape == (50, 10)
+    with pytest.raises(ValueError, match="order is 0, 1 or 2, not 3"):
+        chained().solve(EVERYWHERE, 3)
 
 
 def test_unit_turn_to_1e_15() -> None:

@@ -90,8 +90,10 @@ class UniformSwing(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        p, nozzle = self.making, self.print.nozzle
+        p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
         checks = [
+            # a stretch of less would be rounding
+            (blend in (0, 180) or 0.01 <= blend <= 179.99, "geometry.reversal_blend_deg", blend, "0 (sharp), 0.01 to 179.99, or 180"),
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (
                 self.allowed.min_wall >= nozzle,

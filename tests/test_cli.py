@@ -1,0 +1,349 @@
+"""The command line: exit codes to the letter, JSON alone on stdout, no traceback for a user's mistake."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgen import __version__, pipeline
+from camgen.cli import main
+from camgen.errors import DesignError, FileError
+from camgen.findings import at_most
+from camgen.mechanisms import MECHANISMS
+from camgen.motion import LAWS
+from camgen.report import Report
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs the command line in this process: exit code, stdout, stderr."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as done:
+            main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        assert "Traceback" not in out + err
+        assert isinstance(done.value.code, int)
+        return done.value.code, out, err
+
+    return call
+
+
+def report(ok: bool = True, name: str = "cam") -> Report:
+    limit = 2.0 if ok else 0.5
+    return Report(name, "stub", (at_most("MOTION_ERROR", 1.0, limit, "deg", "cam.dxf", "the cam is off"),))
+
+
+@pytest.fixture
+def results(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """A stub pipeline: what a spec of this file name gives, a Report or an exception."""
+    outcome: dict[str, Any] = {}
+
+    def give(path: Path, *_: object) -> Report:
+        result = outcome[path.name]
+        if isinstance(result, BaseException):
+            raise result
+        assert isinstance(result, Report)
+        return result
+
+    monkeypatch.setattr(pipeline, "build", give)
+    monkeypatch.setattr(pipeline, "check", give)
+    return outcome
+
+
+NO_SUCH = DesignError("geometry.swing_deg", 60, 53.1, "deg", "the inner end", "use a smaller swing")
+
+
+# ---- exit codes ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["build", "check"])
+@pytest.mark.parametrize(
+    "result, code",
+    [(report(), 0), (report(False), 1), (NO_SUCH, 3), (FileError("x.dxf", "lost"), 4), (OSError(28, "No space"), 4)],
+)
+def test_exit_code_of_each_outcome(run: Run, results: dict[str, Any], command: str, result: object, code: int) -> None:
+    results["a.toml"] = result
+    assert run(command, "a.toml")[0] == code
+
+
+def test_worst_code_wins_and_each_is_reported(run: Run, results: dict[str, Any]) -> None:
+    results |= {"a": report(name="first"), "b": NO_SUCH, "c": report(False, "third"), "d": report(name="fourth")}
+    code, out, err = run("build", "a", "b", "c", "d")
+    assert code == 3
+    assert [name for name in ("first", "third", "fourth") if name in out] == ["first", "third", "fourth"]
+    assert "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing" in err
+
+
+def test_table_shows_measured_limit_margin_and_verdict(run: Run, results: dict[str, Any]) -> None:
+    results |= {"good": report(), "bad": report(False)}
+    line = next(line for line in run("build", "good")[1].splitlines() if "MOTION_ERROR" in line)
+    assert line.split() == ["MOTION_ERROR", "1", "2", "1", "deg", "cam.dxf", "ok"]
+    out = run("build", "bad")[1]
+    line = next(line for line in out.splitlines() if "MOTION_ERROR" in line)
+    assert line.split() == ["MOTION_ERROR", "1", "0.5", "-0.5", "deg", "cam.dxf", "FAIL"]
+    assert "the cam is off" in out
+
+
+def test_internal_error_is_one_line_and_code_70(run: Run, results: dict[str, Any]) -> None:
+    results["a"] = RuntimeError("a fault of ours")
+    code, out, err = run("build", "a")
+    assert (code, out) == (70, "")
+    assert re.fullmatch(r"internal error: RuntimeError: a fault of ours \(test_cli.py:\d+\); please report.*\n", err)
+
+
+def test_interrupt_is_130(run: Run, results: dict[str, Any]) -> None:
+    results["a"] = KeyboardInterrupt()
+    assert run("build", "a")[0] == 130
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("build",), ("check",), ("new",), ("schema",), ("bild",), ("build", "a", "--only", "step"), ("build", "--nope"),
+        ("build", "a", "--only", ""), ("new", "uniform-swin"), ("schema", "uniform-swin"), ("build", "a", "--set"),
+    ],
+)  # fmt: skip
+def test_wrong_command_is_2(run: Run, arguments: tuple[str, ...]) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert err
+
+
+def test_nearest_mechanism_is_named(run: Run) -> None:
+    assert "did you mean 'uniform-swing'?" in run("new", "uniform-swin")[2]
+
+
+# ---- JSON ------------------------------------------------------------------------------------------------------------
+
+
+def test_json_of_one_and_of_several(run: Run, results: dict[str, Any]) -> None:
+    results |= {"a": report(), "b": NO_SUCH, "c": report(False)}
+    code, out, _ = run("build", "a", "--json")
+    assert (code, json.loads(out)) == (0, report().as_dict())
+    code, out, err = run("build", "a", "b", "c", "--json")
+    first, second, third = json.loads(out)
+    assert (code, first["ok"], second["ok"], third["ok"]) == (3, True, False, False)
+    assert (second["source"], second["exit_code"], second["faults"]) == ("b", 3, [])
+    assert second["error"] == str(NO_SUCH) and str(NO_SUCH) in err
+
+
+def test_json_of_a_wrong_spec_lists_its_faults(run: Run, tmp_path: Path, starter: Path) -> None:
+    code, out, _ = run("build", starter, "--set", "geometry.swing_deg=180", "--set", "x=1", "--json", "-o", tmp_path)
+    found = json.loads(out)
+    assert (code, found["exit_code"]) == (2, 2)
+    assert [fault["path"] for fault in found["faults"]] == ["geometry.swing_deg", "x"]
+    assert set(found["faults"][0]) == {"path", "value", "expected", "nearest"}
+
+
+def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path) -> None:
+    code, out, err = run("build", starter, "--only", "dxf", "--json", "-o", tmp_path)
+    assert (code, err) == (0, "")
+    assert out == (tmp_path / "uniform-swing" / "report.json").read_text(encoding="utf-8")
+
+
+# ---- build and check, for real ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "text, code, words",
+    [
+        ("", 2, "empty"),
+        ("name = ", 2, "line 1, column"),
+        ('name = "a"', 2, "mechanism"),
+        ('mechanism = "uniform-swin"\nname = "a"', 2, "did you mean 'uniform-swing'?"),
+        ('mechanism = ["uniform-swing"]\nname = "a"', 2, "mechanism: ['uniform-swing']"),
+        ('mechanism = "uniform-swing"\nname = "../a"', 2, "name: '../a'"),
+        ('mechanism = "uniform-swing"\nname = "a"', 2, "geometry - missing"),
+    ],
+)
+def test_wrong_spec_writes_nothing(run: Run, tmp_path: Path, text: str, code: int, words: str) -> None:
+    (tmp_path / "s.toml").write_text(text)
+    found, out, err = run("build", tmp_path / "s.toml", "-o", tmp_path / "out")
+    assert (found, out) == (code, "")
+    assert words in err
+    assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
+
+
+@pytest.mark.parametrize(
+    "setting, code",
+    [
+        ("geometry.swing_deg=180", 2), ("geometry.swing_deg=0", 2), ("geometry.swing_deg=170", 3),
+        ("geometry.tip_radius=40", 3), ("parts.bore=80", 3), ("parts.wall=0.1", 2), ("geometry.pivot_distance=nan", 2),
+    ],
+)  # fmt: skip
+def test_impossible_cam_writes_nothing_and_spares_the_earlier_one(
+    run: Run, tmp_path: Path, starter: Path, setting: str, code: int
+) -> None:
+    earlier = tmp_path / "uniform-swing"
+    earlier.mkdir()
+    found, out, err = run("build", starter, "-o", tmp_path, "--set", setting, "--only", "dxf")
+    assert (found, out) == (code, "")
+    assert err.startswith("error: ") and setting.partition("=")[0].rpartition(".")[2].partition("_")[0] in err
+    assert list(tmp_path.rglob("*")) == [earlier]
+
+
+def test_what_cannot_be_read_or_written_is_4(run: Run, tmp_path: Path, starter: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "out" / "uniform-swing").mkdir(parents=True)
+    (tmp_path / "out" / "uniform-swing" / "letter.txt").write_text("mine")
+    for arguments in (
+        ("build", tmp_path), ("build", tmp_path / "none.toml"), ("build", starter, "-o", tmp_path / "file"),
+        ("build", starter, "-o", tmp_path / "out"), ("check", tmp_path), ("check", tmp_path / "none"),
+        ("check", tmp_path / "file"), ("new", "uniform-swing", tmp_path / "file"),
+        ("new", "uniform-swing", tmp_path / "none" / "a.toml"), ("new", "uniform-swing", tmp_path),
+    ):  # fmt: skip
+        code, out, err = run(*arguments)
+        assert (code, out) == (4, ""), arguments
+        assert err.startswith("error: ") and str(tmp_path) in err
+    assert (tmp_path / "file").read_text() == "mine"
+    assert (tmp_path / "out" / "uniform-swing" / "letter.txt").read_text() == "mine"
+
+
+def test_set_reaches_the_resolved_spec_and_check_agrees(run: Run, tmp_path: Path, starter: Path) -> None:
+    settings = ("--set", "geometry.swing_deg=24", "--set", "name=other")
+    code, out, _ = run("build", starter, "-o", tmp_path, "--only", "dxf", "--json", *settings)
+    assert code == 0
+    resolved = tomllib.loads((tmp_path / "other" / "spec.toml").read_text())
+    assert resolved["geometry"]["swing_deg"] == 24.0
+    code, again, _ = run("check", tmp_path / "other", "--json")
+    assert code == 0
+    assert json.loads(again)["findings"] == json.loads(out)["findings"]
+
+
+# ---- new, list, schema, version --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_new_prints_and_writes_the_starter(run: Run, tmp_path: Path, root: Path, mechanism: str) -> None:
+    text = (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
+    assert run("new", mechanism) == (0, text, "")
+    file = tmp_path / "mine.toml"
+    assert run("new", mechanism, file) == (0, "", "")
+    assert file.read_text(encoding="utf-8") == text
+    file.write_text("changed")
+    code, _, err = run("new", mechanism, file)
+    assert code == 4 and "exists already" in err
+    assert file.read_text() == "changed"
+
+
+def test_list_names_every_mechanism_and_law(run: Run) -> None:
+    code, out, _ = run("list")
+    words = out.split()
+    assert code == 0 and set(MECHANISMS) | set(LAWS) <= set(words)
+
+
+def test_schema_is_json_schema(run: Run) -> None:
+    code, out, _ = run("schema", "uniform-swing")
+    found = json.loads(out)
+    assert code == 0
+    assert {"mechanism", "name", "geometry"} <= set(found["required"])
+    assert found["$defs"]["Geometry"]["additionalProperties"] is False
+
+
+def test_version_and_help(run: Run) -> None:
+    assert run("--version")[:2] == (0, f"camgen, version {__version__}\n")
+    for command in ((), ("build",), ("check",), ("new",), ("list",), ("schema",)):
+        code, out, _ = run(*command, "--help")
+        assert code == 0 and "Usage: camgen" in out
+    assert "4  a file could not be written or read" in run("build", "-h")[1]
+
+
+# ---- as a process ----------------------------------------------------------------------------------------------------
+
+CAMGEN = [sys.executable, "-m", "camgen"]
+
+
+def test_reader_that_closes_the_pipe() -> None:
+    process = subprocess.Popen([*CAMGEN, "schema", "uniform-swing"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait() == 141
+
+
+def test_stdout_that_is_full_or_closed() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*CAMGEN, "schema", "uniform-swing"], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 4
+    assert "No space left" in done.stderr and "Traceback" not in done.stderr
+    done = subprocess.run(["sh", "-c", f"{sys.executable} -m camgen list >&-"], stderr=subprocess.PIPE, text=True)
+    assert "Traceback" not in done.stderr
+
+
+def test_file_name_that_is_no_text(tmp_path: Path) -> None:
+    name = os.fsencode(tmp_path) + b"/\xff.toml"
+    done = subprocess.run([*CAMGEN, "build", name, "--json"], capture_output=True)
+    assert done.returncode == 4
+    assert b"Traceback" not in done.stderr and json.loads(done.stdout)["exit_code"] == 4
+
+
+SLOW = """
+import sys, time
+from pathlib import Path
+from camgen import pipeline
+from camgen.cli import main
+from camgen.folder import Staged
+def build(spec, out, only, settings, progress):
+    with Staged(out / "cam") as folder:
+        (folder / "half.dxf").write_text("half")
+        progress("turning the handle")
+        print("ready", flush=True)
+        time.sleep(float(sys.argv[2]))
+    raise OSError("that was all")
+pipeline.build = build
+main(["build", "a.toml", "-o", sys.argv[1]])
+"""
+
+
+@pytest.mark.parametrize("sent, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_interrupted_build_leaves_the_earlier_result(tmp_path: Path, sent: signal.Signals, code: int) -> None:
+    (tmp_path / "cam").mkdir()
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, str(tmp_path), "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    assert len(list(tmp_path.iterdir())) == 2
+    process.send_signal(sent)
+    _, err = process.communicate()
+    assert process.returncode == code
+    assert "Traceback" not in err
+    assert [path.name for path in tmp_path.iterdir()] == ["cam"] and not list((tmp_path / "cam").iterdir())
+
+
+@pytest.mark.parametrize("seconds, shown", [("1.6", True), ("0.2", False)])
+def test_step_of_over_a_second_is_shown_on_a_terminal(tmp_path: Path, seconds: str, shown: bool) -> None:
+    terminal, side = pty.openpty()
+    environment = os.environ | {"TERM": "xterm"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, str(tmp_path), seconds], stdout=subprocess.PIPE, stderr=side, env=environment
+    )
+    os.close(side)
+    seen, until = b"", time.monotonic() + 20
+    while time.monotonic() < until and select.select([terminal], [], [], 20)[0]:
+        try:
+            seen += os.read(terminal, 4096)
+        except OSError:  # the other side was closed
+            break
+    os.close(terminal)
+    out, _ = process.communicate()
+    assert out == b"ready\n"
+    assert (b"turning the handle" in seen) is shown

@@ -1,0 +1,133 @@
+"""The drawing sheet: right sizes, scale and labels, one layout in two formats."""
+
+import cmath
+import math
+import os
+import re
+
+import ezdxf
+import matplotlib
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_solids import TOLERANCE, cam, hub, oval
+
+from camgen.arcfit import fit_arcs
+from camgen.drawing import holes_of, nearest_and_farthest, number, write_drawing
+from camgen.outlines import Region, circle, kidney, polygon
+from camgen.parts import Layer, Part, keyed_bore
+from camgen.sheet import LAYERS, Text
+
+META = {"Mechanism": "uniform-swing", "Material": "steel (C45)"}
+
+
+def texts_of(path):
+    return [e.dxf.text for e in ezdxf.readfile(path).modelspace().query("TEXT")]
+
+
+def disc(radius, shift=0.0):
+    return Part("disc", "Disc", (Layer(Region(circle(shift, radius), (circle(0, radius / 4),)), 0, 4),), 3, (), (0j,))
+
+
+@pytest.mark.parametrize("part", [cam(), hub()], ids=lambda p: p.name)
+def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
+    dxf, pdf = write_drawing(tmp_path, "demo", part, TOLERANCE, META)
+    assert (dxf.name, pdf.name) == (f"demo-{part.name}-drawing.dxf", f"demo-{part.name}-drawing.pdf")
+    doc = ezdxf.readfile(dxf)
+    assert not doc.audit().errors and doc.header["$INSUNITS"] == 4
+    space = doc.modelspace()
+    assert {e.dxf.layer for e in space} <= set(LAYERS)
+    cut = space.query("*[layer=='CUT']")
+    assert len(cut) == 1 + len(part.region.holes)
+    x, y = zip(*cut[0].get_points("xy"), strict=True)
+    assert (min(x), max(x)) == pytest.approx((-25, 37), abs=0.05)
+    texts = texts_of(dxf)
+    # oval of mean 28, wave 3 about x = 6: 62 wide; 50 high
+    assert {"62", "50", "R37 max", part.title, "mm", str(part.count)} <= set(texts)
+
+
+def test_both_outputs_say_the_same(tmp_path):
+    dxf, pdf = write_drawing(tmp_path, "demo", cam(), TOLERANCE, META)
+    content = pdf.read_bytes().decode("cp1252")
+    lines = [re.sub(r"\\([()\\])", r"\1", t) for t in re.findall(r"Tm \((.*)\) Tj", content)]
+    codes = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
+    assert [line.translate(codes) for line in lines] == texts_of(dxf)
+    assert "/MediaBox [0 0 841.890 595.276]" in content  # A4 [ISO 216]
+    start = int(content.rsplit("startxref\n", 1)[1].split()[0])
+    data = pdf.read_bytes()
+    assert data[start:].startswith(b"xref")
+    for k, place in enumerate(re.findall(rb"(\d{10}) 00000 n", data), 1):
+        assert data[int(place) :].startswith(b"%d 0 obj" % k)
+
+
+@pytest.mark.parametrize(
+    ("radius", "scale", "sheet"),
+    [(2.5, "10:1", "A4"), (9, "2:1", "A4"), (40, "1:1", "A4"), (80, "1:1", "A3"), (900, "1:10", "A3")],
+)
+def test_scale_and_sheet(tmp_path, radius, scale, sheet):
+    texts = texts_of(write_drawing(tmp_path, "d", disc(radius), TOLERANCE, META)[0])
+    assert texts[texts.index("Scale") + 1] == scale and texts[texts.index("Sheet") + 1] == sheet
+    assert f"%%c{number(2 * radius)}" in texts
+
+
+@settings(max_examples=25, deadline=None)
+@given(radius=st.floats(0.5, 2000), share=st.floats(-0.5, 0.5))
+def test_nothing_leaves_the_frame(tmp_path_factory, radius, share):
+    folder = tmp_path_factory.mktemp("d")
+    _, pdf = write_drawing(folder, "d", disc(radius, share * radius), TOLERANCE * radius, META)
+    content = pdf.read_bytes().decode("cp1252")
+    width, height = (float(v) / 72 * 25.4 for v in re.search(r"MediaBox \[0 0 (\S+) (\S+)\]", content).groups())
+    pairs = re.findall(r"(-?[\d.]+) (-?[\d.]+) (?=[mlc]\b)", content)
+    points = [complex(float(x), float(y)) for x, y in pairs if (x, y) != ("0", "0")]
+    assert min(z.real for z in points) >= 19.999 and max(z.real for z in points) <= width - 9.99
+    assert min(z.imag for z in points) >= 9.999 and max(z.imag for z in points) <= height - 9.99
+
+
+def test_holes_are_named_and_described():
+    contours = [
+        circle(0, 4), circle(10, 1.5), circle(10j, 1.5), kidney(0, 18, 4, math.radians(20), math.radians(50)),
+        keyed_bore(10, 3, 1.4), polygon([0, 4, 4 + 2j, 2j]),
+    ]  # fmt: skip
+    named = {label: (hole.place, hole.shape) for label, hole in holes_of(contours)}
+    assert named == {
+        "A": (0, "Ø8"), "B1": (10, "Ø3"), "B2": (10j, "Ø3"), "C": (0, "slot 8 on R18, 20.0° - 70.0°"),
+        "D": (0, "Ø10, 10 × 11.4 overall"), "E": (2 + 1j, "4 × 2"),
+    }  # fmt: skip
+
+
+def test_table_that_is_too_long_says_so(tmp_path):
+    holes = tuple(circle(30 * cmath.exp(2j * math.pi * k / 60), 0.5 + k / 100) for k in range(60))
+    part = Part("sieve", "Sieve", (Layer(Region(circle(0, 40), holes), 0, 2),))
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
+    (more,) = [t for t in texts if "more: see d-sieve.dxf" in t]
+    listed = sum(1 for t in texts if re.fullmatch(r"%%c[01]\.?\d*|%%c2(\.\d+)?", t))
+    assert listed + int(more.split()[0]) == 60
+
+
+def test_least_and_greatest_radius():
+    near, far = nearest_and_farthest(fit_arcs(circle(3 + 4j, 7), TOLERANCE))
+    assert (abs(near), abs(far)) == pytest.approx((2, 12))
+    near, far = nearest_and_farthest(polygon([-1 - 2j, 5 - 2j, 5 + 3j, -1 + 3j]))
+    assert (near, far) == (-1, 5 + 3j)
+    near, far = nearest_and_farthest(fit_arcs(oval(28, 3, 0), 1e-5))
+    assert (abs(near), abs(far)) == pytest.approx((25, 31), abs=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0, "0"), (-1e-9, "0"), (8, "8"), (100, "100"), (-2.5, "-2.5"), (1 / 3, "0.333")]
+)
+def test_numbers(value, text):
+    assert number(value) == text
+
+
+def test_widths_are_those_of_helvetica():
+    """Against the font metrics by Adobe that matplotlib brings along."""
+    path = os.path.join(os.path.dirname(matplotlib.__file__), "mpl-data/fonts/pdfcorefonts/Helvetica.afm")
+    with open(path, encoding="latin-1") as file:
+        table = {m[2]: int(m[1]) for m in re.finditer(r"WX (\d+) ; N (\w+)", file.read())}
+    names = {"Ø": "Oslash", "×": "multiply", "°": "degree", "±": "plusminus", "'": "quotesingle", "`": "grave"}
+    names |= {" ": "space", "+": "plus", "(": "parenleft", "/": "slash", "0": "zero", "9": "nine", "-": "hyphen"}
+    names |= {".": "period", "~": "asciitilde"}
+    names |= {c: c for c in "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"}
+    for character, name in names.items():
+        assert Text(0, character, 718, "left").width == pytest.approx(table[name]), character

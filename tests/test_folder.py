@@ -1,0 +1,261 @@
+"""The output folder appears whole or not at all, and never costs anyone a file."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import resource
+import stat
+import subprocess
+import sys
+import textwrap
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from camgen.errors import FileError
+from camgen.folder import Staged, write_manifest
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    """All files below a folder, hidden ones too."""
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def make(target: Path, text: str = "first", extra: str | None = None) -> None:
+    """A result as a build makes it."""
+    with Staged(target) as folder:
+        (folder / "a.txt").write_text(text)
+        (folder / "sub").mkdir()
+        (folder / "sub" / "b.txt").write_text(text)
+        if extra:
+            (folder / extra).write_text(text)
+        write_manifest(folder, ["numpy"])
+
+
+def test_result_replaces_an_earlier_one_whole(tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "out" / "cam"
+    make(target, extra="only-in-the-first.txt")
+    make(target, "second")
+    assert set(tree(tmp_path)) == {f"deep/out/cam/{name}" for name in ("a.txt", "sub/b.txt", "manifest.json")}
+    assert (target / "a.txt").read_text() == "second"
+
+
+def test_result_is_as_open_as_the_umask_says(tmp_path: Path) -> None:
+    before = os.umask(0o022)
+    try:
+        make(tmp_path / "cam")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "cam").stat().st_mode) == 0o755
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit, MemoryError])
+def test_any_exception_leaves_the_earlier_result(tmp_path: Path, error: type[BaseException]) -> None:
+    make(tmp_path / "cam")
+    before = tree(tmp_path)
+    with pytest.raises(error), Staged(tmp_path / "cam") as folder:
+        (folder / "a.txt").write_text("half")
+        raise error
+    assert tree(tmp_path) == before
+
+
+def test_failure_leaves_no_parents_behind(tmp_path: Path) -> None:
+    with pytest.raises(ValueError), Staged(tmp_path / "deep" / "out" / "cam"):
+        raise ValueError
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_earlier_result_stays_while_the_new_one_is_made(tmp_path: Path) -> None:
+    make(tmp_path / "cam")
+    with Staged(tmp_path / "cam") as folder:
+        assert (tmp_path / "cam" / "a.txt").read_text() == "first"
+        assert os.stat(folder).st_dev == os.stat(tmp_path).st_dev
+        (folder / "a.txt").write_text("second")
+    assert tree(tmp_path) == {"cam/a.txt": b"second"}
+
+
+@pytest.mark.parametrize("failing", [1, 2])
+def test_failed_rename_restores_the_earlier_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: int
+) -> None:
+    make(tmp_path / "cam")
+    before, calls, rename = tree(tmp_path), [], os.rename
+
+    def broken(source: Path, target: Path) -> None:
+        calls.append(target)
+        if len(calls) == failing:
+            raise OSError(errno.EIO, "Input/output error", str(source))
+        rename(source, target)
+
+    monkeypatch.setattr(os, "rename", broken)
+    with pytest.raises(FileError, match="Input/output error"):
+        make(tmp_path / "cam", "second")
+    assert tree(tmp_path) == before
+
+
+def test_interrupt_between_the_renames_restores_the_earlier_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make(tmp_path / "cam")
+    before, rename = tree(tmp_path), os.rename
+
+    def interrupted(source: Path, target: Path) -> None:
+        rename(source, target)
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "rename", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        make(tmp_path / "cam", "second")
+    assert tree(tmp_path) == before
+
+
+# ---- files that are not ours -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "files, named",
+    [
+        ({"letter.txt": "dear"}, "letter.txt"),
+        ({"sub/letter.txt": "dear"}, "sub"),
+        ({"manifest.json": "{}"}, "manifest.json"),
+        ({"manifest.json": "not json"}, "manifest.json"),
+        ({"manifest.json": "[1]"}, "manifest.json"),
+        ({"manifest.json": '{"files": {"a.txt": {}}, "name": "a web app"}', "a.txt": "x"}, "a.txt"),
+    ],
+)
+def test_folder_that_camgen_did_not_make_is_left_alone(tmp_path: Path, files: dict[str, str], named: str) -> None:
+    for name, text in files.items():
+        (tmp_path / "cam" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "cam" / name).write_text(text)
+    before = tree(tmp_path)
+    with pytest.raises(FileError, match="not made by camgen") as caught:
+        make(tmp_path / "cam")
+    assert caught.value.exit_code == 4
+    assert caught.value.path == str(tmp_path / "cam" / named)
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "sub/notes.txt", ".hidden", "empty/"])
+def test_file_added_to_a_result_protects_it(tmp_path: Path, name: str) -> None:
+    make(tmp_path / "cam")
+    added = tmp_path / "cam" / name
+    added.mkdir() if name.endswith("/") else added.write_text("mine")
+    before = tree(tmp_path)
+    with pytest.raises(FileError) as caught:
+        make(tmp_path / "cam", "second")
+    assert caught.value.path == str(added)
+    assert tree(tmp_path) == before and added.exists()
+
+
+def test_file_added_while_the_work_is_done_protects_the_folder(tmp_path: Path) -> None:
+    make(tmp_path / "cam")
+    with pytest.raises(FileError, match="notes.txt"), Staged(tmp_path / "cam"):
+        (tmp_path / "cam" / "notes.txt").write_text("mine")
+    assert (tmp_path / "cam" / "notes.txt").read_text() == "mine"
+    assert (tmp_path / "cam" / "a.txt").read_text() == "first"
+
+
+def test_empty_folder_and_lost_files_are_no_obstacle(tmp_path: Path) -> None:
+    (tmp_path / "cam").mkdir()
+    make(tmp_path / "cam")
+    (tmp_path / "cam" / "a.txt").unlink()
+    make(tmp_path / "cam", "second")
+    assert (tmp_path / "cam" / "a.txt").read_text() == "second"
+
+
+def test_file_or_link_where_the_folder_should_be(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    for name in ("file", "link", "dangling"):
+        with pytest.raises(FileError, match="not a folder"):
+            make(tmp_path / name)
+    with pytest.raises(FileError, match="Not a directory|File exists"):
+        make(tmp_path / "file" / "cam")
+    assert (tmp_path / "file").read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["dangling", "elsewhere", "file", "link"]
+
+
+# ---- disks that do not take it ---------------------------------------------------------------------------------------
+
+
+def test_parent_that_takes_no_folder() -> None:
+    with pytest.raises(FileError, match="cannot be written") as caught:
+        make(Path("/proc/camgen/cam"))  # no one may write there, root neither
+    assert caught.value.exit_code == 4
+
+
+def test_read_only_parent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: object, mode: int = 0o777) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    monkeypatch.setattr(os, "mkdir", refuse)
+    with pytest.raises(FileError, match="Permission denied"):
+        make(tmp_path / "cam")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_full_disk_names_the_file_where_it_was_to_be(tmp_path: Path) -> None:
+    make(tmp_path / "cam")
+    before = tree(tmp_path)
+    with pytest.raises(FileError) as caught, Staged(tmp_path / "cam") as folder:
+        (folder / "a.txt").write_text("half")
+        raise OSError(errno.ENOSPC, "No space left on device", str(folder / "b.stl"))
+    assert caught.value.path == str(tmp_path / "cam" / "b.stl")
+    assert "No space left" in caught.value.reason
+    assert tree(tmp_path) == before
+
+
+def test_write_that_the_system_cuts_short(tmp_path: Path) -> None:
+    """A real failure of a write half way: the size of a file is limited in another process."""
+    make(tmp_path / "cam")
+    before = tree(tmp_path)
+    code = textwrap.dedent(
+        """
+        import sys
+        from pathlib import Path
+        from camgen.errors import FileError
+        from camgen.folder import Staged
+        try:
+            with Staged(Path(sys.argv[1])) as folder:
+                (folder / "big.stl").write_bytes(bytes(1_000_000))
+        except FileError as error:
+            print(error)
+            sys.exit(error.exit_code)
+        """
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "cam")],
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)),
+    )
+    assert done.returncode == 4, done.stderr
+    assert "File too large" in done.stdout
+    assert tree(tmp_path) == before
+
+
+# ---- manifest --------------------------------------------------------------------------------------------------------
+
+
+def test_manifest_lists_every_file_and_is_the_same_each_time(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        make(tmp_path / name)
+    text = (tmp_path / "one" / "manifest.json").read_bytes()
+    assert text == (tmp_path / "two" / "manifest.json").read_bytes()
+    found = json.loads(text)
+    digest = hashlib.sha256(b"first").hexdigest()
+    assert found["files"] == {name: {"bytes": 5, "sha256": digest} for name in ("a.txt", "sub/b.txt")}
+    assert found["packages"] == {"numpy": version("numpy")}
+    assert list(found["files"]) == sorted(found["files"])
+
+
+def test_manifest_of_a_package_that_is_not_there(tmp_path: Path) -> None:
+    write_manifest(tmp_path, ["no-such-package-of-anyone", "click"])
+    assert list(json.loads((tmp_path / "manifest.json").read_text())["packages"]) == ["click"]

@@ -1,0 +1,57 @@
+"""What the README says to type is what works, and what CI types."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from camgen.cli import cli, main
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = [
+    line for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL) for line in block.splitlines() if line.strip()
+]
+SET_UP = "python3 -m venv .venv && .venv/bin/pip install -q"
+
+
+def test_first_two_commands_set_up_then_build_and_test() -> None:
+    build, test = COMMANDS[:2]
+    assert build == f"{SET_UP} . && .venv/bin/camgen build specs/uniform-swing.toml"
+    assert test == f"{SET_UP} -e '.[test]' && .venv/bin/pytest -q"
+
+
+def test_ci_runs_exactly_these_two() -> None:
+    lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+    assert set(COMMANDS[:2]) <= set(lines)
+    assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
+
+
+def test_every_other_command_works_in_its_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(ROOT / "specs", tmp_path / "specs")
+    monkeypatch.chdir(tmp_path)
+    ran = [COMMANDS[0].rpartition("&& ")[2], *COMMANDS[2:]]
+    for command in ran:
+        program, *arguments = shlex.split(command)
+        assert Path(program).name == "camgen", command
+        with pytest.raises(SystemExit) as done:
+            main(arguments)
+        assert done.value.code == 0, f"{command}\n{capsys.readouterr()}"
+
+
+def test_every_command_and_exit_code_is_told() -> None:
+    for name in cli.commands:
+        assert re.search(rf"camgen {name}\b", README), name
+    for code in (0, 1, 2, 3, 4):
+        assert re.search(rf"^\| {code} \|", README, re.MULTILINE), code
+
+
+def test_linked_files_exist() -> None:
+    for target in re.findall(r"\]\(([^)#:]+)\)", README):
+        assert (ROOT / target).exists(), target

@@ -1,0 +1,300 @@
+"""Specs: every fault at once, in plain words; a resolved spec reads back equal."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from camgen.errors import Fault, FileError, SpecError
+from camgen.mechanisms import MECHANISMS, load
+from camgen.spec import Length, Record, Spec, choose, dump, override, read, schema, unknown, validate
+
+
+def even(teeth: int) -> int:
+    if teeth % 2:
+        raise ValueError("an even number of teeth")
+    return teeth
+
+
+class Rise(Record):
+    kind: Literal["rise"]
+    lift: Length
+
+
+class Dwell(Record):
+    kind: Literal["dwell"]
+    span_deg: Annotated[float, Field(gt=0, lt=360)]
+
+
+class Shape(Record):
+    width: Length
+    height: Length
+    teeth: Annotated[int, AfterValidator(even)] = 2
+    side: Literal["left", "right"] = "left"
+    lid: Length | None = None
+    ribbed: bool = False
+    cut: Rise | Dwell | None = None
+
+    @model_validator(mode="after")
+    def upright(self) -> Shape:
+        if self.height < self.width:
+            raise PydanticCustomError("upright", "height to be at least the width, {width}", {"width": self.width})
+        return self
+
+
+class Box(Spec):
+    shape: Shape
+    segment: tuple[Annotated[Rise | Dwell, Field(discriminator="kind")], ...] = ()
+
+    def faults(self) -> Sequence[Fault]:
+        return [Fault("shape.lid", "9", "a small lid")] if self.shape.lid == 9 else []
+
+
+def box(**shape: Any) -> dict[str, Any]:
+    return {"mechanism": "box", "name": "a-box", "shape": {"width": 2, "height": 3.5} | shape}
+
+
+def faults(data: dict[str, Any]) -> dict[str, Fault]:
+    """The faults of a box by path; none may be listed twice."""
+    with pytest.raises(SpecError) as caught:
+        validate(Box, data, "box.toml")
+    found = {fault.path: fault for fault in caught.value.faults}
+    assert len(found) == len(caught.value.faults)
+    assert caught.value.exit_code == 2
+    assert all(path in str(caught.value) for path in ("box.toml", *found))
+    return found
+
+
+@pytest.mark.parametrize(
+    "shape, path, value, expected",
+    [
+        ({"width": -1}, "shape.width", "-1", "a number > 0 and <= 1000000"),
+        ({"width": 0}, "shape.width", "0", "a number > 0 and <= 1000000"),
+        ({"width": "2"}, "shape.width", "'2'", "a number > 0 and <= 1000000"),
+        ({"width": True}, "shape.width", "true", "a number > 0 and <= 1000000"),
+        ({"width": float("nan")}, "shape.width", "nan", "a number > 0 and <= 1000000"),
+        ({"width": float("-inf")}, "shape.width", "-inf", "a number > 0 and <= 1000000"),
+        ({"width": 10**400}, "shape.width", "a number of about 1e400", "a number > 0 and <= 1000000"),
+        ({"width": [1]}, "shape.width", "[1]", "a number > 0 and <= 1000000"),
+        ({"width": {"a": 1}}, "shape.width", "a table with a", "a number > 0 and <= 1000000"),
+        ({"lid": "x"}, "shape.lid", "'x'", "a number > 0 and <= 1000000"),
+        ({"teeth": 2.5}, "shape.teeth", "2.5", "a whole number"),
+        ({"teeth": 3}, "shape.teeth", "3", "an even number of teeth"),
+        ({"side": "lef"}, "shape.side", "'lef'", "one of 'left', 'right'"),
+        ({"ribbed": 1}, "shape.ribbed", "1", "true or false"),
+        ({"height": 1}, "shape", "a table with width, height", "height to be at least the width, 2.0"),
+        ({"cut": 5}, "shape.cut", "5", "a table with kind, lift or a table with kind, span_deg"),
+        ({"lid": 9}, "shape.lid", "9", "a small lid"),
+    ],
+)
+def test_fault_names_path_value_and_what_would_be_right(shape: Any, path: str, value: str, expected: str) -> None:
+    found = faults(box(**shape))
+    assert found == {path: Fault(path, value, expected)}
+
+
+def test_all_faults_at_once_with_nearest_keys() -> None:
+    data = box(widht=4, side=3, heigth=1) | {"nmae": "x", "print": {"bed": [220], "nozle": 1}, "accuracy": 3}
+    del data["name"], data["shape"]["width"], data["shape"]["height"]
+    found = faults(data)
+    assert set(found) == {
+        "name", "nmae", "print.bed.1", "print.nozle", "accuracy", "shape.width", "shape.widht", "shape.height",
+        "shape.heigth", "shape.side",
+    }  # fmt: skip
+    nearest = {"nmae": "name", "print.nozle": "nozzle", "shape.widht": "width", "shape.heigth": "height"}
+    assert {path: fault.nearest for path, fault in found.items() if fault.nearest} == nearest
+    assert found["shape.width"].expected == "missing: a number > 0 and <= 1000000 ('widht' is no key)"
+    assert "(did you mean 'nozzle'?)" in str(found["print.nozle"])
+
+
+def test_faults_inside_lists_and_unions() -> None:
+    last = {"kind": "dwell", "span_deg": 9, "x": 1}
+    segments = [{"kind": "rise", "lift": 0}, {"kind": "dwell"}, {"kind": "fall"}, last]
+    found = faults(box() | {"segment": segments})
+    assert set(found) == {"segment.0.lift", "segment.1.span_deg", "segment.2", "segment.3.x"}
+    assert "rise" in str(found["segment.2"]) or "kind" in str(found["segment.2"])
+    assert faults(box() | {"segment": 3})["segment"].value == "3"
+
+
+@pytest.mark.parametrize("name", ["a/b", "..", "a.b", "A", "a b", "", "-a", "a--b", "a_b", "ä", "a\n", "x" * 61])
+def test_name_that_is_no_folder_name(name: str) -> None:
+    fault = faults(box() | {"name": name})["name"]
+    assert "a-z" in fault.expected and "hyphens" in fault.expected and fault.value
+
+
+@pytest.mark.parametrize("name", ["a", "9", "a-b-c", "cam2", "x" * 60])
+def test_name_that_is_one(name: str) -> None:
+    assert validate(Box, box() | {"name": name}).name == name
+
+
+# ---- reading ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "content, place, words",
+    [
+        (b"", "line 1, column 1", "empty"),
+        (b"# a remark\n\n", "line 1, column 1", "empty"),
+        (b"a = \nb = 1", "line 1, column 5", "Invalid value"),
+        (b"a = 1\n[x\n", "line 2, column 3", "']'"),
+        (b"a = 1\na = 2\n\n\n", "line 2, column 6", "overwrite"),
+        (b'a = 1\nb = "\xff"', "line 2, column 6", "UTF-8"),
+        (b"\x00\x01", "line 1, column 1", "Invalid"),
+        (b'a = "x\ny"', "line 1, column 7", "character"),
+        (b"hello, world", "line 1, column 6", "="),
+    ],
+)
+def test_syntax_fault_has_line_and_column(tmp_path: Path, content: bytes, place: str, words: str) -> None:
+    path = tmp_path / "s.toml"
+    path.write_bytes(content)
+    with pytest.raises(SpecError) as caught:
+        read(path)
+    (fault,) = caught.value.faults
+    assert fault.path == place
+    assert words in str(caught.value) and str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("content", ["a = " + "[" * 5000, "a = " + "9" * 5000])
+def test_toml_beyond_python(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(content)
+    with pytest.raises(SpecError):
+        read(path)
+
+
+def test_what_is_no_readable_file(tmp_path: Path) -> None:
+    for path, words in ((tmp_path, "folder"), (tmp_path / "none.toml", "No such file"), (tmp_path / "a\0b", "null")):
+        with pytest.raises(FileError, match=words) as caught:
+            read(path)
+        assert caught.value.exit_code == 4
+
+
+def test_byte_order_mark_and_windows_lines_are_fine(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_bytes(b"\xef\xbb\xbfa = 1\r\n[b]\r\nc = 'd'\r\n")
+    assert read(path) == {"a": 1, "b": {"c": "d"}}
+
+
+# ---- --set -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "setting, expected",
+    [
+        ("shape.width=24", {"shape": {"width": 24, "height": 1}}),
+        ("shape.width = 2.5", {"shape": {"width": 2.5, "height": 1}}),
+        ("shape.side=right", {"shape": {"width": 1, "height": 1, "side": "right"}}),
+        ('shape.side="right"', {"shape": {"width": 1, "height": 1, "side": "right"}}),
+        ("shape.ribbed=true", {"shape": {"width": 1, "height": 1, "ribbed": True}}),
+        ("print.bed=[200, 100]", {"shape": {"width": 1, "height": 1}, "print": {"bed": [200, 100]}}),
+        ("name=1\nmechanism = 2", {"shape": {"width": 1, "height": 1}, "name": "1\nmechanism = 2"}),
+        ("name=a=b", {"shape": {"width": 1, "height": 1}, "name": "a=b"}),
+    ],
+)
+def test_override(setting: str, expected: dict[str, Any]) -> None:
+    data = {"shape": {"width": 1, "height": 1}}
+    assert override(data, setting) == expected
+    assert data == {"shape": {"width": 1, "height": 1}}
+
+
+@pytest.mark.parametrize("setting", ["", "shape.width", "=3", "shape.=3", ".width=3", "name.x=1"])
+def test_override_of_the_wrong_form(setting: str) -> None:
+    with pytest.raises(SpecError, match="--set"):
+        override({"name": "n"}, setting)
+
+
+def test_override_of_an_unknown_key_is_found_by_validation() -> None:
+    assert faults(override(box(), "shape.widht=3"))["shape.widht"].nearest == "width"
+
+
+# ---- mechanism -------------------------------------------------------------------------------------------------------
+
+
+def test_unknown_mechanism_with_nearest_name_and_the_shared_faults() -> None:
+    with pytest.raises(SpecError) as caught:
+        choose({"mechanism": "uniform-swin", "name": "A B", "geometry": {}}, ["uniform-swing", "disc-cam"])
+    assert [fault.path for fault in caught.value.faults] == ["mechanism", "name"]
+    first = caught.value.faults[0]
+    assert (first.value, first.nearest) == ("'uniform-swin'", "uniform-swing")
+    assert first.expected == "one of 'disc-cam', 'uniform-swing'"
+
+
+@pytest.mark.parametrize("value", [None, 3, ["disc-cam"], {"disc-cam": 1}, ""])
+def test_mechanism_missing_or_no_name(value: object) -> None:
+    data = {"name": "a"} | ({} if value is None else {"mechanism": value})
+    with pytest.raises(SpecError) as caught:
+        choose(data, ["disc-cam"])
+    assert [fault.path for fault in caught.value.faults] == ["mechanism"]
+
+
+def test_known_mechanism() -> None:
+    assert choose({"mechanism": "disc-cam"}, ["disc-cam", "x"]) == "disc-cam"
+    assert unknown("MECHANISM", "zzz", ["disc-cam"]).nearest is None
+
+
+# ---- writing ---------------------------------------------------------------------------------------------------------
+
+lengths = st.floats(min_value=1e-300, max_value=1e6) | st.integers(1, 10**6)
+
+
+@given(
+    width=lengths,
+    lid=lengths | st.none(),
+    lifts=st.lists(lengths, max_size=3),
+    side=st.sampled_from(["left", "right"]),
+    chord=st.floats(1e-7, 0.1),
+)
+def test_dump_reads_back_equal_and_dumps_the_same(
+    width: Any, lid: Any, lifts: list[Any], side: str, chord: float
+) -> None:
+    data = box(width=width, height=1e6, side=side) | {"accuracy": {"chord_tolerance": chord}}
+    if lid not in (None, 9):
+        data["shape"]["lid"] = lid
+    data["segment"] = [{"kind": "rise", "lift": lift} for lift in lifts]
+    record = validate(Box, data)
+    text = dump(record)
+    again = validate(Box, tomllib.loads(text))
+    assert again == record
+    assert dump(again) == text
+    assert again.shape.width == width and [segment.lift for segment in again.segment] == lifts  # type: ignore[union-attr]
+
+
+def test_whole_numbers_and_floats_end_equal() -> None:
+    assert dump(validate(Box, box(width=60, height=60))) == dump(validate(Box, box(width=60.0, height=60.0)))
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: str) -> None:
+    record = validate(load(mechanism), read(root / "specs" / f"{mechanism}.toml"))
+    resolved = tomllib.loads(dump(record))
+    described = schema(load(mechanism), mechanism)
+    assert described["properties"]["mechanism"] == {"const": mechanism}
+    for key, table in resolved.items():
+        assert key in described["properties"]
+        if isinstance(table, dict):
+            name = described["properties"][key].get("$ref", "").rsplit("/", 1)[-1]
+            assert set(table) <= set(described["$defs"][name]["properties"])
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "geometry.pivot_distance=0", "geometry.pivot_distance=-60", "geometry.arm_offset=nan",
+        "geometry.arm_offset=inf", "geometry.swing_deg=0", "geometry.swing_deg=180", "geometry.swing_deg=400",
+        "geometry.tip_radius=-1", "geometry.closure=spring", "geometry.pivot_distance=sixty", "parts.wall=0.1",
+        "limits.min_wall=0.1", "parts.bore=0", "accuracy.chord_tolerance=0", "print.bed=[0, 220]", "name=a/b",
+        "name=a.b", "name=..",
+    ],
+)  # fmt: skip
+def test_bad_values_of_the_uniform_swing_cam(starter: Path, setting: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        validate(load("uniform-swing"), override(read(starter), setting))
+    path = setting.partition("=")[0]
+    assert all(fault.path.startswith(path) and fault.value and fault.expected for fault in caught.value.faults)
