@@ -13,6 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -143,9 +144,7 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
             corners = piece.at(facet(Smooth(piece.function, t[i], t[i + 1]), tolerance))
             pieces += [Line(complex(a), complex(b)) for a, b in zip(corners[:-1], corners[1:], strict=True)]
         else:
-            pieces += [
-                Line(a, b) if line else _arc(a, b, sweep) for (a, b, sweep, _), line in zip(spans, flat, strict=True)
-            ]
+            pieces += [Line(a, b) if line else _arc(a, b, sweep) for (a, b, sweep, _), line in zip(spans, flat, strict=True)]
     return pieces
 
 
@@ -156,6 +155,7 @@ def _below_half(arc: Arc) -> list[Arc]:
     return [Arc(arc.centre, arc.radius, arc.start + i * step, step) for i in range(parts)]
 
 
+@lru_cache(maxsize=256)  # one fit serves the cut file, the drawing and the report
 def fit_arcs(contour: Contour, tolerance: float) -> Contour:
     """The contour as lines and arcs (each sweeping less than pi) within `tolerance` mm of it, either way.
 

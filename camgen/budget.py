@@ -19,9 +19,7 @@ _PAIRS = 4_000_000  # distances computed at most for one figure
 _SAMPLES = 4096  # points of the exact outline that are measured, unless that makes too many pairs
 
 
-def error_budget(
-    outline: Contour, drive: Rolling, reachable: Motion, tolerance: float, read: Mapping[str, Shape]
-) -> Table:
+def error_budget(outline: Contour, drive: Rolling, reachable: Motion, tolerance: float, read: Mapping[str, Shape]) -> Table:
     """One row a stage: largest outline error (mm) and largest change of the follower's angle (deg) that it adds.
 
     outline: the exact one; read: shapes recovered from the files, by kind ("dxf", "stl", "3mf").

@@ -116,11 +116,7 @@ class _Elements:
         round_it = np.flatnonzero((np.abs(spoke) < 1) & (self.sweep != 0))
         n0, n1 = self.normal[round_it], self.normal[round_it] * np.exp(1j * self.sweep[round_it])
         eccentric = -spoke[round_it]
-        change[round_it] = (
-            self.sweep[round_it]
-            + np.angle(1 + eccentric * np.conj(n1))
-            - np.angle(1 + eccentric * np.conj(n0))
-        )
+        change[round_it] = self.sweep[round_it] + np.angle(1 + eccentric * np.conj(n1)) - np.angle(1 + eccentric * np.conj(n0))
         return change
 
 

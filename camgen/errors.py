@@ -47,9 +47,7 @@ class DesignError(CamgenError):
 
     exit_code = 3
 
-    def __init__(
-        self, quantity: str, value: float, limit: float, unit: str, where: str = "", remedy: str = ""
-    ) -> None:
+    def __init__(self, quantity: str, value: float, limit: float, unit: str, where: str = "", remedy: str = "") -> None:
         self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
         self.where, self.remedy = where, remedy
         place = f" at {where}" if where else ""

@@ -89,9 +89,7 @@ def plot_svg(plot: Plot) -> str:
     with matplotlib.rc_context(settings | _STYLE):
         figure = Figure((_WIDTH / 72, _HEIGHT / 72), dpi=72, frameon=False)
         canvas: Any = FigureCanvasSVG(figure)
-        axes = figure.add_axes(
-            (_LEFT / _WIDTH, _LOW / _HEIGHT, (_RIGHT - _LEFT) / _WIDTH, (_TOP - _LOW) / _HEIGHT), frameon=True
-        )
+        axes = figure.add_axes((_LEFT / _WIDTH, _LOW / _HEIGHT, (_RIGHT - _LEFT) / _WIDTH, (_TOP - _LOW) / _HEIGHT), frameon=True)
         axes.patch.set_visible(False)
         turn = _draw(axes, plot)
         text = io.StringIO()
@@ -134,9 +132,7 @@ def _draw(axes: Any, plot: Plot) -> bool:
         )  # fmt: skip
     if (count := len(plot.series)) > 1:
         # One row of names where they fit (a letter is about 5 pt), else two: the room above the axes.
-        columns = (
-            count if sum(36 + 5 * len(label) for label, _, _ in plot.series) < _RIGHT - _LEFT else (count + 1) // 2
-        )
+        columns = count if sum(36 + 5 * len(label) for label, _, _ in plot.series) < _RIGHT - _LEFT else (count + 1) // 2
         axes.legend(
             loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderpad=0, borderaxespad=0.4,
             handlelength=2.4, columnspacing=1.4, fontsize=9,

@@ -135,7 +135,7 @@ class DiscCam:
             trace_cam = self.follower.trace(s[inside]) * np.exp(-1j * theta[inside])
             outward[inside] = _unit(trace_cam - cut.corner_cam)
         away = self.follower.leaves * self.follower.velocity(s) * np.exp(-1j * theta)
-        return np.abs(np.angle(away * np.conj(outward)))
+        return np.asarray(np.abs(np.angle(away * np.conj(outward))))
 
     def reachable(self, theta: Any) -> Floats:
         """Follower angle that the exact trimmed cam gives: the program's, less the undercut, (n,) rad."""
@@ -175,12 +175,10 @@ class DiscCam:
                 "the tip reaches the shaft's axis there: use a smaller tip_radius or a smaller swing",
             )  # fmt: skip
         pitches = [
-            partial(self.follower.pitch, motion=_continued(segment, joints[k]))
-            for k, segment in enumerate(self.program.segments)
+            partial(self.follower.pitch, motion=_continued(segment, joints[k])) for k, segment in enumerate(self.program.segments)
         ]
         wholes = [
-            Smooth(partial(_offset, pitch, self.follower.tip_radius), joints[k], joints[k + 1])
-            for k, pitch in enumerate(pitches)
+            Smooth(partial(_offset, pitch, self.follower.tip_radius), joints[k], joints[k + 1]) for k, pitch in enumerate(pitches)
         ]
         for k, whole in enumerate(wholes):
             corner = self._resting(wholes[k - 1], whole, joints[k])
@@ -242,9 +240,7 @@ class DiscCam:
             rides = self.follower.resting_on(at * np.exp(1j * np.asarray(theta)))
             return np.asarray(self.follower.leaves * (self.program(theta) - rides))
 
-        corners = [
-            j for j in np.concatenate((self.program.joints, self.program.joints + 2 * math.pi)) if begin <= j <= stop
-        ]
+        corners = [j for j in np.concatenate((self.program.joints, self.program.joints + 2 * math.pi)) if begin <= j <= stop]
         worst, shortfall = greatest(missing, begin, stop, corners)
         return Undercut(begin, stop, at, shortfall, worst, shortfall * abs(self.follower.arm))
 

@@ -403,8 +403,7 @@ def four_bar(frame: float, crank: float, coupler: float, output: float) -> FourB
     spans = []
     if slack < 0:
         turn = [
-            0.0 if side <= near else 180.0 if side >= far else math.degrees(_corner(frame, crank, side))
-            for side in (least, most)
+            0.0 if side <= near else 180.0 if side >= far else math.degrees(_corner(frame, crank, side)) for side in (least, most)
         ]
         spans = [span for span in ((0.0, turn[0]), (turn[1], 180.0)) if span[1] > span[0]]
     if sum(lengths[:3]) < lengths[3]:

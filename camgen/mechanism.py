@@ -1,11 +1,11 @@
 """The one interface: a mechanism is a frozen record whose fields are its spec and which answers six questions as data.
 
-    motion(theta, order)   the wanted output
-    parts()                what to make
-    poses(theta)           where each body is
-    contacts()             how parts touch
-    limits()               closed-form design checks, as findings
-    study()                named numbers, curves and tables for the report
+motion(theta, order)   the wanted output
+parts()                what to make
+poses(theta)           where each body is
+contacts()             how parts touch
+limits()               closed-form design checks, as findings
+study()                named numbers, curves and tables for the report
 """
 
 from __future__ import annotations

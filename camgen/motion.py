@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -40,10 +39,19 @@ class Law:
 
 
 def polynomial(*coefficients: float) -> Callable[[Floats, int], Floats]:
-    """Formula of a polynomial law, coefficients from u^0 upwards."""
-    base = Polynomial(coefficients)
-    orders = (base, base.deriv(1), base.deriv(2), base.deriv(3))
-    return lambda u, order: np.asarray(orders[order](u), float)
+    """Formula of a polynomial law, coefficients from u^0 upwards; Horner's scheme."""
+    orders = [coefficients]
+    for _ in range(3):
+        orders.append(tuple(k * c for k, c in enumerate(orders[-1]))[1:] or (0.0,))
+
+    def formula(u: Floats, order: int) -> Floats:
+        *rest, value = orders[order]
+        result = np.full(u.shape, float(value))
+        for c in reversed(rest):
+            result = result * u + c
+        return result
+
+    return formula
 
 
 UNIFORM = Law("uniform", polynomial(0, 1), 0, 1.0, 0.0, 0.0, "VDI 2143-1: gerade Linie")

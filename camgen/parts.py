@@ -91,9 +91,7 @@ def arrowhead(centre: complex, size: float, direction: complex) -> Contour:
     return polygon([centre + size * direction * cmath.exp(2j * math.pi * k / 3) for k in range(3)])
 
 
-def windows(
-    rim: Points, hub: float, count: int, wall: float, obstacles: Sequence[tuple[complex, float]] = ()
-) -> list[Contour]:
+def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequence[tuple[complex, float]] = ()) -> list[Contour]:
     """Up to `count` lightening windows (arc slots about the origin) that keep `wall` to everything around them.
 
     rim: (n,) complex polygon of the part's edge; hub: radius about the origin to keep clear (wall not yet added);
@@ -124,7 +122,9 @@ def windows(
             half = np.minimum(half, (radii * np.sin(sector - spreads))[:, :, 0] - wall / 2)
         for centre, radius in obstacles:
             half = np.minimum(half, clearance(np.array([centre]), direction)[:, :, 0] - radius - wall)
-        outside = radii[:, 0, 0] > np.min(np.where(np.abs(np.angle(rim * cmath.exp(-1j * direction))) < sector, np.abs(rim), np.inf))
+        outside = radii[:, 0, 0] > np.min(
+            np.where(np.abs(np.angle(rim * cmath.exp(-1j * direction))) < sector, np.abs(rim), np.inf)
+        )
         half[outside] = -1
         area = np.where(half > wall / 2, 4 * half * (radii * spreads)[:, :, 0] + math.pi * half**2, -1)
         i, j = np.unravel_index(int(np.argmax(area)), area.shape)

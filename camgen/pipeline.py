@@ -1,4 +1,4 @@
-"""The chain: spec -> mechanism -> parts -> files -> read back -> findings -> report, and the same judgement on an earlier build."""
+"""The chain: spec -> mechanism -> parts -> files -> read back -> findings -> report; and judging an earlier build again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +14,11 @@ import numpy as np
 from camgen import spec as specs
 from camgen.arcfit import bulges, fit_arcs
 from camgen.budget import error_budget
+from camgen.drawing import write_drawing
 from camgen.errors import FileError
 from camgen.export import Placed, placing, write_3mf, write_dxf, write_stl
 from camgen.folder import Staged, write_manifest
-from camgen.drawing import write_drawing
-from camgen.mechanism import Mechanism, Plot, Rolling, Study
+from camgen.mechanism import Mechanism, Plot, Rolling
 from camgen.mechanisms import MECHANISMS, load
 from camgen.outlines import Floats
 from camgen.parts import Part
@@ -49,16 +50,15 @@ def build(
     with Staged(out / mechanism.name) as folder:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         _write_files(mechanism, folder, only, progress)
-        report, columns = judge(
-            mechanism, folder, [kind for kind in KINDS if kind in only and kind != "report"], progress
-        )
+        report, columns = judge(mechanism, folder, [kind for kind in KINDS if kind in only and kind != "report"], progress)
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
             progress("writing the report")
             from camgen.figures import plot_svg
 
-            write_html(folder / "report.html", report, [plot_svg(plot) for plot in report.plots])
+            moving = replace(report, animation=_animation(mechanism))
+            write_html(folder / "report.html", moving, [plot_svg(plot) for plot in report.plots])
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     return report
@@ -171,7 +171,7 @@ def judge(
     report = Report(
         mechanism.name, mechanism.mechanism, tuple(findings), numbers,
         [_part_record(mechanism, part, kinds) for part in mechanism.parts()],
-        plots, study.tables, study.notes, _animation(mechanism, study), budget, _SIDE_FILES,
+        plots, study.tables, study.notes, None, budget, _SIDE_FILES,
     )  # fmt: skip
     return report, columns
 
@@ -202,13 +202,20 @@ def _motion_plots(columns: Mapping[str, Floats]) -> list[Plot]:
         mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * 360 / len(turn))
         return np.append(mean, mean[0])
 
+    def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
+        return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
+
+    wanted, reachable = columns["wanted_deg"], columns["reachable_deg"]
     return [
-        Plot("Swing", label, "deg", [("wanted", theta, columns["wanted_deg"])]
-             + [(f"from {kind.upper()}", theta, s) for kind, s in recovered.items()]),
-        Plot("Speed", label, f"deg per deg, mean of {SPEED_WINDOW_DEG:g} deg", [("wanted", theta, speed(columns["wanted_deg"]))]
-             + [(f"from {kind.upper()}", theta, speed(s)) for kind, s in recovered.items()]),
-        Plot("Motion error", label, "deg", [(f"from {kind.upper()}", theta, s - columns["reachable_deg"]) for kind, s in recovered.items()]),
-    ]  # fmt: skip
+        Plot("Swing", label, "deg", [("wanted", theta, wanted), *from_files(lambda s: s)]),
+        Plot(
+            "Speed",
+            label,
+            f"deg per deg of cam angle, mean of {SPEED_WINDOW_DEG:g} deg",
+            [("wanted", theta, speed(wanted)), *from_files(speed)],
+        ),
+        Plot("Motion error", label, "deg", from_files(lambda s: s - reachable)),
+    ]
 
 
 def _part_record(mechanism: Mechanism, part: Part, kinds: Sequence[str]) -> dict[str, object]:
@@ -224,13 +231,13 @@ def _part_record(mechanism: Mechanism, part: Part, kinds: Sequence[str]) -> dict
     }
 
 
-def _animation(mechanism: Mechanism, study: Study) -> Animation:
-    theta = np.arange(_FRAMES) * (2 * math.pi / _FRAMES)
+def _animation(mechanism: Mechanism) -> Animation:
+    theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
     poses = mechanism.poses(theta)
     bodies = []
     for part in mechanism.parts():
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in study.sketches]
+    bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in mechanism.study().sketches]
     return Animation(theta, bodies, np.degrees(mechanism.reachable(theta)), "follower", "deg")

@@ -126,9 +126,7 @@ def read_dxf(path: str | Path) -> DxfDrawing:
                 faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
         if ring is not None:
             rings.setdefault(layer, []).append(ring)
-    return DxfDrawing(
-        drawing.header.get("$INSUNITS"), {layer: tuple(found) for layer, found in rings.items()}, tuple(faults)
-    )
+    return DxfDrawing(drawing.header.get("$INSUNITS"), {layer: tuple(found) for layer, found in rings.items()}, tuple(faults))
 
 
 # ---- meshes ------------------------------------------------------------------------------------------------------
@@ -218,9 +216,7 @@ def read_stl(path: str | Path) -> Mesh:
         raise FileError(path, f"not an STL file: {len(data)} bytes, the header alone has 84")
     else:
         change = "cut short" if len(data) < 84 + 50 * count else "too long"
-        raise FileError(
-            path, f"{change}: {len(data)} bytes, but a header of {count} triangles asks for {84 + 50 * count}"
-        )
+        raise FileError(path, f"{change}: {len(data)} bytes, but a header of {count} triangles asks for {84 + 50 * count}")
     if not np.isfinite(corners).all():
         raise FileError(path, "a vertex is not finite")
     return _indexed(corners)

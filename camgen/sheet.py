@@ -173,9 +173,7 @@ def _beziers(arc: Arc) -> list[str]:
     t = np.linspace(arc.t0, arc.t1, n + 1)
     handle = 4 / 3 * math.tan(arc.sweep / n / 4)
     z, dz = arc.at(t), arc.at(t, 1) * handle
-    return [
-        f"{_pair(z[i] + dz[i])} {_pair(z[i + 1] - dz[i + 1])} {_pair(z[i + 1])} c" for i in range(n)
-    ]
+    return [f"{_pair(z[i] + dz[i])} {_pair(z[i + 1] - dz[i + 1])} {_pair(z[i + 1])} c" for i in range(n)]
 
 
 def _pair(z: complex) -> str:

@@ -1,11 +1,11 @@
 """Spec files: the tables that all mechanisms share, and the way from TOML to a checked record and back.
 
-    read      file -> data (plain tables, lists, numbers, text)
-    override  data, "geometry.swing_deg=24" -> data
-    choose    data -> name of the mechanism
-    validate  data -> record of a mechanism's class, or SpecError with every fault
-    dump      record -> TOML with every default filled in
-    schema    class -> JSON Schema, for editors
+read      file -> data (plain tables, lists, numbers, text)
+override  data, "geometry.swing_deg=24" -> data
+choose    data -> name of the mechanism
+validate  data -> record of a mechanism's class, or SpecError with every fault
+dump      record -> TOML with every default filled in
+schema    class -> JSON Schema, for editors
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Trimming of an envelope that crosses itself: loops removed at their exact crossing points.
 
 The pieces run round the material with the material on the RIGHT. What a tip leaves standing where two of its passes
-meet is a convex corner, so at a crossing the outline turns right: of the two ways to jump from one branch to the other only one does,
-and that tells which stretch is cut away.
+meet is a convex corner, so at a crossing the outline turns right: of the two ways to jump from one branch to the other
+only one does, and that tells which stretch is cut away.
 """
 
 from __future__ import annotations
@@ -155,9 +155,7 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
     def side(p: Points, q: Points, z: Points) -> Floats:
         return np.imag(np.conj(q - p) * (z - p))
 
-    cross = (side(a[i], b[i], a[j]) * side(a[i], b[i], b[j]) < 0) & (
-        side(a[j], b[j], a[i]) * side(a[j], b[j], b[i]) < 0
-    )
+    cross = (side(a[i], b[i], a[j]) * side(a[i], b[i], b[j]) < 0) & (side(a[j], b[j], a[i]) * side(a[j], b[j], b[i]) < 0)
     return i[cross], j[cross]
 
 
@@ -179,4 +177,9 @@ def _newton(p: Piece, q: Piece, t: float, u: float) -> tuple[float, float]:
             break
         t += (gap.conjugate() * along_q).imag / determinant
         u += (gap.conjugate() * along_p).imag / determinant
-    return float(np.clip(t, *sorted((p.t0, p.t1)))), float(np.clip(u, *sorted((q.t0, q.t1))))
+    return _within(p, t), _within(q, u)
+
+
+def _within(piece: Piece, t: float) -> float:
+    low, high = sorted((piece.t0, piece.t1))
+    return min(max(t, low), high)

@@ -310,5 +310,6 @@ def _ripple(contact: RollingContact, where: str, theta: Floats, reachable: Motio
     return at_most(
         "SPEED_RIPPLE", float(off[worst]) / float(np.max(np.abs(meant))), limit, "share",
         f"{where}, cam angle {math.degrees(theta[worst]):.3f} deg",
-        f"of the greatest speed; averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle (facets make the raw speed ripple as 1/N)",
+        f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
+        "facets make raw speed ripple as 1/N, and a smaller chord_tolerance lowers it",
     )  # fmt: skip

@@ -137,9 +137,7 @@ def test_bulges_describe_the_same_arcs() -> None:
         assert distance_to_pieces(z, contour.pieces).max() < 1e-10
         half = 2 * np.arctan(bulge)
         radius = np.divide(np.abs(chord) / 2, np.sin(half), out=np.zeros_like(half), where=half != 0)
-        area = 0.5 * np.sum(np.imag(np.conj(z) * np.roll(z, -1))) + np.sum(
-            radius**2 / 2 * (2 * half - np.sin(2 * half))
-        )
+        area = 0.5 * np.sum(np.imag(np.conj(z) * np.roll(z, -1))) + np.sum(radius**2 / 2 * (2 * half - np.sin(2 * half)))
         assert area == pytest.approx(contour.area, rel=1e-10)
 
 

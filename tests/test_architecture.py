@@ -15,8 +15,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / "camgen"
 ROWS = (
     {"errors", "tolerances"},
     {"motion", "findings", "spec"},
-    {"program", "outlines", "sampling", "arcfit", "trimming", "distances", "rings"}
-    | {"linkages", "dynamics", "landmarks"},
+    {"program", "outlines", "sampling", "arcfit", "trimming", "distances", "rings"} | {"linkages", "dynamics", "landmarks"},
     {"followers", "parts"},
     {"mechanism"},
     {"solids", "readback", "contact", "mechanisms"},
@@ -193,4 +192,4 @@ def test_dxf_only_run_loads_no_mesh_library(starter: Path, tmp_path: Path) -> No
         f"    main(['build', {str(starter)!r}, '--only', 'dxf', '-o', {str(tmp_path)!r}])\n"
         "except SystemExit as done:\n    assert done.code == 0, done.code"
     )
-    assert loaded(code) & {"trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "matplotlib"} == set()
+    assert loaded(code) & {"trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "scipy"} == set()

@@ -148,9 +148,7 @@ def star(seed: int, count: int, noise: float) -> np.ndarray:
     arm=st.sampled_from([-60 + 30j, -60 - 30j, -40 + 20j, -75 - 50j]),
     bearing=st.floats(-3.1, 3.1),
 )
-def test_noisy_polygons_against_the_trace(
-    seed: int, count: int, noise: float, rho: float, arm: complex, bearing: float
-) -> None:
+def test_noisy_polygons_against_the_trace(seed: int, count: int, noise: float, rho: float, arm: complex, bearing: float) -> None:
     """Concave corners, edges past 90 deg of pressure angle, knife edges: the first touch, to EXACT."""
     z, turn = star(seed, count, noise), np.exp(1j * bearing)
     pivot, arm = 60 * turn, arm * turn

@@ -113,9 +113,7 @@ def test_least_and_greatest_radius():
     assert (abs(near), abs(far)) == pytest.approx((25, 31), abs=2e-5)
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(0, "0"), (-1e-9, "0"), (8, "8"), (100, "100"), (-2.5, "-2.5"), (1 / 3, "0.333")]
-)
+@pytest.mark.parametrize(("value", "text"), [(0, "0"), (-1e-9, "0"), (8, "8"), (100, "100"), (-2.5, "-2.5"), (1 / 3, "0.333")])
 def test_numbers(value, text):
     assert number(value) == text
 

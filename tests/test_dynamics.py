@@ -163,9 +163,7 @@ def test_counterweight_on_the_crank_is_the_best_there_is() -> None:
 
     def peak_with(weight: complex) -> float:
         place = weight / abs(weight) * 20
-        return peak(
-            four_bar(LOW | {"crank": Body("O", "A", 0.0).with_weight(abs(weight) / 20, place)}, theta=THETA[::20]), "O"
-        )
+        return peak(four_bar(LOW | {"crank": Body("O", "A", 0.0).with_weight(abs(weight) / 20, place)}, theta=THETA[::20]), "O")
 
     assert peak_with(moment) == pytest.approx(left, rel=1e-5)
     for step in 1e-3 * abs(moment) * np.exp(1j * np.arange(8) * math.pi / 4):

@@ -79,9 +79,7 @@ def test_earlier_result_stays_while_the_new_one_is_made(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("failing", [1, 2])
-def test_failed_rename_restores_the_earlier_result(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: int
-) -> None:
+def test_failed_rename_restores_the_earlier_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: int) -> None:
     make(tmp_path / "cam")
     before, calls, rename = tree(tmp_path), [], os.rename
 
@@ -97,9 +95,7 @@ def test_failed_rename_restores_the_earlier_result(
     assert tree(tmp_path) == before
 
 
-def test_interrupt_between_the_renames_restores_the_earlier_result(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_interrupt_between_the_renames_restores_the_earlier_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     make(tmp_path / "cam")
     before, rename = tree(tmp_path), os.rename
 

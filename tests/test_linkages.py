@@ -77,9 +77,7 @@ def test_rod_angle_and_rate_and_the_lost_sign() -> None:
     jets = DRIVE.solve(TABLE, 2)
     rod = direction(jets["A"], jets["B"])
     np.testing.assert_allclose(-np.degrees(rod[0]), ECCENTRIC["published_phi2_deg"], atol=0.006)
-    np.testing.assert_allclose(
-        -rod[1] * -ECCENTRIC["table_speed"], -np.array(ECCENTRIC["published_phi2_rate"]), atol=0.01
-    )
+    np.testing.assert_allclose(-rod[1] * -ECCENTRIC["table_speed"], -np.array(ECCENTRIC["published_phi2_rate"]), atol=0.01)
 
 
 def test_speeds_of_the_motor() -> None:

@@ -30,9 +30,7 @@ def regular(count: int, radius: float = 10.0, centre: complex = 0j) -> np.ndarra
 # ---- rings ----
 
 
-@given(
-    st.floats(0.01, 1e3), st.complex_numbers(max_magnitude=1e3), st.lists(st.floats(0.05, 6), min_size=2, max_size=40)
-)
+@given(st.floats(0.01, 1e3), st.complex_numbers(max_magnitude=1e3), st.lists(st.floats(0.05, 6), min_size=2, max_size=40))
 def test_a_circle_in_any_arcs(radius: float, centre: complex, steps: list[float]) -> None:
     """Area, length, box and facets of a circle cut into arcs of any sizes below a full turn, either way round."""
     sweep = np.array(steps) / sum(steps) * 2 * np.pi

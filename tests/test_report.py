@@ -348,9 +348,7 @@ def test_plot_ignores_the_user_s_own_style() -> None:
 
     plot = made_up().plots[0]
     before = plot_svg(plot)
-    with matplotlib.rc_context(
-        {"lines.linewidth": 9, "svg.fonttype": "path", "axes.facecolor": "red", "axes.labelsize": 30}
-    ):
+    with matplotlib.rc_context({"lines.linewidth": 9, "svg.fonttype": "path", "axes.facecolor": "red", "axes.labelsize": 30}):
         assert plot_svg(plot) == before
 
 

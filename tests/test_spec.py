@@ -251,9 +251,7 @@ lengths = st.floats(min_value=1e-300, max_value=1e6) | st.integers(1, 10**6)
     side=st.sampled_from(["left", "right"]),
     chord=st.floats(1e-7, 0.1),
 )
-def test_dump_reads_back_equal_and_dumps_the_same(
-    width: Any, lid: Any, lifts: list[Any], side: str, chord: float
-) -> None:
+def test_dump_reads_back_equal_and_dumps_the_same(width: Any, lid: Any, lifts: list[Any], side: str, chord: float) -> None:
     data = box(width=width, height=1e6, side=side) | {"accuracy": {"chord_tolerance": chord}}
     if lid not in (None, 9):
         data["shape"]["lid"] = lid

@@ -93,7 +93,12 @@ class UniformSwing(Mechanism):
         p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
         checks = [
             # a stretch of less would be rounding
-            (blend in (0, 180) or 0.01 <= blend <= 179.99, "geometry.reversal_blend_deg", blend, "0 (sharp), 0.01 to 179.99, or 180"),
+            (
+                blend in (0, 180) or 0.01 <= blend <= 179.99,
+                "geometry.reversal_blend_deg",
+                blend,
+                "0 (sharp), 0.01 to 179.99, or 180",
+            ),
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (
                 self.allowed.min_wall >= nozzle,
@@ -212,13 +217,13 @@ class UniformSwing(Mechanism):
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """The cam (and its turned twin above it) turning about O, the follower about A."""
         theta = np.asarray(theta, float)
-        still = np.zeros(theta.shape, complex)
+        still: Points = np.zeros(theta.shape, complex)
         cams = [Pose(theta, still)]
         if self.geometry.closure == "conjugate":
             cams.append(Pose(theta, still, flipped=True, z=self.making.thickness + self.print.slide_clearance))
         return {
             "cam": cams,
-            "follower": [Pose(self.reachable(theta), still + self.geometry.pivot_distance)],
+            "follower": [Pose(self.reachable(theta), still + complex(self.geometry.pivot_distance))],
             "ground": [Pose(np.zeros(theta.shape), still)],
         }
 
@@ -248,11 +253,7 @@ class UniformSwing(Mechanism):
             # the angle jumps at a sharp reversal and at an undercut's ends: look from either side
             marks = sorted({begin, begin + math.pi, *(c for c in cuts if begin < c < begin + math.pi)})
             return max(
-                (
-                    greatest(degrees, a + 1e-9, b - 1e-9)[1]
-                    for a, b in pairwise(marks)
-                    if not self.cam.riding((a + b) / 2)
-                ),
+                (greatest(degrees, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(marks) if not self.cam.riding((a + b) / 2)),
                 default=0.0,
             )
 
@@ -271,9 +272,7 @@ class UniformSwing(Mechanism):
             )
         ]  # fmt: skip
         lost = max((math.degrees(u.shortfall) for u in self.cam.undercuts), default=0.0)
-        where = "; ".join(
-            f"cam angle {math.degrees(u.begin):.3f} to {math.degrees(u.end):.3f} deg" for u in self.cam.undercuts
-        )
+        where = "; ".join(f"cam angle {math.degrees(u.begin):.3f} to {math.degrees(u.end):.3f} deg" for u in self.cam.undercuts)
         depth = max((u.depth for u in self.cam.undercuts), default=0.0)
         findings.append(
             at_most(
@@ -351,8 +350,8 @@ class UniformSwing(Mechanism):
         if self._pressure[0] > 45:
             tilt = math.degrees(cmath.phase(-self.cam.follower.arm))
             notes.append(
-                f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; the conjugate "
-                "pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or a general disc cam with "
-                "its pivot placed so that the arm is square to the cam's radius in mid position."
-            )  # fmt: skip
+                f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; "
+                "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
+                "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
+            )
         return tuple(notes)
