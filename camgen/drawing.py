@@ -136,7 +136,7 @@ class _Layout:
     """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
 
     def __init__(self, part: Part, stem: str, tolerance: float, meta: Mapping[str, str]) -> None:
-        self.part, self.stem, self.meta = part, stem, meta
+        self.part, self.stem, self.tolerance, self.meta = part, stem, tolerance, meta
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
         self.named = holes_of(part.region.holes)
@@ -295,7 +295,7 @@ class _Layout:
         """Edge view, heights growing to the right, with the thickness."""
         left = self.paper(self.high).real + _RIGHT + _BESIDE / 2
         for layer in self.part.layers:
-            low, high = extent([fit_arcs(layer.region.outer, 0.01)])
+            low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
             a = complex(left + self.scale * layer.z0, self.paper(low).imag)
             b = complex(left + self.scale * layer.z1, self.paper(high).imag)
             self.sheet.line(a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True)

@@ -23,6 +23,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,12 @@ class DiscCam:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
         return _bending(partial(self.follower.pitch, motion=self.program), theta)
 
+    @cached_property
+    def least_radius(self) -> float:
+        """Smallest radius of curvature where the pitch curve is convex, corners aside, mm; a larger tip undercuts."""
+        bend = max(greatest(self.curvature, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(self.program.joints))
+        return 1 / bend if bend > 0 else math.inf
+
     def profile(self, theta: Any, order: int = 0) -> Points:
         """Untrimmed envelope of the tip in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
         return _offset(partial(self.follower.pitch, motion=self.program), self.follower.tip_radius, theta, order)
@@ -185,11 +192,6 @@ class DiscCam:
             pieces = ([corner] if corner else []) + self._forward(whole, pitches[k])
             raw += pieces
             places += [joints[k] if isinstance(p, Arc) else p.t0 for p in pieces]
-        if not any(isinstance(p, Smooth) for p in raw):
-            raise DesignError(
-                "tip_radius", self.follower.tip_radius, self._least_convex_radius(), "mm", "every cam angle",
-                "the tip is larger than the pitch curve's radius of curvature: use a smaller tip_radius",
-            )  # fmt: skip
         kept, cuts = trim(raw) if self.follower.tip_radius else (raw, [])
         outline = Contour(tuple(kept)).reversed()
         if not outline.area > 0:
@@ -202,10 +204,6 @@ class DiscCam:
                 "the tip leaves no cam round the shaft: use a smaller tip_radius",
             )
         return outline, tuple(self._undercut(raw, places, cut.start, cut.end, cut.at) for cut in cuts)
-
-    def _least_convex_radius(self) -> float:
-        bend = self.curvature(np.linspace(0, 2 * math.pi, 4097))
-        return 1 / float(np.max(bend)) if np.max(bend) > 0 else math.inf
 
     def _forward(self, whole: Smooth, pitch: Callable[..., Points]) -> list[Piece]:
         """Stretches of a raw piece that run forwards: where the tip fits into the pitch curve's bend."""

@@ -57,7 +57,7 @@ def build(
             progress("writing the report")
             from camgen.figures import plot_svg
 
-            moving = replace(report, animation=_animation(mechanism))
+            moving = replace(report, animation=animation(mechanism))
             write_html(folder / "report.html", moving, [plot_svg(plot) for plot in report.plots])
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
@@ -231,7 +231,8 @@ def _part_record(mechanism: Mechanism, part: Part, kinds: Sequence[str]) -> dict
     }
 
 
-def _animation(mechanism: Mechanism) -> Animation:
+def animation(mechanism: Mechanism) -> Animation:
+    """One turn of the exact mechanism, as the report shows it moving."""
     theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
     poses = mechanism.poses(theta)
     bodies = []

@@ -177,8 +177,9 @@ def test_each_rule_is_seen_to_fail(rule: object, module: str, text: str) -> None
 def loaded(code: str) -> set[str]:
     """Top-level packages that a fresh interpreter has loaded after the code."""
     code += "\nimport sys\nprint('LOADED', *{name.split('.')[0] for name in sys.modules})"
-    output = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    return set(output.rpartition("LOADED")[2].split())
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.rpartition("LOADED")[2].split())
 
 
 def test_help_loads_nothing_heavy() -> None:

@@ -27,7 +27,9 @@ def smoothness(law: Law) -> int:
     """Highest order up to which every derivative continues what the law joins."""
     before, after = (side + (0,) * 4 for side in JOINED[law.name])
     order = -1
-    while order < 3 and all(abs(float(law(u, order + 1)) - side[order + 1]) < 1e-12 for u, side in ((0.0, before), (1.0, after))):
+    while order < 3 and all(
+        abs(float(law(u, order + 1)) - side[order + 1]) < 1e-12 for u, side in ((0.0, before), (1.0, after))
+    ):
         order += 1
     return order
 
@@ -36,7 +38,8 @@ def peaks_hold(law: Law) -> bool:
     """C_v, C_a, C_j are the largest derivatives on a fine grid: neither more nor less."""
     declared = (law.c_v, law.c_a, law.c_j)
     return all(
-        abs(float(np.max(np.abs(law(U, order)))) - peak) <= 1e-8 * max(1.0, peak) for order, peak in enumerate(declared, start=1)
+        abs(float(np.max(np.abs(law(U, order)))) - peak) <= 1e-8 * max(1.0, peak)
+        for order, peak in enumerate(declared, start=1)
     )
 
 
@@ -60,7 +63,9 @@ def test_derivatives(law: Law) -> None:
     for u in (0.0312, 0.25, 0.5, 0.777):
         for order in range(4):
             truth = (
-                mpmath.diff(FORMULAS[law.name], mpmath.mpf(u), order, h=mpmath.mpf(10) ** -8) if order else FORMULAS[law.name](u)
+                mpmath.diff(FORMULAS[law.name], mpmath.mpf(u), order, h=mpmath.mpf(10) ** -8)
+                if order
+                else FORMULAS[law.name](u)
             )
             assert float(law(u, order)) == pytest.approx(float(truth), abs=1e-9)
 

@@ -47,7 +47,9 @@ def test_uniform_stretch_is_exactly_uniform(blend: float) -> None:
             assert np.ptp(program(side, 1)) == 0
             assert not np.any(program(side, 2)) and not np.any(program(side, 3))
             assert float(program(side[0], 1)) == pytest.approx(sign * SWING / (math.pi - blend * 5 / 16), rel=1e-12)
-    assert float(np.max(np.abs(program(np.linspace(0, 7, 9001), 1)))) <= SWING / (math.pi - blend * 5 / 16) * (1 + 1e-12)
+    assert float(np.max(np.abs(program(np.linspace(0, 7, 9001), 1)))) <= SWING / (math.pi - blend * 5 / 16) * (
+        1 + 1e-12
+    )
 
 
 def smooth_up_to(program: Program) -> int:

@@ -192,7 +192,7 @@ class UniformSwing(Mechanism):
         if not wall > 0:
             raise DesignError(
                 "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
-                "holes meet: use a smaller bore, key or pin_diameter",
+                "holes meet or leave the cam: use a smaller bore, key, pin_diameter or wall",
             )  # fmt: skip
         pair = self.geometry.closure == "conjugate"
         return Part(

@@ -1,0 +1,57 @@
+"""Figures of a build: motion error against its bound, whole-process times and memory. Run: python tests/bench/bench_build.py"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+SPEC = Path(__file__).parent.parent.parent / "specs" / "uniform-swing.toml"
+RUNS = 7
+
+
+def motion_errors(out: Path) -> None:
+    """Recovered motion against the bound tol / (R cos(pressure angle)) with 5 % to spare, by tolerance and kind of file."""
+    from camgen import pipeline
+
+    print("tolerance, mm | file | motion error, deg | bound, deg | used")
+    for tolerance in ("1e-1", "1e-2", "1e-3", "1e-4", "1e-5", "1e-6"):
+        settings = [f"accuracy.chord_tolerance={tolerance}", f"name='t{tolerance.replace('-', 'm')}'"]
+        report = pipeline.build(SPEC, out, frozenset({"dxf", "stl", "3mf"}), settings)
+        for finding in report.findings:
+            if finding.code == "MOTION_ERROR":
+                kind = finding.where.split(",")[0].rsplit(".", 1)[1]
+                used = finding.measured / finding.limit
+                print(f"{tolerance} | {kind} | {finding.measured:.3e} | {finding.limit:.3e} | {used:.0%}")
+
+
+def process(arguments: list[str]) -> tuple[float, float]:
+    """Wall time (s) and peak memory (MB) of a whole process."""
+    begin = time.perf_counter()
+    child = subprocess.Popen([sys.executable, "-m", "camgen", *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, _, usage = os.wait4(child.pid, 0)
+    return time.perf_counter() - begin, usage.ru_maxrss / 1024
+
+
+def whole_processes(out: Path) -> None:
+    """Median wall time and greatest memory of the commands that have a limit."""
+    print(f"command | wall, s (median of {RUNS}) | limit, s | peak, MB")
+    build = ["build", str(SPEC), "-o", str(out)]
+    for name, arguments, limit in (
+        ("camgen --help", ["--help"], 0.15),
+        ("camgen build --only dxf", [*build, "--only", "dxf"], 0.6),
+        ("camgen build", build, 2.5),
+    ):
+        runs = [process(arguments) for _ in range(RUNS)]
+        print(f"{name} | {statistics.median(w for w, _ in runs):.2f} | {limit} | {max(m for _, m in runs):.0f}")
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        whole_processes(Path(folder))  # first: a child's peak memory counts what this process holds when it starts it
+        print()
+        motion_errors(Path(folder))

@@ -1,0 +1,28 @@
+"""The pictures that the README shows. Run `python tests/gallery.py` to make them again; a test compares them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from camgen import pipeline
+from camgen.report import Report, gallery_svg
+
+TOP = Path(__file__).resolve().parent.parent
+FRAMES = {"uniform-swing": 20}  # frame of the moving picture that shows most
+
+
+def picture(name: str) -> str:
+    """The still picture of a spec in specs/, as SVG."""
+    mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
+    moving = Report(mechanism.name, mechanism.mechanism, (), animation=pipeline.animation(mechanism))
+    return gallery_svg(moving, FRAMES[name])
+
+
+def path(name: str) -> Path:
+    """Where the README finds it."""
+    return TOP / "out" / "gallery" / f"{name}.svg"
+
+
+if __name__ == "__main__":
+    for name in FRAMES:
+        path(name).write_text(picture(name), encoding="utf-8")
