@@ -10,7 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
 from camgen import spec as specs
 from camgen.arcfit import bulges, fit_arcs
 from camgen.budget import error_budget
@@ -20,10 +19,11 @@ from camgen.export import Placed, placing, write_3mf, write_dxf, write_stl
 from camgen.folder import Staged, write_manifest
 from camgen.mechanism import Mechanism, Plot, Rolling
 from camgen.mechanisms import MECHANISMS, load
+from camgen.moving import Animation, Body
 from camgen.outlines import Floats
 from camgen.parts import Part
 from camgen.readback import Shape
-from camgen.report import Animation, Body, Report, write_csv, write_html, write_json
+from camgen.report import Report, write_csv, write_html, write_json
 from camgen.solids import solid
 from camgen.tolerances import SPEED_WINDOW_DEG
 from camgen.verify import Expected, judge_dxf, judge_mesh, judge_motion, mounted

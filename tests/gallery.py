@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from camgen import pipeline
-from camgen.report import Report, gallery_svg
+from camgen.moving import still_svg
 
 TOP = Path(__file__).resolve().parent.parent
 FRAMES = {"uniform-swing": 20}  # frame of the moving picture that shows most
@@ -14,8 +14,7 @@ FRAMES = {"uniform-swing": 20}  # frame of the moving picture that shows most
 def picture(name: str) -> str:
     """The still picture of a spec in specs/, as SVG."""
     mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
-    moving = Report(mechanism.name, mechanism.mechanism, (), animation=pipeline.animation(mechanism))
-    return gallery_svg(moving, FRAMES[name])
+    return still_svg(pipeline.animation(mechanism), f"{mechanism.name} ({mechanism.mechanism})", FRAMES[name])
 
 
 def path(name: str) -> Path:

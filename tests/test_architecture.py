@@ -20,7 +20,7 @@ ROWS = (
     {"mechanism"},
     {"solids", "readback", "contact", "mechanisms"},
     {"export", "dxf", "sheet", "drawing", "verify", "folder", "budget"},
-    {"report", "figures"},
+    {"report", "moving", "figures"},
     {"pipeline"},
     {"cli", "__main__"},
 )
@@ -37,6 +37,7 @@ SAME_ROW = {
     ("drawing", "sheet"),
     ("sheet", "dxf"),
     ("budget", "verify"),
+    ("report", "moving"),
     ("__main__", "cli"),
 }
 # The judge sees files, the wanted motion and how parts touch; never what made the curve.
