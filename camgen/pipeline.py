@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+
 from camgen import spec as specs
 from camgen.arcfit import bulges, fit_arcs
 from camgen.budget import error_budget
