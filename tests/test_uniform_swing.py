@@ -189,7 +189,8 @@ def test_faults_come_all_at_once() -> None:
 def test_findings_and_study(blend_deg: float, rho: float) -> None:
     geometry = {"geometry__reversal_blend_deg": blend_deg, "geometry__tip_radius": rho}
     m = design(**geometry, parts__bore=4.0, parts__pin_diameter=0.0)
-    pressure, undercut = m.limits()
+    pressure, undercut, room = m.limits()
+    assert room.ok
     numbers = m.study().numbers
     assert all(math.isfinite(v) for v in numbers.values())
     assert (undercut.measured > 0) == bool(m.cam.undercuts) == (numbers["undercut_deg"] > 0)
@@ -203,3 +204,11 @@ def test_findings_and_study(blend_deg: float, rho: float) -> None:
     assert worst <= undercut.measured + 1e-12
     assert float(np.degrees(np.max(m.cam.pressure_angle(theta)))) <= pressure.measured + 1e-6
     assert float(np.ptp(np.degrees(m.motion(theta)))) == pytest.approx(30.0, abs=1e-5)
+
+
+def test_a_cam_that_sweeps_over_the_followers_axle_is_told() -> None:
+    """With H = L = 60 and 30 deg the tip stands farthest out where L and R enclose 45 + 15 deg: 75.56 mm, past the pivot."""
+    room = design(geometry__arm_offset=60.0).limits()[2]
+    assert room.code == "INTERFERENCE" and not room.ok
+    far = math.sqrt(60**2 + 7200 - 2 * 60 * math.sqrt(7200) * math.cos(math.radians(60)))
+    assert room.measured == pytest.approx(60 - (far - 3), abs=0.1)  # the tip's radius acts along a slightly slanted normal

@@ -25,7 +25,7 @@ from pydantic import Field
 
 from camgen.distances import point_to_ring, thinnest_wall
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_least, at_most
 from camgen.followers import DiscCam, SwingingArm, greatest
 from camgen.mechanism import Mechanism, Plot, Pose, Rolling, Sketch, Study, Table
 from camgen.outlines import Contour, Floats, Points, Region, circle
@@ -281,6 +281,18 @@ class UniformSwing(Mechanism):
                 "a smaller tip_radius or a reversal_blend_deg lowers it" if lost else "the tip follows the whole motion",
             )
         )  # fmt: skip
+        reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
+        room = self.geometry.pivot_distance - reach
+        findings.append(
+            at_least(
+                "INTERFERENCE",
+                room,
+                0.0,
+                "mm",
+                "exact profile and the follower's pivot",
+                f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {self.geometry.pivot_distance:g} mm",
+            )
+        )
         return findings
 
     def study(self) -> Study:
