@@ -1,44 +1,110 @@
 """Laws of motion: one frozen record a law, with its claims beside its formula.
 
-A law maps the position u = 0..1 in a segment to the displacement of a rise of 1, with derivatives to u.
-C_v, C_a and C_j are the largest |first|, |second| and |third| derivative inside the segment (VDI 2143).
+    law         displacement of a rise of 1 over the position u = 0..1 in a segment, with derivatives to u
+    C_v C_a C_j largest |first|, |second| and |third| derivative inside the segment; inf where a lower one jumps inside
+    smoothness  highest derivative that is continuous where the law joins what it is made to join, mostly a dwell
+    break       place inside the segment where a derivative of order 0..3 jumps
+
+Laws without a parameter stand in LAWS; `modified_sine`, `fourier`, `polynomial_law` and `tabulated` make the others.
+[VDI 2143: names and constants]
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from functools import partial
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen.errors import Fault, SpecError
+from camgen.tolerances import LAW_CLOSES
+
 Floats = NDArray[np.float64]
+Ends = tuple[tuple[float, ...], tuple[float, ...]]
+
+
+class Formula(Protocol):
+    """u (n,) and the order of a derivative, 0..3, to its values (n,)."""
+
+    def __call__(self, u: Floats, order: int) -> Floats:
+        """Values of the derivative."""
+
+
+DWELLS: Ends = ((0.0,), (1.0,))
 
 
 @dataclass(frozen=True)
 class Law:
-    """A normalised law of motion.
+    """A normalised law of motion; ValueError where the formula does not end as smoothly as declared.
 
-    formula(u, order): (n,) u in 0..1 to the derivative of order 0..3, (n,).
-    smoothness: highest derivative that is continuous where the law joins what it is made to join
-    (a dwell; for a turn, the uniform motion on both sides).
+    formula(u, order): (n,) u in 0..1 to the derivative of order 0..3, (n,); at a break the later side counts.
+    ends: displacement and derivatives of what the law joins, before and after; those not listed are 0.
     """
 
     name: str
-    formula: Callable[[Floats, int], Floats]
+    formula: Formula
     smoothness: int
     c_v: float
     c_a: float
     c_j: float
     source: str
+    breaks: tuple[float, ...] = ()
+    ends: Ends = DWELLS
+
+    def __post_init__(self) -> None:
+        reached = smoothness(self.formula, self.ends, (1.0, self.c_v, self.c_a, self.c_j))
+        if reached < self.smoothness:
+            raise ValueError(f"law {self.name}: smooth to order {reached}, {self.smoothness} is declared")
 
     def __call__(self, u: Any, order: int = 0) -> Floats:
         """Displacement (order 0) or its derivative to u, (n,)."""
         return self.formula(np.asarray(u, float), order)
 
 
-def polynomial(*coefficients: float) -> Callable[[Floats, int], Floats]:
+def smoothness(formula: Formula, ends: Ends, peaks: Sequence[float]) -> int:
+    """Highest order 0..3 up to which every derivative continues the ends; -1 where the displacement does not.
+
+    peaks: largest value of each order; a step counts from LAW_CLOSES of it.
+    """
+    for order in range(4):
+        slack = LAW_CLOSES * max(1.0, peaks[order] if math.isfinite(peaks[order]) else 1.0)
+        for u, side in zip((0.0, 1.0), ends, strict=True):
+            joined = side[order] if order < len(side) else 0.0
+            if not abs(float(formula(np.asarray(u), order)) - joined) <= slack:
+                return order - 1
+    return 3
+
+
+def largest(f: Callable[[Floats], Floats], breaks: Sequence[float] = ()) -> float:
+    """Largest |f(u)| on 0..1 for f smooth between the breaks: even samples, zoomed in on the best of each stretch."""
+    found = 0.0
+    marks = [0.0, *breaks, 1.0]
+    for begin, end in zip(marks, marks[1:], strict=False):
+        last = end if end == 1 else math.nextafter(end, begin)
+        u = np.linspace(begin, last, max(33, 4097 // len(marks)))
+        for _ in range(12):
+            value = np.abs(f(u))
+            k = int(np.argmax(value))
+            found = max(found, float(value[k]))
+            u = np.linspace(u[max(k - 1, 0)], u[min(k + 1, len(u) - 1)], 33)
+    return found
+
+
+def measured(name: str, formula: Formula, source: str, breaks: tuple[float, ...] = (), ends: Ends = DWELLS) -> Law:
+    """A law whose constants and smoothness are found from its formula, for the laws that come with parameters."""
+    v, a, j = (largest(partial(formula, order=order), breaks) for order in (1, 2, 3))
+    return Law(name, formula, smoothness(formula, ends, (1.0, v, a, j)), v, a, j, source, breaks, ends)
+
+
+# ---- polynomials -----------------------------------------------------------------------------------------------------
+
+
+def polynomial(*coefficients: float) -> Formula:
     """Formula of a polynomial law, coefficients from u^0 upwards; Horner's scheme."""
     orders = [coefficients]
     for _ in range(3):
@@ -54,29 +120,252 @@ def polynomial(*coefficients: float) -> Callable[[Floats, int], Floats]:
     return formula
 
 
-UNIFORM = Law("uniform", polynomial(0, 1), 0, 1.0, 0.0, 0.0, "VDI 2143-1: gerade Linie")
+Condition = tuple[float, int, float]
 
-POLYNOMIAL_345 = Law(
-    "3-4-5",
-    polynomial(0, 0, 0, 10, -15, 6),
-    2,
-    15 / 8,
-    10 / 3**0.5,
-    60.0,
-    "VDI 2143-1: Polynom 5. Grades",
-)
 
-LAWS = {law.name: law for law in (UNIFORM, POLYNOMIAL_345)}
+def coefficients_from(conditions: Sequence[Condition]) -> tuple[Fraction, ...]:
+    """Coefficients, from u^0 upwards, of the polynomial with these (u, order, value); solved in exact fractions.
+
+    SpecError where the conditions repeat or contradict each other, or do not fix the polynomial.
+    """
+    n = len(conditions)
+    rows = []
+    for at, order, value in conditions:
+        u = Fraction(at)
+        row = [Fraction(math.perm(k, order)) * u ** (k - order) if k >= order else Fraction(0) for k in range(n)]
+        rows.append([*row, Fraction(value)])
+    for k in range(n):
+        pivot = next((r for r in range(k, n) if rows[r][k]), None)
+        if pivot is None:
+            raise SpecError([Fault("conditions", f"{n} of them", "conditions that fix one polynomial, none twice")])
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        rows[k] = [x / rows[k][k] for x in rows[k]]
+        for r in range(n):
+            if r != k and rows[r][k]:
+                rows[r] = [x - rows[r][k] * y for x, y in zip(rows[r], rows[k], strict=True)]
+    return tuple(row[n] for row in rows)
+
+
+def polynomial_law(conditions: Sequence[Condition]) -> Law:
+    """The polynomial law with these (u, order, value); SpecError where there is none or it does not run from 0 to 1.
+
+    (0, 0, 0), (0, 1, 0), (0, 2, 0), (1, 0, 1), (1, 1, 0), (1, 2, 0) is the 3-4-5.
+    """
+    try:
+        formula = polynomial(*map(float, coefficients_from(conditions)))
+    except OverflowError:
+        raise SpecError([Fault("conditions", "too far apart in size", "a polynomial with coefficients under 1e308")]) from None
+    ends = [float(formula(np.asarray(u), 0)) for u in (0.0, 1.0)]
+    if not max(abs(ends[0]), abs(ends[1] - 1)) <= LAW_CLOSES:
+        raise SpecError([Fault("conditions", f"runs from {ends[0]:.6g} to {ends[1]:.6g}", "a law that runs from 0 to 1")])
+    return measured("polynomial", formula, f"polynomial from {len(conditions)} boundary conditions")
+
+
+# ---- sine, constant, cosine, coast ----------------------------------------------------------------------------------
+
+
+def blocks(ramp: float, hold: float, fall: float, coast: float = 0.0) -> Formula:
+    """Formula of a law whose acceleration rises as a sine, holds, falls as a cosine and rests; then the same mirrored.
+
+    The four shares of the segment add up to 1, half of each lies in either half.   [the family SCCA, there b, c, d]
+    """
+    zones = []  # begin, rate of the sines, shares of constant, sine and cosine, speed and displacement at the beginning
+    x = v = s = 0.0
+    for share, constant, sine, cosine in ((ramp, 0, 1, 0), (hold, 1, 0, 0), (fall, 0, 0, 1), (coast, 0, 0, 0)):
+        if share:
+            zone = (x, math.pi / share if sine or cosine else 1.0, constant, sine, cosine, v, s)
+            zones.append(zone)
+            end = np.asarray(x + share / 2)
+            x, v, s = float(end), float(_in_zone(zone, end, 1)), float(_in_zone(zone, end, 0))
+    begins = [zone[0] for zone in zones][1:]
+
+    def formula(u: Floats, order: int) -> Floats:
+        first = u < 0.5
+        x = np.where(first, u, 1 - u)
+        which = np.searchsorted(begins, x, side="right")
+        result = np.empty(u.shape)
+        for k, zone in enumerate(zones):
+            mine = which == k
+            result[mine] = _in_zone(zone, x[mine], order) / (2 * s)
+        if order == 0:
+            return np.where(first, result, 1 - result)
+        return np.where(first, result, (-1) ** (order + 1) * result)
+
+    return formula
+
+
+def _in_zone(zone: tuple[float, ...], x: Floats, order: int) -> Floats:
+    """Motion in one zone of `blocks`, acceleration 1 at its highest."""
+    begin, k, constant, sine, cosine, v, s = zone
+    x = x - begin
+    if order == 0:
+        arc = 2 * np.sin(k * x / 2) ** 2
+        return np.asarray(s + v * x + constant * x**2 / 2 + sine * (x - np.sin(k * x) / k) / k + cosine * arc / k**2)
+    if order == 1:
+        return np.asarray(v + constant * x + (sine * 2 * np.sin(k * x / 2) ** 2 + cosine * np.sin(k * x)) / k)
+    if order == 2:
+        return np.asarray(constant + sine * np.sin(k * x) + cosine * np.cos(k * x))
+    return np.asarray(k * (sine * np.cos(k * x) - cosine * np.sin(k * x)))
+
+
+def modified_sine(constant_velocity: float = 0.0) -> Law:
+    """The modified sine with a share 0 <= x < 1 of the segment at constant velocity in its middle.
+
+    SpecError for another share.   [VDI 2143: modifizierte Sinuslinie; kombiniert mit gerader Linie]
+    """
+    if not 0 <= constant_velocity < 1:
+        raise SpecError([Fault("constant_velocity", f"{constant_velocity:g}", "a share >= 0 and < 1")])
+    moving = 1 - constant_velocity
+    c_a = 4 * math.pi**2 / (moving * (4 * math.pi + (4 - 3 * math.pi) * moving))
+    return Law(
+        f"modified-sine-{100 * constant_velocity:g}" if constant_velocity else "modified-sine",
+        blocks(moving / 4, 0.0, 3 * moving / 4, constant_velocity),
+        2,
+        moving / math.pi * c_a,
+        c_a,
+        4 * math.pi / moving * c_a,
+        "VDI 2143: modifizierte Sinuslinie" + (", Gerade in der Mitte" if constant_velocity else ""),
+        (moving / 2, 1 - moving / 2) if constant_velocity else (),
+    )
+
+
+# ---- Fourier laws ----------------------------------------------------------------------------------------------------
+
+
+def harmonics(sines: int, cosines: int) -> tuple[Floats, Floats]:
+    """Angular rates of the acceleration's sines (2 pi, 4 pi, ...) and cosines (pi, 3 pi, ...)."""
+    return 2 * math.pi * np.arange(1.0, sines + 1), math.pi * np.arange(1.0, 2 * cosines, 2)
+
+
+def end_speed(sines: Sequence[float], cosines: Sequence[float]) -> float:
+    """Speed with which a Fourier law leaves its ends; the law closes where it is 0."""
+    w, z = harmonics(len(sines), len(cosines))
+    return float(1 - 2 * np.sum(cosines / z**2) - np.sum(sines / w))
+
+
+def fourier_formula(sines: Sequence[float], cosines: Sequence[float] = ()) -> Formula:
+    """Formula of the law whose acceleration is the sum of A_n sin(2 pi n u) and B_m cos((2 m - 1) pi u).
+
+    Both ways symmetric: s(1 - u) = 1 - s(u). It runs from 0 to 1 whatever the coefficients; see `end_speed`.
+    """
+    z = harmonics(len(sines), len(cosines))[1]
+    rest = float(np.sum(cosines / z**2))
+    # All terms are the imaginary part of c_k exp(i pi k u); each derivative multiplies them by i pi k.
+    k = np.arange(max(2 * len(sines), 2 * len(cosines) - 1) + 1)
+    terms = np.zeros(len(k), complex)
+    terms[2 : 2 * len(sines) + 1 : 2] = sines
+    terms[1 : 2 * len(cosines) : 2] = 1j * np.asarray(cosines, float)
+    orders = [terms[1:] * (1j * math.pi * k[1:]) ** (order - 2) for order in range(4)]
+
+    def formula(u: Floats, order: int) -> Floats:
+        turn = np.exp(1j * math.pi * u)
+        result = np.zeros(u.shape, complex)
+        for c in orders[order][::-1]:
+            result = (result + c) * turn
+        straight = ((1 - 2 * rest) * u + rest, 1 - 2 * rest, 0.0, 0.0)[order]
+        return np.asarray(result.imag + straight)
+
+    return formula
+
+
+def fourier(sines: Sequence[float], cosines: Sequence[float] = (), name: str = "fourier", source: str = "") -> Law:
+    """The Fourier law with these coefficients; SpecError where it does not start and end at rest."""
+    leaves = end_speed(sines, cosines)
+    if not abs(leaves) <= LAW_CLOSES:
+        expected = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
+        raise SpecError([Fault("sines", f"speed {leaves:.6g} at both ends", expected)])
+    return measured(name, fourier_formula(sines, cosines), source or f"Fourier series of {len(sines) + len(cosines)} terms")
+
+
+# ---- tables ----------------------------------------------------------------------------------------------------------
+
+
+_SAME_ANGLE = 1e-9  # of a table's range; rows nearer than this give speeds that are rounding
+
+
+def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = True) -> Law:
+    """The law through (angle, displacement) points of any unit, made to run from 0 to 1: a C2 cubic spline.
+
+    rest: it starts and ends with speed 0; otherwise its first and last two pieces are one cubic each. At least four points.
+    SpecError, with all that is wrong, where the angles do not grow or the last displacement is the first.
+    """
+    from scipy.interpolate import CubicSpline
+
+    table = np.array(points, float).reshape(-1, 2)
+    if len(table) < 4:
+        raise SpecError([Fault("points", f"{len(table)} of them", "at least 4 points")])
+    faults = []
+    if table[-1, 1] == table[0, 1]:
+        faults.append(Fault("points", f"start and end at {table[0, 1]:g}", "a last displacement that differs from the first"))
+    for k in np.flatnonzero(~(np.diff(table[:, 0]) > _SAME_ANGLE * np.ptp(table[:, 0]))) + 1:
+        faults.append(Fault(f"points.{k}", f"{table[k, 0]:g}", f"an angle greater than the one before, {table[k - 1, 0]:g}"))
+    if not faults and not np.ptp(table[:, 1]) < 1e6 * abs(table[-1, 1] - table[0, 1]):
+        faults.append(Fault("points", f"vary by {np.ptp(table[:, 1]):g}", "a table that varies by under 1e6 times its lift"))
+    if faults:
+        raise SpecError(faults)
+    u, s = ((column - column[0]) / (column[-1] - column[0]) for column in table.T)
+    spline = CubicSpline(u, s, bc_type="clamped" if rest else "not-a-knot")
+    bend = spline(u, 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = u[:-1] + np.diff(u) * bend[:-1] / (bend[:-1] - bend[1:])  # where the acceleration passes 0 the speed is extreme
+    at = np.concatenate((u, turns[(turns > 0) & (turns < 1)]))
+    v, a, j = (float(np.max(np.abs(spline(at, order)))) for order in (1, 2, 3))
+
+    def formula(u: Floats, order: int) -> Floats:
+        return np.asarray(spline(u, order))
+
+    knots = tuple(float(x) for x in u[1:-1])
+    return Law("table", formula, smoothness(formula, DWELLS, (1.0, v, a, j)), v, a, j, source, knots)
+
+
+# ---- the laws by name ------------------------------------------------------------------------------------------------
+
+_PI, _ROOT3 = math.pi, math.sqrt(3)
+
+UNIFORM = Law("uniform", polynomial(0, 1), 0, 1.0, 0.0, 0.0, "VDI 2143: gerade Linie")
+_PARABOLIC = blocks(0.0, 1.0, 0.0)
+_DOUBLE_COSINE = (1 + math.sqrt(129)) / 16, (1 - math.sqrt(129)) / 16  # cosines of pi u where its jerk is extreme
+
+
+def _double_harmonic(u: Floats, order: int) -> Floats:
+    turned = _PI * u + order * _PI / 2  # each derivative turns a cosine by a quarter
+    if order == 0:
+        return np.asarray(np.sin(_PI * u / 2) ** 2 - np.sin(_PI * u) ** 2 / 4)
+    return np.asarray(_PI**order * (2**order * np.cos(turned + _PI * u) / 8 - np.cos(turned) / 2))
+
+
+# The printed coefficients with the sign of A6 corrected; with the printed one the law leaves its ends with speed 1.6e-3.
+MR_13_SINES = (3.587020, -0.871476, -0.566845, 0.316224, -0.025629)
+MR_13_COSINES = (2.550126,)
+
+LAWS = {
+    law.name: law
+    for law in (
+        UNIFORM,
+        Law("parabolic", _PARABOLIC, 1, 2.0, 4.0, math.inf, "VDI 2143: quadratische Parabel", (0.5,)),
+        Law("cubic", polynomial(0, 0, 3, -2), 1, 1.5, 6.0, 12.0, "polynomial 2-3"),
+        Law("simple-harmonic", fourier_formula((), (_PI**2 / 2,)), 1, _PI / 2, _PI**2 / 2, _PI**3 / 2,
+            "VDI 2143: einfache Sinuslinie"),
+        Law("double-harmonic", _double_harmonic, 1, 3 * _ROOT3 * _PI / 8, _PI**2,
+            max(_PI**3 / 2 * math.sqrt(1 - c * c) * abs(4 * c - 1) for c in _DOUBLE_COSINE),
+            "two sines; its mirrored return continues its acceleration of -pi^2"),
+        Law("cycloidal", fourier_formula((2 * _PI,)), 2, 2.0, 2 * _PI, 4 * _PI**2, "VDI 2143: geneigte Sinuslinie"),
+        Law("modified-trapezoid", blocks(1 / 4, 1 / 2, 1 / 4), 2, 2.0, 8 * _PI / (_PI + 2), 32 * _PI**2 / (_PI + 2),
+            "VDI 2143: modifiziertes Beschleunigungstrapez"),
+        modified_sine(),
+        Law("3-4-5", polynomial(0, 0, 0, 10, -15, 6), 2, 15 / 8, 10 / _ROOT3, 60.0, "VDI 2143: Polynom 5. Grades"),
+        Law("4-5-6-7", polynomial(0, 0, 0, 0, 35, -84, 70, -20), 3, 35 / 16, 84 * math.sqrt(5) / 25, 52.5,
+            "polynomial 4-5-6-7"),
+        Law("mr-13", fourier_formula(MR_13_SINES, MR_13_COSINES), 1, 1.891738557035243, 6.150072598000659,
+            40.26235766526823, "choice of cam mechanisms for pad-printing machines (in Ukrainian), law MR-13, A6 < 0"),
+    )
+}  # fmt: skip
+POLYNOMIAL_345 = LAWS["3-4-5"]
 
 # Speed goes from +1 to -1 by the 3-4-5 law, so displacement is u - 2 * integral of 3-4-5: it starts and ends at 0.
 # Acceleration and jerk vanish at both ends, so it joins uniform motion up to the third derivative.
 TURN = Law(
-    "turn",
-    polynomial(0, 1, 0, 0, -5, 6, -2),
-    3,
-    1.0,
-    15 / 4,
-    20 / 3**0.5,
-    "integral of 1 - 2 * (3-4-5)",
-)
+    "turn", polynomial(0, 1, 0, 0, -5, 6, -2), 3, 1.0, 15 / 4, 20 / _ROOT3, "integral of 1 - 2 * (3-4-5)",
+    ends=((0.0, 1.0), (0.0, -1.0)),
+)  # fmt: skip
 TURN_PEAK = 11 / 32  # displacement of TURN at u = 1/2

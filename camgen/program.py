@@ -1,15 +1,24 @@
-"""A follower's program: segments of motion laws round one turn of the cam, s(theta) with derivatives."""
+"""A follower's program: segments of motion laws round one turn of the cam, s(theta) with derivatives.
+
+segment   one law over a span of cam angle; kind "rise", "dwell", "return" or "reversal"
+joint     cam angle where one segment ends and the next begins
+matched   segment whose law is the quintic that takes speed and acceleration from its neighbours
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from camgen.motion import TURN, TURN_PEAK, UNIFORM, Floats, Law
+from camgen.motion import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial
+from camgen.tolerances import LAW_CLOSES
+
+_BESIDE = 1e-12  # of a segment, from a break to the law on either side of it
 
 
 @dataclass(frozen=True)
@@ -31,6 +40,15 @@ class Segment:
     def end(self) -> float:
         """Displacement at the segment's end."""
         return float(self.at(self.span))
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A discontinuity: order of the derivative that jumps, cam angle (rad), size (unit of s per rad^order), signed."""
+
+    order: int
+    theta: float
+    size: float
 
 
 @dataclass(frozen=True)
@@ -61,6 +79,95 @@ class Program:
         before = [s.at(s.span, order) for s in self.segments]
         after = [s.at(0.0, order) for s in self.segments]
         return np.array(after) - np.roll(before, 1)
+
+    @cached_property
+    def breaks(self) -> Floats:
+        """Cam angles, growing, where a derivative of order 0..3 may jump: joints and the breaks inside laws, (m,) rad."""
+        inner = [b + s.span * np.array(s.law.breaks) for b, s in zip(self.joints, self.segments, strict=False) if s.scale]
+        return np.unique(np.concatenate((self.joints, *inner)))
+
+    def discontinuities(self, highest: int = 2) -> list[Jump]:
+        """Every jump of s and its derivatives up to the highest order, joints and breaks inside laws, by angle.
+
+        A jump counts from LAW_CLOSES of the largest value that the order has in the program.
+        """
+        starts, found = self.joints, []
+        for order in range(highest + 1):
+            slack = LAW_CLOSES * max(_size(s, order) for s in self.segments)
+            jumps = [(float(theta), float(size)) for theta, size in zip(starts, self.jumps(order), strict=False)]
+            for begin, s in zip(starts, self.segments, strict=False):
+                u = np.array(s.law.breaks)
+                steps = s.scale / s.span**order * (s.law(u + _BESIDE, order) - s.law(u - _BESIDE, order))
+                jumps += [(float(theta), float(size)) for theta, size in zip(begin + u * s.span, steps, strict=True)]
+            found += [Jump(order, theta, size) for theta, size in jumps if abs(size) > slack]
+        return sorted(found, key=lambda jump: (jump.theta, jump.order))
+
+
+def _size(segment: Segment, order: int) -> float:
+    """Largest value that a derivative takes in the segment, at least that of a uniform motion to the power of the order."""
+    peak = (1.0, segment.law.c_v, segment.law.c_a, segment.law.c_j)[order]
+    return abs(segment.scale) / segment.span**order * max(1.0, peak if math.isfinite(peak) else 1.0)
+
+
+def matched(
+    spans: Sequence[float],
+    levels: Sequence[float],
+    before: tuple[float, float] | None = None,
+    after: tuple[float, float] | None = None,
+) -> list[Segment]:
+    """Quintic segments through the levels (n + 1,), which join their neighbours in speed and acceleration.
+
+    before, after: speed and acceleration of the neighbours; None: the last segment joins the first (a whole turn).
+    At inner joints speed and acceleration are free and the jerk continues, too; so does the fourth derivative, except
+    where the motion reverses: there the speed is 0.
+    """
+    n, rises = len(spans), np.sign(np.diff(levels))
+    whole = before is None or after is None
+    free = range(n) if whole else range(1, n)
+    # Unknown speed and acceleration at joint k are x[2 k], x[2 k + 1].
+    rows = np.zeros((2 * n + 2, 2 * n + 2))
+    values = np.zeros(2 * n + 2)
+    for k in free:
+        for jump, order in enumerate((3, 4)):
+            row = rows[2 * k + jump]
+            if order == 4 and rises[k] * rises[k - 1] < 0:
+                row[2 * k] = 1
+                continue
+            for which, sign, end in ((k - 1, 1, 1.0), (k, -1, 0.0)):
+                which %= n
+                slopes, known = _quintic_end(order, end, spans[which], levels[which], levels[which + 1])
+                row[2 * which : 2 * which + 4] += sign * slopes
+                values[2 * k + jump] -= sign * known
+    if whole:
+        rows[2 * n : 2 * n + 2, :2], rows[2 * n : 2 * n + 2, 2 * n :] = np.eye(2), -np.eye(2)
+    else:
+        rows[:2, :2], rows[2 * n :, 2 * n :] = np.eye(2), np.eye(2)
+        values[:2], values[2 * n :] = before, after
+    x = np.linalg.solve(rows, values).reshape(-1, 2)
+    return [_quintic(spans[k], levels[k], levels[k + 1], x[k], x[k + 1]) for k in range(n)]
+
+
+# Coefficients c3, c4, c5 of a quintic over u = 0..1 from s(1) - s(0), s'(0), s''(0), s'(1), s''(1).
+_QUINTIC = np.array([[10, -6, -1.5, -4, 0.5], [-15, 8, 1.5, 7, -1], [6, -3, -0.5, -3, 0.5]])
+
+
+def _quintic_end(order: int, u: float, span: float, s0: float, s1: float) -> tuple[Floats, float]:
+    """Derivative of order 3 or 4 of a quintic at u: its dependence on v0, a0, v1, a1, and the rest."""
+    weights = np.array([math.perm(k, order) * u ** (k - order) if k >= order else 0.0 for k in (3, 4, 5)])
+    row = weights @ _QUINTIC / span**order
+    return row[1:] * np.array([span, span**2, span, span**2]), float(row[0] * (s1 - s0))
+
+
+def _quintic(span: float, s0: float, s1: float, start: Floats, end: Floats) -> Segment:
+    """The quintic segment with this speed and acceleration at its ends."""
+    rates = np.array([s1 - s0, start[0] * span, start[1] * span**2, end[0] * span, end[1] * span**2])
+    scale = float(np.max(np.abs(rates))) or 1.0
+    rates = rates / scale
+    high = _QUINTIC @ rates
+    formula = polynomial(0.0, rates[1], rates[2] / 2, *high)
+    ends = ((0.0, *map(float, rates[1:3])), (float(rates[0]), *map(float, rates[3:])))
+    kind = "rise" if s1 > s0 else "return"
+    return Segment(kind, span, s0, scale, measured("matched", formula, "quintic that joins its neighbours", ends=ends))
 
 
 def uniform_swing(swing: float, blend: float = 0.0) -> Program:

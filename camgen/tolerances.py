@@ -26,3 +26,10 @@ SPEED_WINDOW_DEG = 5.0
 # Volume may differ by this share, besides the facets' own part; it finds a lost hole or a wrong thickness,
 # the outline's accuracy is judged by the motion.
 VOLUME_SHARE = 1e-3
+
+# A section's area may differ by this share: it finds layers that are mixed up, VOLUME and the motion find the rest.
+AREA_SHARE = 1e-2
+
+# A law of motion joins its neighbour where displacement and derivatives agree to this share of their peaks: published
+# coefficients have six decimals (MR-13 leaves its ends with speed 2.8e-8, with the misprinted sign 1.6e-3).
+LAW_CLOSES = 1e-6

@@ -1,0 +1,58 @@
+"""The self-test: every constant agrees, a damaged one is seen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from camgen import cli, linkages, motion, selftest
+
+
+def run(capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:
+    with pytest.raises(SystemExit) as done:
+        cli.main(["selftest"])
+    assert isinstance(done.value.code, int)
+    return done.value.code, capsys.readouterr().out
+
+
+def test_all_agree(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out = run(capsys)
+    count = len(list(selftest.rows()))
+    assert code == 0 and "OFF" not in out and out.endswith(f"{count} constants agree\n") and count > 70
+    assert out.startswith("constant") and "mr-13 |b c|" in out and len(out.splitlines()) == count + 2
+
+
+@pytest.mark.parametrize("name", [name for name in motion.LAWS if name not in ("uniform", "double-harmonic")])
+def test_a_damaged_law_is_seen(name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    law = motion.LAWS[name]
+
+    def damaged(u: np.ndarray, order: int) -> np.ndarray:
+        return law.formula(u, order) * (1 if order == 0 else 1.001)
+
+    monkeypatch.setitem(motion.LAWS, name, replace(law, formula=damaged, smoothness=0))
+    code, out = run(capsys)
+    assert code == 1 and "are OFF" in out.splitlines()[-1]
+    assert all(name in line for line in out.splitlines()[1:-1] if line.endswith("OFF"))
+
+
+def test_a_damaged_coefficient_is_seen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(selftest, "MR_13_SINES", (*motion.MR_13_SINES[:-1], 0.025629))
+    code, out = run(capsys)
+    assert code == 1 and "2 of" in out.splitlines()[-1]
+
+
+def test_a_damaged_linkage_is_seen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(selftest, "slider_travel", lambda theta, e, rod: linkages.slider_travel(theta, e, rod + 1e-3))
+    code, out = run(capsys)
+    assert code == 1 and [line.split(",")[0] for line in out.splitlines()[:-1] if line.endswith("OFF")] == ["eccentric"] * 2
+
+
+def test_damage_to_a_published_value_is_seen() -> None:
+    for row in selftest.rows():
+        assert row.ok
+        digits = row.published.partition("e")[0]
+        last = digits[-1]
+        other = digits[:-1] + str((int(last) + 2) % 10) + row.published[len(digits) :]
+        assert not replace(row, published=other).ok and not replace(row, ours=float("nan")).ok
