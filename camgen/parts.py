@@ -9,7 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camgen.crossing import spread, volume
 from camgen.outlines import Arc, Contour, Line, Points, Region, circle, kidney, polygon
+from camgen.tolerances import SAME_POINT
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,9 @@ class Part:
 
     Frame: the part's own datum at the origin, z from 0 up. `centres` are the points that get a centre mark (complex, mm);
     `title` and `notes` are for people. bore: diameter of the hole on whose centre the part turns, None if it has none;
-    min_wall: the thinnest wall that its designer accepts, mm.
+    min_wall: the thinnest wall that its designer accepts, mm; cut: the layer that a laser cuts and the drawing shows, which
+    is the one with the joints. Layers of one height are separate pieces with the same z0 and z1.
+    crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material.
     """
 
     name: str
@@ -44,6 +48,8 @@ class Part:
     notes: tuple[str, ...] = ()
     bore: float | None = None
     min_wall: float = 0.0
+    cut: int = 0
+    crossed: Region | None = None
 
     @property
     def thickness(self) -> float:
@@ -52,13 +58,24 @@ class Part:
 
     @property
     def region(self) -> Region:
-        """The region that a laser cuts: the lowest layer's."""
-        return self.layers[0].region
+        """The region that a laser cuts."""
+        return self.layers[self.cut].region
 
     @property
     def volume(self) -> float:
         """Exact volume, mm^3, of layers that do not overlap less the engraving."""
+        if self.crossed is not None:
+            return sum(volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers)
         return sum(layer.volume for layer in self.layers) - sum(layer.volume for layer in self.engraved)
+
+    @property
+    def walls(self) -> float:
+        """Area of the upright walls, mm^2, or more: facets within a tolerance cost at most so much volume per mm of it."""
+        found = sum(layer.region.length * (layer.z1 - layer.z0) for layer in self.layers)
+        if self.crossed is not None:
+            low, high = zip(*(spread(layer.region) for layer in self.layers), strict=True)
+            found += self.crossed.length * (max(high) - min(low))
+        return found
 
 
 def d_bore(diameter: float, flat_depth: float) -> Contour:
@@ -109,6 +126,10 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
     # an edge of the rim comes nearer than its ends by at most this, since both are at least a wall away
     slack = float(np.max(np.abs(np.diff(rim, append=rim[:1])))) ** 2 / (8 * wall)
 
+    # distance of a window's end from the line half way to its neighbour, or to its own other end
+    beside = np.minimum(sector - spreads, math.pi / 2)
+    rib = (radii * np.sin(beside))[:, :, 0]
+
     def clearance(points: Points, direction: float) -> np.ndarray:
         local = points * cmath.exp(-1j * direction)
         along = np.clip(np.angle(local), -spreads, spreads)
@@ -118,8 +139,7 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
         direction = first + 2 * sector * k
         half = np.min(clearance(rim, direction), axis=2) - wall - slack
         half = np.minimum(half, (radii - hub - wall)[:, :, 0])
-        if count > 1:  # ribs of one wall between neighbours
-            half = np.minimum(half, (radii * np.sin(sector - spreads))[:, :, 0] - wall / 2)
+        half = np.minimum(half, rib - wall / 2)
         for centre, radius in obstacles:
             half = np.minimum(half, clearance(np.array([centre]), direction)[:, :, 0] - radius - wall)
         outside = radii[:, 0, 0] > np.min(
@@ -136,3 +156,65 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
         else:
             found.append(kidney(0j, radius, width, direction - spread, 2 * spread))
     return found
+
+
+def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
+    """The band drawn tight round discs (centre, radius): a bar with two hubs, a bell crank; counter-clockwise.
+
+    Arcs of the discs and the outer tangents between them; a disc inside another, or inside the band, leaves no trace.
+    """
+    # Of discs that reach a tangent alike, the one farthest along it is next, then the largest: the rest touch on the way.
+    right = max(centre.real + radius for centre, radius in discs)
+    tied = [k for k, (centre, radius) in enumerate(discs) if centre.real + radius >= right - 1e-12 * abs(right)]
+    start = here = max(tied, key=lambda k: (round(discs[k][0].imag, 9), discs[k][1]))
+    angle = 0.0
+    pieces: list[Line | Arc] = []
+    while True:
+        centre, radius = discs[here]
+        leaving = [  # the angle at which another disc begins to reach as far
+            ((cmath.phase(other - centre) - math.acos((radius - r) / abs(other - centre)) - angle) % math.tau, k)
+            for k, (other, r) in enumerate(discs)
+            if abs(radius - r) + SAME_POINT < abs(other - centre)
+        ]
+        first = min((sweep for sweep, _ in leaving), default=math.tau)
+        sweep = min(first, math.tau - angle)
+        if sweep > 1e-12:
+            pieces.append(Arc(centre, radius, angle, sweep))
+        angle += sweep
+        round_once = angle >= math.tau - 1e-12
+        if round_once and here == start:
+            return Contour(tuple(pieces))
+        normal = cmath.exp(1j * angle)
+        tied = [start] if round_once else [k for sweep, k in leaving if sweep <= first + 1e-9]
+        along = {k: round(((discs[k][0] - centre) / (1j * normal)).real, 9) for k in tied}
+        here = max(tied, key=lambda k: (along[k], discs[k][1]))
+        other, r = discs[here]
+        pieces.append(Line(centre + radius * normal, other + r * normal))
+        if round_once:
+            return Contour(tuple(pieces))
+
+
+def rod(name: str, title: str, diameter: float, length: float, count: int = 1, notes: tuple[str, ...] = ()) -> Part:
+    """A round pin, upright on its end."""
+    return Part(name, title, (Layer(Region(circle(0j, diameter / 2)), 0.0, length),), count, (), (0j,), notes)
+
+
+def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndarray:
+    """Signed distance of points, (n,) complex, from the band `hull(discs)`, (n,) mm, negative inside.
+
+    The greatest distance from the band's tangents: exact off its straight edges; round a hub 240 are tried, short by at
+    most 1e-4 of the distance from its centre.
+    """
+    edges = [
+        cmath.phase(d) + side * math.acos((r - s) / abs(d))
+        for z, r in discs
+        for w, s in discs
+        for side in (1, -1)
+        if abs(d := w - z) > abs(r - s)
+    ]
+    normals = np.exp(1j * np.concatenate([np.arange(240) * (math.tau / 240), edges]))
+    reach = np.max([np.real(np.conj(normals) * centre) + radius for centre, radius in discs], axis=0)
+    best = np.full(points.shape, -np.inf)
+    for normal, far in zip(normals, reach, strict=True):
+        np.maximum(best, points.real * normal.real + points.imag * normal.imag - far, out=best)
+    return best

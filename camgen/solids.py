@@ -44,12 +44,15 @@ def solid(part: Part, tolerance: float) -> Mesh:
     """The part as one closed body, in the part's frame; same part, same arrays.
 
     tolerance: chord tolerance, mm. Outlines are inscribed; full circles round empty space (bores, pockets) are
-    circumscribed, so that a pin still fits. Raises DesignError where an outline crosses itself or another one, or
-    where the layers do not make exactly one body.
+    circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
+    itself or another one, or where the layers do not make exactly one body.
     """
     layers = [_prism(layer, tolerance, part.name, pocket=False) for layer in part.layers]
     pockets = [_prism(layer, tolerance, part.name, pocket=True) for layer in part.engraved]
-    mesh = layers[0] if len(layers) == 1 and not pockets else _combine(layers, pockets)
+    if part.crossed is not None:
+        mesh = _cross(layers, part.crossed, tolerance, part.name)
+    else:
+        mesh = layers[0] if len(layers) == 1 and not pockets else _combine(layers, pockets)
     _check(mesh, part.name)
     return mesh
 
@@ -152,11 +155,29 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     known = np.unique(np.concatenate([m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)]))
     plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known)
 
-    vertices = np.column_stack([plan.real, plan.imag, height])
+    return _ordered(np.column_stack([plan.real, plan.imag, height]), faces)
+
+
+def _cross(layers: Sequence[Mesh], crossed: Region, tolerance: float, name: str) -> Mesh:
+    """The stack as far as it lies in the region (x + iz) extruded along y; vertices are rounded to float32."""
+    import manifold3d
+
+    stack = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
+    reach = 1 + max(float(np.max(np.abs(m.vertices[:, 1]))) for m in layers)
+    upright = _prism(Layer(crossed, -reach, reach), tolerance, name, pocket=False)
+    # (x, y, z) to (x, z, y) is a mirror image, so the faces turn round
+    across = Mesh(np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]), np.ascontiguousarray(upright.faces[:, ::-1]))
+    body = manifold3d.Manifold.batch_boolean([stack, _manifold(across)], manifold3d.OpType.Intersect)
+    raw = body.to_mesh64()
+    vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
+    return _ordered(vertices, np.asarray(raw.tri_verts).astype(np.int64))
+
+
+def _ordered(vertices: Floats, faces: Faces) -> Mesh:
+    """A mesh without doubled vertices and the faces that they leave flat, in an order that does not depend on threads."""
     vertices, index = np.unique(vertices, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]
-    # A fixed order, whatever order the Boolean operation's threads left.
     first = np.argmin(faces, axis=1)
     faces = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
     return Mesh(vertices, faces[np.lexsort(faces.T[::-1])])

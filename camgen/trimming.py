@@ -18,6 +18,7 @@ from camgen.tolerances import INTERSECTION, SAME_POINT
 
 _EVEN = 384  # samples of a piece, evenly in its parameter
 _GRADED = 1.3 ** -np.arange(4, 88)  # samples crowding towards both ends: a loop there is of any size down to 1e-10
+_GRAZING = 1e-5  # rad, neighbours that cross at less run on into each other; a loop turns by more than half a turn
 _BLOCK = 16  # chords in one bounding box of the crossing search
 
 
@@ -35,7 +36,7 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
 
     Consecutive pieces may be apart where their ends are to be cut away. Raises DesignError where no closed outline is left.
     """
-    cuts = _outermost([_cut(pieces, *crossing) for crossing in _crossings(pieces)])
+    cuts = _outermost(pieces, [_cut(pieces, *crossing) for crossing in _crossings(pieces)])
     kept: list[Piece] = []
     if not cuts:
         kept = list(pieces)
@@ -82,20 +83,22 @@ def _cut(pieces: Sequence[Piece], i: int, ti: float, j: int, tj: float) -> Cut:
     return Cut(at, (i, ti), (j, tj)) if turns_right else Cut(at, (j, tj), (i, ti))
 
 
-def _outermost(cuts: list[Cut]) -> list[Cut]:
+def _outermost(pieces: Sequence[Piece], cuts: list[Cut]) -> list[Cut]:
     """Cuts that lie in no other cut, in the order of their starts; a cut may reach past the last piece into the first."""
 
+    def place(mark: tuple[int, float]) -> float:
+        return mark[0] + _fraction(pieces[mark[0]], mark[1])
+
     def inside(mark: tuple[int, float], cut: Cut) -> bool:
-        if cut.start < cut.end:
-            return cut.start < mark < cut.end
-        return mark > cut.start or mark < cut.end
+        here, start, end = place(mark), place(cut.start), place(cut.end)
+        return start < here < end if start < end else here > start or here < end
 
     keep = []
     for cut in cuts:
         others = [c for c in cuts if c is not cut]
         if not any(inside(cut.start, c) and inside(cut.end, c) for c in others):
             keep.append(cut)
-    return sorted(keep, key=lambda c: c.start)
+    return sorted(keep, key=lambda c: place(c.start))
 
 
 def _samples(piece: Piece, least: float) -> tuple[Floats, Points]:
@@ -131,8 +134,19 @@ def _crossings(pieces: Sequence[Piece]) -> list[tuple[int, float, int, float]]:
         apart = (q + _fraction(pieces[q], tj)) - (p + _fraction(pieces[p], ti))
         if min(apart, len(pieces) - apart) < 1e-9:
             continue  # a joint or one point found twice, not a crossing
+        if _grazes(pieces, p, ti, q, tj):
+            continue
         found.append((p, ti, q, tj))
     return found
+
+
+def _grazes(pieces: Sequence[Piece], p: int, t: float, q: int, u: float) -> bool:
+    """Whether two neighbours, run on smoothly into each other, only seem to cross at their joint, where rounding rules."""
+    if (q - p) % len(pieces) not in (1, len(pieces) - 1):
+        return False
+    first, second = (pieces[k].at(s, 1) * np.sign(pieces[k].t1 - pieces[k].t0) for k, s in ((p, t), (q, u)))
+    turn = complex(np.conj(first) * second)
+    return turn.real > 0 and abs(turn.imag) < _GRAZING * turn.real
 
 
 def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:

@@ -1,0 +1,194 @@
+"""Ready to print: all copies of all parts laid flat on as few beds as it takes, and the list of parts.
+
+    footprint   the smallest rectangle, turned as it likes, about a part seen from above
+    plate       one bed full of copies, written as one 3MF file
+
+Rectangles are packed by rectpack (maximal rectangles, best short side first; Jylanki 2010) in whole micrometres, so the
+same parts give the same plates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from camgen.export import Placed, placing, write_3mf
+from camgen.findings import Finding, at_most
+from camgen.outlines import Floats, Points
+from camgen.parts import Part
+from camgen.solids import Mesh
+
+_UNIT = 0.001  # mm in which rectangles are packed
+
+# Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials
+# (generic_pla.xml.fdm_material and its neighbours, element <density>).
+DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
+
+# The rule of print time. A bead as wide as the nozzle and half as high, laid at this speed, gives the volumetric flow;
+# parts are printed solid; each layer of each copy costs as much again for travel, retraction and slow outer walls.
+PRINT_SPEED = 60.0  # mm/s
+LAYER_SHARE = 0.5  # of the nozzle: height of a layer
+LAYER_OVERHEAD = 6.0  # s
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """Smallest rectangle about a part: turned by angle (rad) the part fills width x height mm about `centre` (turned frame)."""
+
+    angle: float
+    width: float
+    height: float
+    centre: complex
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Place of one copy: the part turned by angle (rad), moved to position (complex mm, bed's corner at 0) and height z."""
+
+    part: str
+    copy: int
+    angle: float
+    position: complex
+    z: float
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Plates with their spots, and one BED_FIT finding per part, which fails for one that is larger than the bed."""
+
+    plates: tuple[tuple[Spot, ...], ...]
+    findings: tuple[Finding, ...]
+
+
+def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
+    """Smallest rectangle about the points, (n,) complex mm; where that one does not fit the bed, one that does if there is any.
+
+    The smallest one shares a side with the convex hull; others are tried in steps of one degree.
+    """
+    import shapely
+
+    cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
+    hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
+    sides = np.diff(hull)
+    tried = [_framed(hull, -float(np.angle(side))) for side in sides[np.abs(sides) > 0]]
+    best = min(tried, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
+    if _fits(best, bed):
+        return best
+    tried += [_framed(hull, math.radians(k)) for k in range(180)]
+    fitting = [f for f in tried if _fits(f, bed)]
+    return min(fitting, key=lambda f: f.width * f.height) if fitting else best
+
+
+def _framed(hull: Points, angle: float) -> Footprint:
+    z = hull * complex(math.cos(angle), math.sin(angle))
+    low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+    return Footprint(angle, (high - low).real, (high - low).imag, (low + high) / 2)
+
+
+def _fits(f: Footprint, bed: tuple[float, float]) -> bool:
+    return min(f.width, f.height) <= min(bed) and max(f.width, f.height) <= max(bed)
+
+
+def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float) -> Layout:
+    """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
+
+    meshes: by part name, in the part's frame. A part that fits no bed is left out, and its finding says by how much.
+    """
+    import rectpack
+
+    prints: dict[str, Footprint] = {}
+    findings, copies = [], []
+    for part in parts:
+        xy: Floats = meshes[part.name].vertices
+        f = prints[part.name] = footprint(xy[:, 0] + 1j * xy[:, 1], bed)
+        beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), 0.0)
+        remark = f"{part.count} lying on {f.width:.1f} x {f.height:.1f} mm, the bed is {bed[0]:g} x {bed[1]:g} mm"
+        findings.append(at_most("BED_FIT", beyond, 0.0, "mm", part.name, remark))
+        copies += [(part.name, k + 1) for k in range(part.count)] if not beyond else []
+
+    packer = rectpack.newPacker(rotation=True)  # the largest area first
+    packer.add_bin(*(math.floor((side + gap) / _UNIT) for side in bed), count=float("inf"))
+    sizes = [_cell(prints[name], bed, gap) for name, _ in copies]
+    for k, (width, height) in enumerate(sizes):
+        packer.add_rect(width, height, rid=k)
+    packer.pack()
+    cells: dict[int, list[tuple[int, complex, complex]]] = {}
+    for plate, x, y, width, height, k in packer.rect_list():
+        cells.setdefault(plate, []).append((k, complex(x, y), complex(width, height)))
+    laid = []
+    for plate in sorted(cells):
+        far = [low + size for _, low, size in cells[plate]]
+        middle = (complex(*bed) - complex(max(z.real for z in far), max(z.imag for z in far)) * _UNIT + gap * (1 + 1j)) / 2
+        spots = []
+        for k, low, size in sorted(cells[plate], key=lambda cell: cell[0]):
+            name, copy = copies[k]
+            across = size != complex(*sizes[k])
+            centre = middle + (low + size / 2) * _UNIT - gap * (1 + 1j) / 2
+            turned = prints[name].centre * (1j if across else 1)
+            angle = prints[name].angle + (math.pi / 2 if across else 0.0)
+            spots.append(Spot(name, copy, angle, centre - turned, -float(meshes[name].vertices[:, 2].min())))
+        laid.append(tuple(spots))
+    return Layout(tuple(laid), tuple(findings))
+
+
+def _cell(f: Footprint, bed: tuple[float, float], gap: float) -> tuple[int, int]:
+    """Width and height with the gap in units, rounded up unless that is what makes it too large for the bed."""
+    low, high = sorted(bed)
+    room = (low, high) if f.width < f.height else (high, low)
+    width, height = (
+        min(math.ceil((side + gap) / _UNIT), math.floor((limit + gap) / _UNIT))
+        for side, limit in zip((f.width, f.height), room, strict=True)
+    )
+    return width, height
+
+
+def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, Mesh], key: str) -> list[Path]:
+    """Write `<name>-plate.3mf`, `<name>-plate-2.3mf` and so on; key as for `write_3mf`. Returns the paths."""
+    paths = []
+    for k, spots in enumerate(layout.plates, 1):
+        path = folder / (f"{name}-plate.3mf" if k == 1 else f"{name}-plate-{k}.3mf")
+        objects = {part: mesh for part, mesh in meshes.items() if any(spot.part == part for spot in spots)}
+        items = [Placed(s.part, f"{s.part} {s.copy}", placing(s.angle, s.position, s.z, 0.0)) for s in spots]
+        write_3mf(path, objects, items, f"{key}:plate-{k}")
+        paths.append(path)
+    return paths
+
+
+# ---- the list of parts -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Row:
+    """A printed part in the list: count, and material (mm^3), mass (g) and time to print (min) of ALL its copies."""
+
+    part: str
+    title: str
+    count: int
+    material_mm3: float
+    mass_g: float
+    print_min: float
+
+
+COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
+
+
+def parts_list(parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4) -> list[Row]:
+    """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
+
+    The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY.
+    """
+    density = DENSITY[material] / 1000  # g/mm^3
+    layer = LAYER_SHARE * nozzle
+    flow = nozzle * layer * PRINT_SPEED
+    rows = []
+    for part in parts:
+        seconds = part.volume / flow + math.ceil(part.thickness / layer - 1e-9) * LAYER_OVERHEAD
+        rows.append(
+            Row(part.name, part.title, part.count, part.count * part.volume, part.count * part.volume * density,
+                part.count * seconds / 60)
+        )  # fmt: skip
+    return rows

@@ -1,0 +1,269 @@
+"""Machine parts: exact areas, walls that are named when they vanish, and fits between parts that belong together."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgen.distances import point_to_ring
+from camgen.errors import DesignError
+from camgen.followers import DiscCam, SwingingArm
+from camgen.hardware import Base, Collet, Frame, axle, overlap, plate, rounded, spacer, swept_box
+from camgen.outlines import Contour, Points, circle, polygon
+from camgen.program import uniform_swing
+from camgen.sampling import facet_contour
+from camgen.solids import solid
+from camgen.standards import BEARINGS, MOTOR_FACES, SCREWS, flange
+
+SWING, TIP = math.radians(30), complex(-60, -30)
+CORNER = 1 - math.pi / 4  # area that rounding a right angle with radius 1 takes
+
+
+def shape(contour: Contour) -> shapely.Polygon:
+    ring = facet_contour(contour, 1e-4)
+    return shapely.Polygon(np.column_stack([ring.real, ring.imag]))
+
+
+@pytest.fixture(scope="module")
+def rims() -> Points:
+    """The cam of the default spec over its turn, in the frame's axes (pivot at the origin), (m, n) complex."""
+    cam = DiscCam(uniform_swing(SWING), SwingingArm(60 + 0j, TIP, 3.0, 1))
+    theta = np.linspace(0, 2 * math.pi, 721)[:, None]
+    rim = facet_contour(cam.outline, 0.01)
+    return (rim * np.exp(1j * theta) - 60) * np.exp(-1j * cam.reachable(theta))
+
+
+def frame(box: complex = complex(-17.5, -30.1), **changes: float) -> Frame:
+    whole = Frame(TIP, 3.0, box + complex(1, -1), 10.0, 6.0, 24.0, 3.4, 20.0, 3.0, 6.0, 3.0)
+    return replace(whole, **changes)  # type: ignore[arg-type]
+
+
+BASE = Base(MOTOR_FACES["nema-17"], 60.0, 6.0, 12.0, 24.0, SWING, 6.0, 3.0, 0.2)
+COLLET = Collet(8.0, 0.2, 2.4, 8.0, 3.0, 24.0, ((8.5 + 0j, 3.0), (-8.5 + 0j, 3.0)))
+
+
+# ---- outlines --------------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(0.1, 4), st.floats(0.1, 4), st.floats(20, 40), st.floats(20, 40))
+def test_rounded_corners_and_fillet_of_an_angle(r: float, f: float, a: float, b: float) -> None:
+    # an L of two bars 9 wide: five round corners take area, the fillet adds some
+    corners = [(0, 0), (a, 0), (a, 9), (9, 9), (9, b), (0, b)]
+    lean = [(1, 1), (-1, 1), (-1, -1), (1, 1), (-1, -1), (1, -1)]
+    radii = [r, r, r, -f, r, r]
+    discs = [
+        (complex(x + dx * abs(q), y + dy * abs(q)), q)
+        for (x, y), (dx, dy), q in zip(corners, lean, radii, strict=True)
+    ]  # fmt: skip
+    made = rounded(discs)
+    assert made.area == pytest.approx(9 * a + 9 * (b - 9) - CORNER * (5 * r * r - f * f), rel=1e-12)
+    assert made.length == pytest.approx(2 * a + 2 * b - (2 - math.pi / 2) * (5 * r + f), rel=1e-12)
+
+
+def test_rounded_with_sharp_corners_is_the_polygon() -> None:
+    places = [0j, 5 + 0j, 5 + 2j, 1 + 3j]
+    assert rounded([(z, 0.0) for z in places]).area == pytest.approx(polygon(places).area, rel=1e-14)
+    with pytest.raises(ValueError, match="no tangent"):
+        rounded([(0j, 5.0), (1 + 0j, 1.0), (20 + 0j, 1.0)])
+
+
+def test_plate_with_an_edge_that_crosses_itself() -> None:
+    with pytest.raises(DesignError, match="crossings in the edge of the cam"):
+        plate("cam", polygon([0j, 10 + 10j, 10 + 0j, 12j]), {}, 1.0)
+
+
+def test_plate_names_what_meets_what() -> None:
+    rim = circle(0j, 20)
+    holes = {"bore": circle(0j, 5), "pin": circle(10 + 0j, 2), "slot": circle(-14 + 0j, 4)}
+    assert plate("cam", rim, holes, 1.9).area == pytest.approx(math.pi * (400 - 25 - 4 - 16), rel=1e-12)
+    for changed, names in (
+        ({"pin": circle(6 + 0j, 2)}, "between bore and pin"),
+        ({"slot": circle(-18 + 0j, 4)}, "between edge and slot"),
+        ({"slot": circle(-14 + 0j, 4.5)}, "between edge and slot"),
+        ({"slot": circle(-40 + 0j, 4)}, "between edge and slot"),
+    ):
+        with pytest.raises(DesignError, match="wall of the cam") as caught:
+            plate("cam", rim, holes | changed, 1.9)
+        assert caught.value.where == names
+        assert caught.value.value < caught.value.limit == 1.9
+
+
+# ---- base ------------------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(0.01, 80), st.floats(15, 60), st.sampled_from(sorted(MOTOR_FACES)))
+def test_slot_leaves_the_axle_its_play_over_the_whole_swing(swing_deg: float, slide_at: float, motor: str) -> None:
+    base = replace(BASE, swing=math.radians(swing_deg), slide_at=slide_at, motor=MOTOR_FACES[motor])
+    ring = facet_contour(base.slot, 1e-5)
+    places = 60 + slide_at * np.exp(1j * np.linspace(-base.swing / 2, base.swing / 2, 33))
+    room = point_to_ring(places, ring) - 3
+    assert np.allclose(room, 0.1, atol=2e-5)
+    end = 60 + slide_at * np.exp(0.5j * base.swing + 1j * base.end_room / slide_at)
+    assert point_to_ring(np.array([end * np.exp(1e-3j)]), ring)[0] - 3 < 0.1 - 1e-3  # and no more than that
+
+
+def test_base_keeps_its_walls_and_takes_the_motor() -> None:
+    part = BASE.part(0.8)
+    lower, upper = (layer.region for layer in part.layers)
+    edge = shape(lower.outer)
+    for region in (lower, upper):
+        holes = [shape(hole) for hole in region.holes]
+        assert min(edge.exterior.distance(hole) for hole in holes) > 2.99  # the wall, less the facets
+        assert min(a.distance(b) for k, a in enumerate(holes) for b in holes[:k]) > 0.8
+    assert len(lower.holes) == 3 + 4 + 1  # boss, axle, slot; screws; window
+    assert sorted(abs(h.centroid) for h in lower.holes)[1:5] == pytest.approx([31 / math.sqrt(2)] * 4)
+    assert upper.area < lower.area
+    assert solid(part, 0.01).volume == pytest.approx(part.volume, rel=1e-3)
+    assert edge.is_valid and edge.symmetric_difference(shapely.affinity.scale(edge, 1, -1, origin=(0, 0))).area < 0.01
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"thickness": 2.0}, "thickness of the base"),
+        ({"swing": math.radians(350)}, "arc slot"),
+        ({"slide_at": 6.5}, "between axle and slot"),
+        ({"pivot": 27.0}, "room for the axle's flange"),
+        ({"pivot": 14.0, "motor": flange(24.0, 15.0, 3, "M2"), "axle_flange": 6.0}, "wall of the base"),
+    ],
+)
+def test_base_refuses(changes: dict[str, float], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        replace(BASE, **changes).part(0.8)  # type: ignore[arg-type]
+
+
+# ---- frame -----------------------------------------------------------------------------------------------------------
+
+
+def test_frame_clears_the_cam_and_its_twin_fits_it(rims: Points) -> None:
+    part = frame(swept_box(rims)).part(0.8)
+    assert overlap(part.region, rims.ravel(), (TIP, 4.0)) == 0
+    # the tip is a round of the tip's radius where the cam touches it
+    edge = facet_contour(part.region.outer, 1e-4)
+    near = edge[(np.abs(edge - TIP) < 3.5) & (edge.imag > TIP.imag)]
+    assert np.allclose(np.abs(near - TIP), 3, atol=2e-4)
+    centres = {(round(hole.centroid.real, 9), round(hole.centroid.imag, 9)) for hole in part.region.holes}
+    assert {(x, -y + 0.0) for x, y in centres} == {(x, y + 0.0) for x, y in centres}
+    assert len(centres) == 6 and part.count == 2
+
+
+def test_frame_in_the_way_is_seen(rims: Points) -> None:
+    region = frame(swept_box(rims)).part(0.8).region
+    assert overlap(region, rims.ravel() + 15, (TIP, 4.0)) > 0.5
+    assert overlap(region, rims.ravel() - 5j, (TIP, 4.0)) > 0.5
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"pin": 9.0}, "wall of the frame"),
+        ({"axle": 40.0}, "room for the axle's hub"),
+        ({"spacing": 10.0}, "wall of the frame .* between sliding axle and nozzle screw"),
+        ({"tip": complex(-8, -30), "inside": complex(-7, -31)}, "room between tip and post"),
+        ({"seat": 5.5}, "between edge and seat"),
+        ({"slide_at": 5.0}, "wall of the frame"),
+    ],
+)
+def test_frame_refuses(changes: dict[str, float], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        frame(**changes).part(0.8)
+
+
+def test_frame_with_a_seat_and_with_a_knife_edge() -> None:
+    bearing = BEARINGS["623"]
+    seated = frame(seat=bearing.bore, tip_radius=bearing.bore / 2 + 3).part(0.8)
+    assert shape(seated.region.holes[-1]).area == pytest.approx(math.pi * 1.5**2, rel=1e-3)
+    knife = frame(tip_radius=0.0).part(0.8)
+    edge = facet_contour(knife.region.outer, 1e-4)
+    assert np.min(np.abs(edge - TIP)) < 1e-12
+    assert edge[np.argmax(np.where(edge.real < -40, edge.imag, -99))] == pytest.approx(TIP)
+
+
+# ---- shaft -----------------------------------------------------------------------------------------------------------
+
+
+def test_collet_and_ring_belong_together() -> None:
+    sleeve, ring = COLLET.sleeve(0.8), COLLET.ring()
+    radii = [np.max(np.abs(facet_contour(layer.region.outer, 1e-4))) for layer in sleeve.layers[1::4]]
+    bores = [math.sqrt(layer.region.holes[0].area / math.pi) for layer in ring.layers]
+    assert np.allclose(-np.diff(radii), 0.05) and np.allclose(-np.diff(bores), 0.05)
+    first = round(COLLET.travel / (COLLET.length / COLLET.steps))
+    assert bores == pytest.approx(radii[first:])  # touches all round with the travel left to go
+    closing = 2 * (radii[0] - bores[0])
+    assert closing == pytest.approx(COLLET.travel / 10) and closing >= 1.5 * COLLET.fit - 1e-12
+    assert radii[-1] == pytest.approx(4.1 + 2.4)
+    for part in (sleeve, ring):
+        assert solid(part, 0.001).volume == pytest.approx(part.volume, rel=1e-3)
+
+
+def test_collet_fingers_are_the_ring_less_the_slits() -> None:
+    sleeve = COLLET.sleeve(0.8)
+    fingers = [shape(layer.region.outer) for layer in sleeve.layers[1:5]]
+    cross = shapely.box(-20, -0.5, 20, 0.5) | shapely.box(-0.5, -20, 0.5, 20)
+    outer, inner = shape(circle(0j, 6.85)), shape(circle(0j, 4.1))
+    assert shapely.union_all(fingers).symmetric_difference(outer - inner - cross).area < 0.01
+    assert all(a.distance(b) > 0.99 for a, b in pairwise(fingers))
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"flange_diameter": 15.0, "pins": ()}, "flange of the collet"),
+        ({"pins": ((7.5 + 0j, 3.0),)}, "gap beside the collet's sleeve"),
+        ({"pins": ((11.5 + 0j, 3.0),)}, "wall of the collet's flange"),
+        ({"slits": 24}, "finger of the collet"),
+        ({"wall": 0.5}, "wall of the collet"),
+    ],
+)
+def test_collet_refuses(changes: dict[str, float], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        replace(COLLET, **changes).sleeve(0.8)  # type: ignore[arg-type]
+
+
+def test_ring_that_would_pass_over_the_sleeve() -> None:
+    with pytest.raises(DesignError, match="travel of the clamp ring"):
+        replace(COLLET, fit=0.6).ring()
+
+
+def test_axle_and_spacer() -> None:
+    made = axle(6.0, 19.0, 12.0, 2.0)
+    assert made.volume == pytest.approx(math.pi * (36 * 2 + 9 * 19)) and made.thickness == 21
+    with pytest.raises(DesignError, match="flange of the axle"):
+        axle(6.0, 19.0, 6.0, 2.0)
+    washer = spacer("spacer", "Spacer", 8.0, 24.0, 0.4, 0.8, pins=[(8.5 + 0j, 3.0)])
+    assert washer.volume == pytest.approx(0.4 * math.pi * (144 - 16 - 2.25))
+    with pytest.raises(DesignError, match="between bore and pin 1"):
+        spacer("spacer", "Spacer", 8.0, 24.0, 0.4, 0.8, pins=[(6.0 + 0j, 3.0)])
+
+
+# ---- standards -------------------------------------------------------------------------------------------------------
+
+# Bolt circle, mm (in where marked): piclist.com/techref/io/stepper/nemasizes.htm, a column of its own there.
+BOLT_CIRCLES = {"nema-8": 22.6, "nema-11": 32.5, "nema-14": 36.8, "nema-17": 1.725 * 25.4, "nema-23": 2.625 * 25.4}
+
+
+def test_motor_faces_agree_with_their_bolt_circles() -> None:
+    assert set(BOLT_CIRCLES) == set(MOTOR_FACES)
+    for name, face in MOTOR_FACES.items():
+        assert 2 * abs(face.screws[0]) == pytest.approx(BOLT_CIRCLES[name], abs=0.05)
+        assert abs(sum(face.screws)) < 1e-12
+        assert face.boss / 2 + face.screw.clearance / 2 < abs(face.screws[0]) < face.half * math.sqrt(2)
+        assert face.shaft < face.boss
+
+
+def test_screws_and_bearings_are_plausible() -> None:
+    for thread, screw in SCREWS.items():
+        nominal = float(thread[1:])
+        assert 1.09 * nominal <= screw.clearance <= 1.21 * nominal
+        assert screw.clearance + 1 < screw.head <= 2 * nominal and 0.5 * nominal <= screw.height <= nominal
+    for name, bearing in BEARINGS.items():
+        assert bearing.bore == float(name[-1]) and bearing.bore < bearing.outside and bearing.width < bearing.outside
+    plain = flange(30.0, 50.0, 3, "M4")
+    assert np.allclose(np.abs(plain.screws), 25) and abs(sum(plain.screws)) < 1e-12

@@ -1,0 +1,197 @@
+"""Swept interference against closed forms of circles and brute force, and seen to fail."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgen.export import Placed, placing, write_3mf
+from camgen.interference import (
+    Body,
+    Clearance,
+    Course,
+    Slab,
+    interference,
+    judge_plate,
+    sampled_rate,
+    slabs_of,
+    swept,
+)
+from camgen.outlines import Region, circle, polygon
+from camgen.parts import Layer, Part
+from camgen.readback import Mesh
+from camgen.rings import Points, Ring
+from camgen.solids import solid
+
+SPIN = Course(lambda t: t, lambda t: np.zeros(t.shape, complex), 1.0, 0.0)
+
+
+def ring(points: Points | list[complex]) -> Ring:
+    z = np.asarray(points, complex)
+    return Ring(z, np.zeros(len(z)))
+
+
+def disc(centre: complex, radius: float, n: int = 400) -> Ring:
+    return ring(centre + radius * np.exp(2j * np.pi * np.arange(n) / n))
+
+
+def box(low: complex, high: complex) -> Ring:
+    return ring([low, complex(high.real, low.imag), high, complex(low.real, high.imag)])
+
+
+def slabs(*rings: Ring) -> tuple[Slab, ...]:
+    return (Slab(0.0, 5.0, rings),)
+
+
+def only(found: list[Clearance]) -> Clearance:
+    assert len(found) == 1
+    return found[0]
+
+
+def swing_arm(theta_amplitude: float) -> Course:
+    return Course(lambda t: theta_amplitude * np.sin(t), lambda t: np.full(t.shape, 60 + 0j), theta_amplitude, 0.0)
+
+
+def test_eccentric_disc_and_a_wall() -> None:
+    """An eccentric reaches e + r: its gap to a wall at x is x - e - r, at theta = 0 for e on Ox."""
+    gap = 0.3
+    wall = Body("wall", slabs(box(25 + gap - 50j, 40 + 50j)))
+    c = only(swept([Body("cam", slabs(disc(5, 20)), SPIN), wall], {}, 0.25))
+    assert c.proven <= gap <= c.gap + 1e-9 or abs(c.gap - gap) < 0.005
+    assert c.proven >= 0.25 and min(c.theta, math.tau - c.theta) < 0.1
+    assert interference([c], 0.25)[0].ok and not interference([c], 0.31)[0].ok
+
+
+def test_turning_square_by_brute_force() -> None:
+    square, post = box(-10 - 10j, 10 + 10j), disc(17.3 + 2j, 3)
+    c = only(swept([Body("square", slabs(square), SPIN), Body("post", slabs(post))], {}, resolution=1e-4))
+    theta = np.linspace(0, math.tau, 100_001)
+    centre = (17.3 + 2j) * np.exp(-1j * theta)
+    outside = np.maximum(np.abs(centre.real) - 10, 0) + 1j * np.maximum(np.abs(centre.imag) - 10, 0)
+    gap = float(np.min(np.abs(outside))) - 3
+    assert c.proven <= gap + 1e-9 and c.gap == pytest.approx(gap, abs=0.3 * gap)
+
+
+def test_shifted_by_a_hair() -> None:
+    """A shaft with 0.1 mm of air keeps 0.05 mm; moved by 0.04 mm further than it may, it does not."""
+    cam = Body("cam", slabs(disc(0, 20), disc(0, 4)), SPIN)
+    fine = interference(swept([cam, Body("shaft", slabs(disc(0, 3.9)))], {}, 0.05), 0.05)
+    moved = interference(swept([cam, Body("shaft", slabs(disc(0.055, 3.9)))], {}, 0.05), 0.05)
+    assert [f.ok for f in fine + moved] == [True, False]
+    assert 0.05 <= fine[0].measured <= 0.1 and moved[0].measured <= 0.045
+
+
+def test_body_shifted_into_another_by_a_twentieth_of_a_millimetre() -> None:
+    cam = Body("cam", slabs(disc(5, 20)), SPIN)
+    touching = Body("wall", slabs(box(25.002 - 50j, 40 + 50j)))
+    pushed = Body("wall", slabs(box(24.952 - 50j, 40 + 50j)))
+    pair = {frozenset(("cam", "wall")): 0.01}
+    assert interference(swept([cam, touching], pair), 0.0)[0].ok
+    failed = only(swept([cam, pushed], pair))
+    assert not interference([failed], 0.0)[0].ok
+    assert failed.gap == pytest.approx(-0.048, abs=0.003)
+    assert min(failed.theta, math.tau - failed.theta) < math.radians(1)
+
+
+def test_spikes_that_meet_between_two_samples() -> None:
+    """Two spikes 0.05 mm wide at radius 40 meet for under 0.15 deg; off every grid of whole degrees."""
+    at = np.exp(1j * math.radians(123.4567))
+    turning = Body("rotor", slabs(ring([30 - 10j, 40 - 0.02j, 40.1, 40 + 0.02j, 30 + 10j, 0])), SPIN)
+    still = ring(at * np.array([60 - 10j, 60 + 10j, 40 + 0.02j, 40 - 0.02j]))
+    grid = np.radians(np.arange(360))
+    assert np.all(np.abs(40.05 * np.exp(1j * grid) - 40.05 * at) > 0.2), "a coarse grid sees nothing"
+    c = only(swept([turning, Body("stator", slabs(still))], {}))
+    assert c.gap <= 0 and not interference([c], 0.0)[0].ok
+    assert math.degrees(c.theta) == pytest.approx(123.4567, abs=0.1)
+    clear = ring(at * np.array([60 - 10j, 60 + 10j, 40.15 + 0.02j, 40.15 - 0.02j]))
+    assert interference(swept([turning, Body("stator", slabs(clear))], {}), 0.0)[0].ok
+
+
+@pytest.mark.parametrize("short, ok", [(0.0, True), (0.3, False)])
+def test_pin_that_meets_the_end_of_its_slot(short: float, ok: bool) -> None:
+    """An axle 40 mm from the pivot swings by +-0.26 rad in a slot with 0.2 mm of air all round, less `short` at an end."""
+    edge = 0.26 + (1.7 + 1e-4) / 40 - short / 40
+    angles = np.linspace(-0.26 - 1.7 / 40, edge, 200)
+    slot = 60 - np.concatenate([41.7 * np.exp(1j * angles), 38.3 * np.exp(1j * angles[::-1])])
+    base = Body("base", slabs(box(-40 - 60j, 80 + 60j), ring(slot)))
+    axle = Body("axle", slabs(disc(0, 1.5)), swing_arm(0.26), at=-40 + 0j)
+    assert interference(swept([base, axle], {}, 0.1), 0.1)[0].ok is ok
+
+
+@given(st.floats(0.1, 3), st.floats(5, 12), st.floats(0.2, 2.9))
+@settings(max_examples=25, deadline=None)
+def test_proven_gap_is_never_above_the_true_one(e: float, r: float, air: float) -> None:
+    """Eccentric of radius r in a round hole: the air left is hole radius - e - r wherever it turns."""
+    hole = disc(0, e + r + air, 720)
+    c = only(swept([Body("cam", slabs(disc(e, r)), SPIN), Body("ring", slabs(disc(0, 30), hole))], {}))
+    assert c.proven <= air and c.gap >= air - 0.01 and c.proven > 0.5 * air - 0.02
+
+
+def test_heights_and_flips() -> None:
+    stacked = [Body("a", slabs(disc(0, 5))), Body("b", slabs(disc(0, 5)), SPIN, z=5.0)]
+    assert swept(stacked, {}) == []
+    stud = (Slab(0.0, 4.0, (disc(20, 1),)), Slab(4.0, 5.0, (disc(0, 1),)))
+    upright = [Body("a", stud), Body("b", (Slab(0.0, 2.0, (disc(-20, 1),)),))]
+    assert only(swept(upright, {})).gap > 30
+    over = [Body("a", stud, flipped=True), Body("b", (Slab(1.5, 2.0, (disc(-20, 1),)),))]
+    assert only(swept(over, {})).gap < 0
+
+
+def test_bodies_of_one_course_are_judged_once() -> None:
+    cam, pin = Body("cam", slabs(disc(0, 20), disc(8, 1.5)), SPIN), Body("pin", slabs(disc(8, 1.49)), SPIN)
+    assert only(swept([cam, pin], {})).evaluations == 1
+
+
+def test_false_rates_and_names_are_refused() -> None:
+    liar = Course(lambda t: 2 * t, lambda t: np.zeros(t.shape, complex), 1.0, 0.0)
+    with pytest.raises(ValueError, match="faster than 1 a radian"):
+        swept([Body("cam", slabs(disc(5, 20)), liar), Body("post", slabs(disc(26, 0.5, 8)))], {})
+    with pytest.raises(ValueError, match="unknown bodies"):
+        swept([Body("cam", slabs(disc(5, 20)))], {frozenset(("cam", "post")): 0.01})
+    with pytest.raises(ValueError, match="twice"):
+        swept([Body("cam", slabs(disc(5, 20))), Body("cam", slabs(disc(5, 20)))], {})
+
+
+def test_sampled_rate_bounds_a_sine() -> None:
+    assert 3.0 <= sampled_rate(lambda t: np.sin(3 * t + 0.1)) < 3.01
+
+
+def mesh(part: Part) -> Mesh:
+    made = solid(part, 0.01)
+    return Mesh(made.vertices, made.faces)
+
+
+def test_slabs_of_a_stepped_part_and_of_a_cone() -> None:
+    stepped = Part("p", "", (Layer(Region(circle(0j, 5)), 0, 2), Layer(Region(circle(0j, 3), (circle(0j, 1),)), 2, 7)))
+    found = slabs_of(mesh(stepped))
+    assert [(s.z0, s.z1) for s in found] == [(0, 2), (2, 7)]
+    assert [len(s.rings) for s in found] == [1, 2]
+    assert abs(found[1].rings[0].area) + abs(found[1].rings[1].area) == pytest.approx(10 * math.pi, rel=0.02)
+    corners = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [10, 2, 3]], float)
+    faces = np.array([[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    leaning = slabs_of(Mesh(corners, faces))[0]
+    assert abs(leaning.rings[0].area) == pytest.approx(4 * 4 + 4 * 6 / 2)  # its shadow, over the foot and out to the apex
+
+
+def plate(path: Path, shift: complex, lift: float = 0.0) -> Path:
+    block = solid(Part("block", "", (Layer(Region(polygon([0, 10, 10 + 10j, 10j])), 0, 3),)), 0.01)
+    places = [Placed("block", "block 1", placing(0, 5 + 5j, 0, 3)), Placed("block", "block 2", placing(0, shift, lift, 3))]
+    write_3mf(path, {"block": block}, places, "key")
+    return path
+
+
+@pytest.mark.parametrize("shift, lift, verdict", [
+    (17 + 5j, 0.0, [True, True, True]),
+    (16.9 + 5j, 0.0, [True, True, False]),
+    (91 + 5j, 0.0, [False, True, True]),
+    (40 + 5j, 0.5, [True, False, True]),
+])  # fmt: skip
+def test_plate(tmp_path: Path, shift: complex, lift: float, verdict: list[bool]) -> None:
+    findings = judge_plate(plate(tmp_path / "x-plate.3mf", shift, lift), (100.0, 60.0), 2.0)
+    assert [f.ok for f in findings] == verdict
+    assert {f.code for f in findings} == {"BED_FIT"}
