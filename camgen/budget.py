@@ -81,6 +81,8 @@ def _arc_error(outline: Contour, ring: Ring) -> float:
 
 def _moved(made: Ring, read: Ring) -> float:
     """Largest distance of a vertex that was read from the nearest one that was made, mm."""
-    step = max(1, _PAIRS // len(made.points))
-    parts = [read.points[k : k + step] for k in range(0, len(read.points), step)]
-    return max(float(np.max(np.min(np.abs(part[:, None] - made.points), axis=1))) for part in parts)
+    import shapely
+
+    tree = shapely.STRtree(shapely.points(made.points.real, made.points.imag))
+    nearest = made.points[tree.nearest(shapely.points(read.points.real, read.points.imag))]
+    return float(np.max(np.abs(read.points - nearest)))

@@ -17,13 +17,15 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from camgen import __version__
-from camgen.errors import CamgenError, FileError, SpecError
+from camgen.errors import CamgenError, Fault, FileError, SpecError
 
 if TYPE_CHECKING:
+    from camgen.findings import Finding
     from camgen.mechanism import Mechanism
     from camgen.report import Report
 
 KINDS = ("dxf", "stl", "3mf", "report")
+_CONDENSED_FROM = 40  # findings; fewer are printed one by one
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 _EXIT_CODES = """\b
@@ -65,6 +67,8 @@ def build(specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequ
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
     from camgen import pipeline
 
+    if len(specs) > 1:
+        _refuse_one_name_twice(specs, settings)
     _each(specs, lambda spec, progress: pipeline.build(spec, out, only, settings, progress), as_json)
 
 
@@ -84,15 +88,24 @@ def check(folders: Sequence[Path], as_json: bool) -> None:
 def new(mechanism: str, file: Path | None) -> None:
     """Write a commented starter spec of a MECHANISM to FILE, or print it; it builds as it is."""
     _known(mechanism)
-    text = (_starters() / f"{mechanism}.toml").read_text(encoding="utf-8")
-    if file is None:
-        click.echo(text, nl=False)
-        return
-    try:
-        with open(file, "x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError:
-        raise FileError(file, "exists already and is left as it is; choose another name") from None
+    _hand_over((_starters() / f"{mechanism}.toml").read_text(encoding="utf-8"), file)
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: wanted.feed_range=80.")
+def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
+    """Search for what SPEC's table [wanted] asks; write the spec that fulfils it to FILE, or print it."""
+    from camgen import pipeline
+    from camgen.spec import dump
+
+    mechanism = pipeline.read_mechanism(spec, settings)
+    found = getattr(mechanism, "designed", None)
+    if found is None:
+        expected = "a mechanism with a search of its own, such as thread-take-up"
+        raise SpecError([Fault("mechanism", mechanism.mechanism, expected)], str(spec))
+    _hand_over(dump(found()), file)
 
 
 @cli.command("list")
@@ -121,6 +134,20 @@ def schema(mechanism: str) -> None:
     click.echo(json.dumps(spec.schema(_known(mechanism), mechanism), indent=2, ensure_ascii=False))
 
 
+@cli.command()
+def selftest() -> None:
+    """Print published constants beside those computed here; exit 1 if one is off."""
+    from camgen.selftest import rows
+
+    click.echo(f"{'constant':<44}{'published':>18}{'here':>20}")
+    found = list(rows())
+    for row in found:
+        click.echo(f"{row.what:<44}{row.published:>18}{row.ours:>20.10g}{'' if row.ok else '  OFF'}")
+    off = sum(not row.ok for row in found)
+    click.echo(f"{off} of {len(found)} constants are OFF" if off else f"{len(found)} constants agree")
+    raise click.exceptions.Exit(1 if off else 0)
+
+
 # ---- what the commands share -----------------------------------------------------------------------------------------
 
 
@@ -132,6 +159,33 @@ def _known(name: str) -> type[Mechanism]:
     if name not in MECHANISMS:
         raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
     return load(name)
+
+
+def _hand_over(text: str, file: Path | None) -> None:
+    """Print the text, or write it to a new file."""
+    if file is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        with open(file, "x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise FileError(file, "exists already and is left as it is; choose another name") from None
+
+
+def _refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:
+    """SpecError where two specs would write the same folder; specs that cannot be read are told when their turn comes."""
+    from camgen import pipeline
+
+    first: dict[str, Path] = {}
+    for spec in specs:
+        try:
+            name = pipeline.read_mechanism(spec, settings).name
+        except CamgenError:
+            continue
+        if name in first:
+            raise SpecError([Fault("name", repr(name), f"another name, for {first[name]} writes that folder")], str(spec))
+        first[name] = spec
 
 
 def _starters() -> Path:
@@ -182,6 +236,23 @@ def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
     return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}
 
 
+def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
+    """Findings to print, each with how many it stands for: of many routine checks that hold only the tightest."""
+    from camgen.findings import ROUTINE
+
+    routine: dict[str, list[Finding]] = {}
+    for finding in findings:
+        if finding.ok and finding.code in ROUTINE and len(findings) > _CONDENSED_FROM:
+            routine.setdefault(finding.code, []).append(finding)
+    rows = []
+    for finding in findings:
+        group = routine.get(finding.code, []) if finding.ok else []
+        tightest = min(group, key=lambda f: abs(f.limit - f.measured) / (abs(f.limit) or 1), default=finding)
+        if finding is tightest:
+            rows.append((finding, max(1, len(group))))
+    return rows
+
+
 def _print_report(report: Report) -> None:
     """The findings as a table on stdout, then the verdict."""
     from rich import box
@@ -189,20 +260,26 @@ def _print_report(report: Report) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    class Terminal(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError  # `main` knows what to do; rich would end with the code of a finding that fails
+
     # A table that goes to a file or a pipe is as wide as it needs to be.
-    console = Console(highlight=False) if sys.stdout.isatty() else Console(highlight=False, width=240)
+    console = Terminal(highlight=False, width=None if sys.stdout.isatty() else 240)
     title = f"{report.name} ({report.mechanism})"
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for column in ("finding", "measured", "limit", "margin"):
         table.add_column(column, justify="left" if column == "finding" else "right", no_wrap=True)
     table.add_column("unit", no_wrap=True)
-    table.add_column("where", overflow="fold")
+    table.add_column("where", overflow="ellipsis", no_wrap=True, max_width=52)
     table.add_column("", no_wrap=True)
-    for finding in report.findings:
+    for finding, of in _condensed(report.findings):
         margin = abs(finding.limit - finding.measured)
         numbers = (finding.measured, finding.limit, margin if finding.ok else -margin)
         verdict = Text("ok", "green") if finding.ok else Text("FAIL", "bold red")
-        table.add_row(finding.code, *(f"{n:.4g}" for n in numbers), finding.unit, Text(finding.where), verdict)
+        short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ")
+        where = short if of == 1 else f"tightest of {of}: {short}"
+        table.add_row(finding.code, *(f"{n:.4g}" for n in numbers), finding.unit, Text(where), verdict)
     console.print(table)
     failed = [finding for finding in report.findings if not finding.ok]
     for finding in failed:
@@ -266,6 +343,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 def _run(arguments: Sequence[str] | None) -> int:
     """Exit code of a run, errors printed."""
+    if sys.stdout is None:  # closed by the shell: print into nothing
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     gc.disable()  # a run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.

@@ -30,12 +30,25 @@ def point_to_ring(points: Points, ring: Points) -> NDArray[np.float64]:
 
 
 def thinnest_wall(outer: Points, holes: Sequence[Points]) -> float:
-    """Smallest wall between the outer ring and its holes and among the holes, mm; 0 where they cross or lie apart."""
+    """Smallest wall between the outer ring and its holes and among the holes, mm.
+
+    0 where they cross each other or themselves, or where a hole lies outside.
+    """
     import shapely
 
     edge = _polygon(outer)
     discs = [_polygon(hole) for hole in holes]
-    shapely.prepare([edge, *discs])
-    walls = [float(edge.exterior.distance(disc)) if edge.contains(disc) else 0.0 for disc in discs]
+    if not all(shapely.is_valid([edge, *discs])):
+        return 0.0
+    rim = edge.exterior
+    shapely.prepare([edge, rim, *discs])
+    walls = [float(rim.distance(disc)) if edge.contains(disc) else 0.0 for disc in discs]
     walls += [float(disc.distance(other)) for k, disc in enumerate(discs) for other in discs[k + 1 :]]
     return min(walls, default=float("inf"))
+
+
+def inside(points: Points, ring: Points) -> NDArray[np.bool_]:
+    """Whether each point lies inside the ring, (n,) bool; not where it lies on an edge."""
+    import shapely
+
+    return np.asarray(shapely.contains_xy(_polygon(ring), points.real, points.imag))

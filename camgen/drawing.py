@@ -140,7 +140,7 @@ class _Layout:
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
         self.named = holes_of(part.region.holes)
-        self.above = _contours(part.layers[1:], tolerance)
+        self.above = _contours([each for k, each in enumerate(part.layers) if k != part.cut], tolerance)
         self.engraved = _contours(part.engraved, tolerance)
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above])
@@ -358,7 +358,7 @@ class _Layout:
             lines += [f"Layer {i}: {span}" for i, span in enumerate(spans, 1)]
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
         lines += [f"Engraved {depth} deep" for depth in depths]
-        lines += [f"Profile: {self.stem}.dxf, ± {tolerance:g}", "+ : positive sense of turning (ccw)"]
+        lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve", "+ : positive sense of turning (ccw)"]
         return [*lines, *part.notes]
 
     def _note_lines(self) -> None:

@@ -23,8 +23,8 @@ class Fault:
 
     def __str__(self) -> str:
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
-        found = f": {self.value}" if self.value else ""
-        return f"{self.path}{found} - {self.expected}{hint}"
+        found = f": {self.value} - expected" if self.value else " -"
+        return f"{self.path}{found} {self.expected}{hint}"
 
 
 class SpecError(CamgenError):

@@ -22,6 +22,10 @@ class Finding:
         return asdict(self)
 
 
+# Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.
+ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL"})
+
+
 def at_most(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:
     """A finding that holds when measured <= limit; nan never holds."""
     return Finding(code, bool(measured <= limit), float(measured), float(limit), unit, where, message)

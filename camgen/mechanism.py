@@ -11,7 +11,7 @@ study()                named numbers, curves and tables for the report
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from camgen.findings import Finding
@@ -58,6 +58,78 @@ class Rolling:
     undercut: float
     flipped: bool = False
     turned: float = 0.0
+
+
+@dataclass(frozen=True)
+class Eye:
+    """A round feature of a part that belongs to a joint: a hole, or the rim of a disc that is itself the pin (`shaft`).
+
+    part: its name, None for the ground itself (exact, such as a bought motor's shaft); at: centre, complex mm in the
+    part's frame (the ground's for None); diameter: nominal, mm. Place and diameter are read from each file; diameter 0 is a
+    point of the part's frame, which no file shows.
+    """
+
+    part: str | None
+    at: complex
+    diameter: float
+    shaft: bool = False
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A turning joint: the centres of two eyes coincide.
+
+    clearance: the diametral play meant between both, mm. Where one eye is a shaft the play is hole less shaft; where
+    both are holes, `pin` is the eye (a shaft) that goes through both, and its play in either counts.
+    """
+
+    name: str
+    a: Eye
+    b: Eye
+    clearance: float
+    pin: Eye | None = None
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A straight guide of the ground: the eye's centre stays on the line through `through` at `angle` (rad), unturned.
+
+    The part keeps the angle of its pose. Its two faces are `width` apart, the eye between them; those of the part `rails`
+    are clearance (mm) wider. Faces are read from each file, a drawing's only where `drawn` says that it shows the rails;
+    so a guide may lie off its line, or lean.
+    """
+
+    name: str
+    eye: Eye
+    through: complex
+    angle: float
+    width: float
+    clearance: float
+    rails: str
+    drawn: bool = True
+
+
+@dataclass(frozen=True)
+class Traced:
+    """What of a linkage is the wanted motion, and what drives it.
+
+    crank: part that turns with theta (its pose's angle at theta = 0 is its mounting); ground: parts that stand still.
+    The bodies are these and all parts named by Pin and Slide, one copy of each. eye: the point whose path is traced;
+    output(path): the wanted motion from that path, (n,) complex mm in the ground's frame -> (n,) mm;
+    gradient(path): its slope, (n,) complex, so that d output = Re(conj(gradient) d path).
+    stroke: whether the difference of the output's extremes is what the spec asks for, and judged as STROKE_ERROR.
+    """
+
+    name: str
+    crank: str
+    ground: tuple[str, ...]
+    eye: Eye
+    output: Callable[[Points], Floats]
+    gradient: Callable[[Points], Points]
+    stroke: bool = True
+
+
+Contact = Rolling | Pin | Slide | Traced
 
 
 @dataclass(frozen=True)
@@ -123,8 +195,8 @@ class Mechanism(Spec, ABC):
         """Poses of each part's copies (in order) and of each sketch, by name."""
 
     @abstractmethod
-    def contacts(self) -> Sequence[Rolling]:
-        """How parts touch."""
+    def contacts(self) -> Sequence[Contact]:
+        """How parts touch: a cam's Rolling tips, or a linkage's Pins and Slides with the one Traced point."""
 
     @abstractmethod
     def limits(self) -> Sequence[Finding]:

@@ -14,11 +14,12 @@ import numpy as np
 from camgen import spec as specs
 from camgen.arcfit import bulges, fit_arcs
 from camgen.budget import error_budget
+from camgen.closure import Sections, Verdict, eyes_of, judge_linkage
 from camgen.drawing import write_drawing
 from camgen.errors import FileError
 from camgen.export import Placed, placing, write_3mf, write_dxf, write_stl
 from camgen.folder import Staged, write_manifest
-from camgen.mechanism import Mechanism, Plot, Rolling
+from camgen.mechanism import Mechanism, Plot, Rolling, Traced
 from camgen.mechanisms import MECHANISMS, load
 from camgen.moving import Animation, Body
 from camgen.outlines import Floats
@@ -27,7 +28,7 @@ from camgen.readback import Shape
 from camgen.report import Report, write_csv, write_html, write_json
 from camgen.solids import solid
 from camgen.tolerances import SPEED_WINDOW_DEG
-from camgen.verify import Expected, judge_dxf, judge_mesh, judge_motion, mounted
+from camgen.verify import Expected, Section, judge_dxf, judge_mesh, judge_motion, judged_angles, mounted
 
 KINDS = ("dxf", "stl", "3mf", "report")
 _PACKAGES = ("numpy", "pydantic", "ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox-earcut", "matplotlib")
@@ -128,14 +129,29 @@ def _assembly(mechanism: Mechanism) -> list[Placed]:
 # ---- judging ---------------------------------------------------------------------------------------------------------
 
 
-def expected(part: Part, tolerance: float) -> Expected:
-    """What the files of a part should hold, as plain numbers for the judge."""
-    free = min((layer.z0 for layer in part.engraved), default=part.thickness)
-    heights = tuple(free * share for share in (0.137, 0.5, 0.871))
+def expected(part: Part, tolerance: float, eyes: Sequence[complex] = ()) -> Expected:
+    """What the files of a part should hold, as plain numbers for the judge; eyes: centres of its joints."""
+    spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
+    sections = [_section(part, span) for span in spans]
+    cut = spans.index((part.layers[part.cut].z0, part.layers[part.cut].z1))
+    facets = sum(section.length * (z1 - z0) for section, (z0, z1) in zip(sections, spans, strict=True)) * tolerance
     return Expected(
-        part.name, tuple((hole.centroid, hole.area) for hole in part.region.holes), heights, part.thickness, part.volume,
-        part.region.length, part.bore, part.min_wall, tolerance,
-    )  # fmt: skip
+        part.name, tuple(sections), cut, part.volume, facets, part.bore, tuple(eyes), part.min_wall, tolerance
+    )
+
+
+def _section(part: Part, span: tuple[float, float]) -> Section:
+    """The layers of one height as a section, seen below the engraving."""
+    z0, z1 = span
+    free = min((layer.z0 for layer in part.engraved if z0 < layer.z0 < z1), default=z1)
+    regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == span]
+    return Section(
+        tuple(z0 + (free - z0) * share for share in (0.137, 0.5, 0.871)),
+        len(regions),
+        tuple((hole.centroid, hole.area) for region in regions for hole in region.holes),
+        sum(region.area for region in regions),
+        sum(region.length for region in regions),
+    )
 
 
 def judge(
@@ -145,18 +161,23 @@ def judge(
     findings, study = list(mechanism.limits()), mechanism.study()
     numbers, plots, budget = dict(study.numbers), list(study.plots), None
     columns: dict[str, Floats] = {}
+    designed = len(findings)
     tolerance = mechanism.accuracy.chord_tolerance
+    contacts = mechanism.contacts()
+    sections: dict[str, dict[str, Sections]] = {kind: {} for kind in kinds}
     for part in mechanism.parts():
-        drives = [contact for contact in mechanism.contacts() if contact.part == part.name]
+        drives = [contact for contact in contacts if isinstance(contact, Rolling) and contact.part == part.name]
+        meant = expected(part, tolerance, eyes_of(part.name, contacts))
         read: dict[str, Shape] = {}
         for kind in kinds:
             path = folder / f"{mechanism.name}-{part.name}.{kind}"
             progress(f"reading back {path.name}")
-            judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, expected(part, tolerance))
+            judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
             findings += judged.findings
             if judged.shape is None:
                 continue
             read[kind] = judged.shape
+            sections[kind][part.name] = judged.sections
             if drives:
                 progress(f"rolling on {path.name}")
                 found, figures = judge_motion(
@@ -169,6 +190,21 @@ def judge(
             columns = _motion(mechanism, drives[0], read)
             plots = [*_motion_plots(columns), *plots]
             budget = error_budget(part.region.outer, drives[0], mechanism.reachable, tolerance, read)
+    traced = next((contact for contact in contacts if isinstance(contact, Traced)), None)
+    if traced is not None:
+        progress("closing the linkage on the files")
+        verdicts = {
+            kind: judge_linkage(
+                kind, f"{mechanism.name}-*.{kind}", read_parts, contacts, mechanism.poses, mechanism.motion,
+                judged_angles(), tolerance,
+            )
+            for kind, read_parts in sections.items() if len(read_parts) == len(mechanism.parts())
+        }  # fmt: skip
+        findings = [*findings[:designed], *(f for v in verdicts.values() for f in v.findings), *findings[designed:]]
+        for verdict in verdicts.values():
+            numbers |= verdict.numbers
+        columns, traces = _linkage_motion(traced.name, mechanism, verdicts)
+        plots = [*traces, *plots]
     report = Report(
         mechanism.name, mechanism.mechanism, tuple(findings), numbers,
         [_part_record(mechanism, part, kinds) for part in mechanism.parts()],
@@ -219,6 +255,31 @@ def _motion_plots(columns: Mapping[str, Floats]) -> list[Plot]:
     ]
 
 
+def _linkage_motion(
+    name: str, mechanism: Mechanism, verdicts: Mapping[str, Verdict]
+) -> tuple[dict[str, Floats], list[Plot]]:
+    """Columns of motion.csv over one turn, and plots of travel, speed, error and the band of the joints' play."""
+    theta = np.linspace(0, 2 * math.pi, _ROWS)
+    wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
+    degrees, label = np.degrees(theta), "crank angle, deg"
+    columns = {"theta_deg": degrees, "wanted_mm": wanted, "wanted_mm_rad": speed}
+    travel, speeds = [("wanted", degrees, wanted)], [("wanted", degrees, speed)]
+    errors, bands = [], []
+    for kind, verdict in verdicts.items():
+        if verdict.chain is None:
+            continue
+        closed, source = verdict.chain.close(theta), f"from {kind.upper()}"
+        columns[f"recovered_{kind}_mm"], columns[f"band_{kind}_mm"] = closed.output, verdict.band(closed)
+        travel.append((source, degrees, closed.output))
+        speeds.append((source, degrees, closed.slope))
+        errors.append((source, degrees, closed.output - wanted))
+        bands.append((f"+- {source}", degrees, columns[f"band_{kind}_mm"]))
+    plots = [Plot(name.capitalize(), label, "mm", travel), Plot("Speed", label, "mm/rad", speeds)]
+    if errors:
+        plots += [Plot("Motion error", label, "mm", errors), Plot("Worst case of the joints' play", label, "mm", bands)]
+    return columns, plots
+
+
 def _part_record(mechanism: Mechanism, part: Part, kinds: Sequence[str]) -> dict[str, object]:
     base = f"{mechanism.name}-{part.name}"
     return {
@@ -242,4 +303,7 @@ def animation(mechanism: Mechanism) -> Animation:
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
     bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in mechanism.study().sketches]
+    traced = next((contact for contact in mechanism.contacts() if isinstance(contact, Traced)), None)
+    if traced is not None:
+        return Animation(theta, bodies, mechanism.motion(theta), traced.name, "mm")
     return Animation(theta, bodies, np.degrees(mechanism.reachable(theta)), "follower", "deg")

@@ -27,7 +27,7 @@ from camgen.rings import hole_circles as hole_circles
 from camgen.rings import shape_of as shape_of
 from camgen.tolerances import SAME_POINT
 
-CUT_LAYER = "CUT"
+CUT_LAYER, MARK_LAYER = "CUT", "CENTER"
 
 
 # ---- DXF ---------------------------------------------------------------------------------------------------------
@@ -67,6 +67,8 @@ def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
     faults = []
     if kind == "CIRCLE":
         centre, radius = complex(*entity.dxf.center.vec2), float(entity.dxf.radius)
+        if not 0 < radius < 1e9:
+            return None, [DrawingFault("number", 1, f"{name} has the radius {radius:g}")]
         points, bulges = centre + radius * np.array([1 + 0j, -1]), np.ones(2)
         raised = entity.dxf.center.z
     elif kind == "LWPOLYLINE":
@@ -101,7 +103,7 @@ def read_dxf(path: str | Path) -> DxfDrawing:
     """Read a DXF file; FileError when it cannot be read, is no DXF or is cut short.
 
     Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) become rings. Whatever
-    else lies on CUT is a fault; on other layers it is passed over.
+    else lies on CUT is a fault, and so is whatever lies elsewhere and is no centre mark: somebody's laser will cut it.
     """
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
@@ -118,7 +120,12 @@ def read_dxf(path: str | Path) -> DxfDrawing:
     rings: dict[str, list[Ring]] = {}
     faults: list[DrawingFault] = []
     for entity in drawing.modelspace():
-        layer = str(entity.dxf.layer)
+        layer = str(entity.dxf.layer).upper()  # names of layers ignore case
+        if layer != CUT_LAYER and (layer, entity.dxftype()) != (MARK_LAYER, "LINE"):
+            faults.append(
+                DrawingFault("entity", 1, f"{entity.dxftype()} #{entity.dxf.handle} on layer {layer} is no part of a cut")
+            )
+            continue
         ring, wrong = _ring_of(entity)
         if layer == CUT_LAYER:
             faults += wrong

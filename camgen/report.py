@@ -24,14 +24,18 @@ from numpy.typing import ArrayLike
 
 from camgen import __version__
 from camgen.errors import FileError
-from camgen.findings import Finding
+from camgen.findings import ROUTINE, Finding
 from camgen.mechanism import Plot, Table
 from camgen.moving import Animation, frames, player
 
 Path = str | PathLike[str]
 
+# More findings than this, and the routine ones that hold are folded away.
+_FOLDED_FROM = 40
+
 # Units as suffixes of a number's name, the longest first.
 _UNITS = {
+    "n_rad_s": "N rad/s", "n_m": "N m", "g_mm": "g mm", "n": "N",
     "mm_s2": "mm/s²", "mm_s": "mm/s", "deg_s2": "deg/s²", "deg_s": "deg/s", "rad_s": "rad/s",
     "mm3": "mm³", "mm2": "mm²", "mm": "mm", "deg": "deg", "rpm": "rpm", "percent": "%", "g": "g", "s": "s",
 }  # fmt: skip
@@ -194,6 +198,16 @@ def _used(finding: Finding) -> float | None:
 
 
 def _findings(findings: Sequence[Finding]) -> str:
+    """The failing ones first; of many parts the routine checks that hold are folded away."""
+    routine = [finding for finding in findings if finding.ok and finding.code in ROUTINE]
+    if len(findings) <= _FOLDED_FROM:
+        return _findings_table(findings)
+    shown = _findings_table([finding for finding in findings if finding not in routine])
+    summary = f"<summary>{len(routine)} routine checks of files and solids hold</summary>"
+    return f"{shown}<details>{summary}{_findings_table(routine)}</details>"
+
+
+def _findings_table(findings: Sequence[Finding]) -> str:
     rows = []
     for finding in sorted(findings, key=lambda finding: finding.ok):
         used, state = _used(finding), "ok" if finding.ok else "bad"

@@ -220,14 +220,16 @@ def hole_circles(shape: Shape) -> list[Circle]:
 def bore_circle(ring: Ring, nominal_diameter: float) -> Circle:
     """Circle of a bore's round part; corners of a keyway, which lie off it, are left out.
 
-    The half of the points that lie nearest the nominal radius gives a first circle; all points that lie on that one
-    give the answer.
+    Starts from the nominal circle about the datum, which a sound bore is near, and draws the band of points that count
+    tighter with each fit.
     """
     points = ring.samples()
-    centre = fit_circle(points)[0]
-    for _ in range(10):  # the first centre is drawn aside by the keyway; each round draws it less
-        misfit = np.abs(np.abs(points - centre) - nominal_diameter / 2)
-        core = points[np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]]
+    centre, radius = 0j, nominal_diameter / 2
+    for share in (0.1, 0.03, 0.01, 0.003, 0.001):
+        misfit = np.abs(np.abs(points - centre) - radius)
+        core = points[misfit <= share * nominal_diameter]
+        if len(core) < 4:  # far from the nominal one: what lies best
+            core = points[np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]]
         centre, radius, deviation = fit_circle(core)
     on_circle = np.abs(np.abs(points - centre) - radius) <= max(2 * deviation, 1e-6 * nominal_diameter)
     return _circle(ring, points[on_circle])

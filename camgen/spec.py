@@ -26,7 +26,8 @@ from camgen.errors import Fault, FileError, SpecError
 
 Data = dict[str, Any]
 
-Length = Annotated[float, Field(gt=0, le=1e6)]
+Length = Annotated[float, Field(ge=1e-3, le=1e6)]  # mm; a thousandth is less than any workshop makes
+Mass = Annotated[float, Field(gt=0, le=1e6)]  # g
 Clearance = Annotated[float, Field(ge=0, le=10)]
 
 

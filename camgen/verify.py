@@ -41,31 +41,49 @@ _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are meas
 
 
 @dataclass(frozen=True)
+class Section:
+    """What a cut through some heights should show: as many separate pieces, of this area together (mm^2), with these holes.
+
+    heights: where meshes are sliced, mm; holes: centre (complex, mm) and area (mm^2) of each; length: of all edges, mm.
+    """
+
+    heights: tuple[float, ...]
+    pieces: int
+    holes: tuple[tuple[complex, float], ...]
+    area: float
+    length: float
+
+
+@dataclass(frozen=True)
 class Expected:
     """What a part's files should hold, as plain numbers.
 
-    holes: centre (complex, mm) and area (mm^2) of each hole; heights: where meshes are sliced, mm; length: of all edges
-    of the region, mm; bore: diameter of the hole on whose centre the part turns.
+    sections: of its stack of layers, from the bottom; cut: the one that its drawing shows; volume: mm^3; bore: diameter of
+    the hole on whose centre the part turns; eyes: centres of holes whose place and size the judge of linkages sees to.
     """
 
     part: str
-    holes: tuple[tuple[complex, float], ...]
-    heights: tuple[float, ...]
-    thickness: float
+    sections: tuple[Section, ...]
+    cut: int
     volume: float
-    length: float
+    facets: float
     bore: float | None
+    eyes: tuple[complex, ...]
     min_wall: float
     chord_tolerance: float
 
 
 @dataclass(frozen=True)
 class Judged:
-    """Findings on one file, and the shape read from it (its bore at the origin); None where none could be recovered."""
+    """Findings on one file, and what was read from it; nothing where it could not be recovered.
+
+    shape: the piece that a tip rolls on, its bore at the origin; sections: the pieces at each height, as in the file.
+    """
 
     findings: tuple[Finding, ...]
     shape: Shape | None
     bore: Circle | None = None
+    sections: tuple[tuple[Shape, ...], ...] = ()
 
 
 def judge_dxf(path: Path, expected: Expected) -> Judged:
@@ -83,7 +101,7 @@ def judge_dxf(path: Path, expected: Expected) -> Judged:
     ]  # fmt: skip
     if not closed.ok:
         return Judged(tuple(findings), None)
-    return _judge_sections([list(drawing.cut)], expected, where, 0.0, findings)
+    return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, 0.0, findings)
 
 
 def judge_mesh(path: Path, expected: Expected) -> Judged:
@@ -113,7 +131,7 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     findings.append(_volume(faults.volume, expected, where))
     size = float(np.max(np.abs(mesh.vertices[:, :2])))
     try:
-        sections = [slice_mesh(mesh, z) for z in expected.heights]
+        sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
@@ -121,8 +139,7 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
 
 
 def _volume(volume: float, expected: Expected, where: str) -> Finding:
-    facets = expected.length * expected.chord_tolerance * expected.thickness
-    limit = tolerances.VOLUME_SHARE * expected.volume + facets
+    limit = tolerances.VOLUME_SHARE * expected.volume + expected.facets
     return at_most(
         "VOLUME", abs(volume - expected.volume), limit, "mm^3", where,
         f"{volume:.3f} mm^3 in the file, {expected.volume:.3f} mm^3 by Green's theorem on the exact outline",
@@ -130,25 +147,54 @@ def _volume(volume: float, expected: Expected, where: str) -> Finding:
 
 
 def _judge_sections(
-    sections: Sequence[Sequence[Ring]], expected: Expected, where: str, rounding: float, findings: list[Finding]
+    read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float, findings: list[Finding]
 ) -> Judged:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     try:
-        shapes = [shape_of(rings) for rings in sections]
+        sections = [(meant, _pieces(rings) if meant.pieces > 1 else (shape_of(rings),)) for meant, rings in read]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
-    shape = shapes[0]
-    bore = _bore(shape, expected.bore)
-    off, remark = _misplaced(shapes, expected, rounding)
     limit = 2 * expected.chord_tolerance + 4 * rounding
+    off, remark = 0.0, ""
+    for meant, shapes in sections:
+        here, said = _misplaced(shapes, meant, expected, limit)
+        if not remark or not here <= off:
+            off, remark = here, said
+        if math.isnan(off):
+            break
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
-    facets = [ring.facetted(_WALL_FACETS) for ring in (shape.outer, *shape.holes)]
-    wall = thinnest_wall(facets[0], facets[1:])
-    findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, "smallest wall between contours"))
+    wall = min(_wall(shape) for shapes in _distinct(sections) for shape in shapes)
+    if math.isfinite(wall):  # a part without holes has no wall between contours
+        findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, "smallest wall between contours"))
+    shape = sections[0][1][0]
+    bore = _bore(shape, expected.bore)
     if bore is not None:
         shape = shape.moved(shift=-bore.centre)
-    return Judged(tuple(findings), shape, bore)
+    return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in sections))
+
+
+def _pieces(rings: Sequence[Ring]) -> tuple[Shape, ...]:
+    """Separate flat parts: each ring that lies in no other one, with the rings inside it."""
+    ordered = sorted(rings, key=lambda ring: -abs(ring.area))
+    groups: list[list[Ring]] = []
+    for ring in ordered:
+        home = next((group for group in groups if group[0].encloses(complex(ring.points[0]))), None)
+        if home is None:
+            groups.append([ring])
+        else:
+            home.append(ring)
+    return tuple(shape_of(group) for group in groups)
+
+
+def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tuple[Shape, ...]]:
+    """One height of each section: walls are upright."""
+    return list({id(meant): shapes for meant, shapes in reversed(sections)}.values())
+
+
+def _wall(shape: Shape) -> float:
+    facets = [ring.facetted(_WALL_FACETS) for ring in (shape.outer, *shape.holes)]
+    return thinnest_wall(facets[0], facets[1:])
 
 
 def _bore(shape: Shape, diameter: float | None) -> Circle | None:
@@ -159,24 +205,28 @@ def _bore(shape: Shape, diameter: float | None) -> Circle | None:
     return bore_circle(nearest, diameter)
 
 
-def _misplaced(shapes: Sequence[Shape], expected: Expected, rounding: float) -> tuple[float, str]:
-    """How far holes are from where and how large they were meant to be, mm; nan when their number differs.
+def _misplaced(shapes: Sequence[Shape], meant: Section, expected: Expected, limit: float) -> tuple[float, str]:
+    """How far holes are from where and how large they were meant to be, mm; nan when contours are lost or areas differ.
 
-    Size counts as the radius of the circle of the same area. The bore's place is judged by the motion about it.
+    Size counts as the radius of the circle of the same area. The bore's place is judged by the motion about it, eyes of
+    joints by the linkage that is closed on them.
     """
-    for shape in shapes:
-        if len(shape.holes) != len(expected.holes):
-            return math.nan, f"{len(shape.holes) + 1} contours instead of {len(expected.holes) + 1}"
-        if abs(shape.area - shapes[0].area) > 4 * rounding * (shape.outer.length + 1):
-            return math.nan, "sections at different heights differ"
-    found = [(ring.centroid, abs(ring.area)) for ring in shapes[0].holes]
+    found = [(ring.centroid, abs(ring.area)) for shape in shapes for ring in shape.holes]
+    count, wanted = len(shapes) + len(found), meant.pieces + len(meant.holes)
+    if count != wanted or len(shapes) != meant.pieces:
+        return math.nan, f"{count} contours instead of {wanted}"
+    area = sum(shape.area for shape in shapes)
+    if abs(area - meant.area) > tolerances.AREA_SHARE * meant.area + limit * meant.length:
+        return math.nan, f"section of {area:.3f} mm^2 instead of {meant.area:.3f} mm^2"
     off = 0.0
-    for centre, area in expected.holes:
+    for centre, size_meant in meant.holes:
+        if any(abs(centre - eye) <= limit for eye in expected.eyes):
+            continue
         place, size = min(found, key=lambda hole: abs(hole[0] - centre))
-        off = max(off, abs(math.sqrt(size / math.pi) - math.sqrt(abs(area) / math.pi)))
+        off = max(off, abs(math.sqrt(size / math.pi) - math.sqrt(abs(size_meant) / math.pi)))
         if expected.bore is None or abs(centre) > expected.bore / 2:
             off = max(off, abs(place - centre))
-    return off, f"{len(found) + 1} contours read back, holes in their places"
+    return off, f"{count} contours read back, holes in their places"
 
 
 # ---- motion ----------------------------------------------------------------------------------------------------------

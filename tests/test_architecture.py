@@ -14,12 +14,13 @@ PACKAGE = Path(__file__).resolve().parent.parent / "camgen"
 # Imports go to lower rows only.
 ROWS = (
     {"errors", "tolerances"},
-    {"motion", "findings", "spec"},
-    {"program", "outlines", "sampling", "arcfit", "trimming", "distances", "rings"} | {"linkages", "dynamics", "landmarks"},
-    {"followers", "parts"},
-    {"mechanism"},
-    {"solids", "readback", "contact", "mechanisms"},
-    {"export", "dxf", "sheet", "drawing", "verify", "folder", "budget"},
+    {"motion", "findings", "spec", "standards"},
+    {"program", "spring_law", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
+    | {"linkages", "dynamics", "landmarks"},
+    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis"},
+    {"mechanism", "hardware", "canvas", "follower_dynamics"},
+    {"solids", "readback", "contact", "undoing", "closure", "feed_study", "mechanisms"},
+    {"export", "dxf", "sheet", "drawing", "packing", "verify", "interference", "folder", "budget"},
     {"report", "moving", "figures"},
     {"pipeline"},
     {"cli", "__main__"},
@@ -30,8 +31,12 @@ SAME_ROW = {
     ("arcfit", "outlines"),
     ("arcfit", "sampling"),
     ("trimming", "outlines"),
+    ("crossing", "outlines"),
     ("dynamics", "linkages"),
     ("landmarks", "linkages"),
+    ("mechanisms", "feed_study"),
+    ("fits", "parts"),
+    ("packing", "export"),
     ("export", "dxf"),
     ("drawing", "dxf"),
     ("drawing", "sheet"),
@@ -41,12 +46,12 @@ SAME_ROW = {
     ("__main__", "cli"),
 }
 # The judge sees files, the wanted motion and how parts touch; never what made the curve.
-JUDGES = {"readback", "contact", "verify", "rings", "distances"}
+JUDGES = {"readback", "contact", "closure", "verify", "interference", "undoing", "rings", "distances"}
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "dxf", "sheet", "drawing", "program",
+    "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments",
 }  # fmt: skip
-HOW_PARTS_TOUCH = {("mechanism", "Rolling")}
+HOW_PARTS_TOUCH = {("mechanism", name) for name in ("Contact", "Eye", "Pin", "Pose", "Rolling", "Slide", "Traced")}
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
 LIGHT_MODULES = {"__init__", "__main__", "cli", "errors", "findings", "folder", "tolerances"}  # numpy and pydantic too
 
@@ -166,6 +171,7 @@ def test_modules_stand_in_one_row_and_exceptions_are_used() -> None:
         (bribes, "verify", "def f():\n    from camgen.followers import DiscCam"),
         (bribes, "readback", "from camgen import arcfit"),
         (bribes, "contact", "from camgen.mechanism import Mechanism"),
+        (bribes, "closure", "from camgen.linkages import RRR"),
         (heavy_at_top, "export", "import trimesh.util"),
         (heavy_at_top, "cli", "import numpy as np"),
         (undocumented, "parts", '"""Parts."""\nclass A:\n    """A."""\n    def b(self): ...'),

@@ -131,7 +131,7 @@ def test_bores(kind: str, facets: int) -> None:
 
 
 def write_dxf(path: Path, *, units: int | None = 4, damage: str = "") -> Path:
-    """A 10 mm square with one round side, a hole, and on other layers things to pass over; damaged as named."""
+    """A 10 mm square with one round side, a hole, and a centre mark to pass over; damaged as named."""
     doc = ezdxf.new()
     if units is not None:
         doc.units = units
@@ -151,7 +151,8 @@ def write_dxf(path: Path, *, units: int | None = 4, damage: str = "") -> Path:
     if damage == "entity":
         space.add_line((0, 0), (10, 0), dxfattribs={"layer": "CUT"})
     space.add_line((0, 0), (10, 0), dxfattribs={"layer": "CENTER"})
-    space.add_text("name", dxfattribs={"layer": "TEXT"})
+    if damage == "lettering":
+        space.add_text("name", dxfattribs={"layer": "TEXT"})
     doc.saveas(path)
     return path
 
@@ -177,10 +178,10 @@ def test_dxf_units_are_what_the_header_says(tmp_path: Path) -> None:
     assert read_dxf(path).units is None
 
 
-@pytest.mark.parametrize("damage", ["open", "nan", "zero_length", "plane", "duplicate", "entity"])
+@pytest.mark.parametrize("damage", ["open", "nan", "zero_length", "plane", "duplicate", "entity", "lettering"])
 def test_dxf_damage_is_named(tmp_path: Path, damage: str) -> None:
     (fault,) = read_dxf(write_dxf(tmp_path / "part.dxf", damage=damage)).faults
-    assert fault.kind == {"nan": "number"}.get(damage, damage)
+    assert fault.kind == {"nan": "number", "lettering": "entity"}.get(damage, damage)
     if damage == "open":
         assert fault.size == 10
 

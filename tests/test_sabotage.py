@@ -186,6 +186,18 @@ def shift_bore(drawing: ezdxf.document.Drawing) -> None:
     circles(drawing, 4)[0].dxf.center = (0.02, 0)
 
 
+def cross_a_contour(drawing: ezdxf.document.Drawing) -> None:
+    """A slit from the rim inwards and back, which no follower feels."""
+    line = rim(drawing)
+    rows = line.get_points("xyb")
+    x, y, _ = rows[5]
+    line.set_points([*rows[:5], (x, y, 0), (0.8 * x, 0.8 * y, 0), *rows[5:]], format="xyb")
+
+
+def letter_the_part(drawing: ezdxf.document.Drawing) -> None:
+    drawing.modelspace().add_text("cam")
+
+
 def lose_pin_hole(drawing: ezdxf.document.Drawing) -> None:
     drawing.modelspace().delete_entity(circles(drawing, 1.5)[0])
 
@@ -203,6 +215,8 @@ def swell_bore(drawing: ezdxf.document.Drawing) -> None:
         pytest.param(inches, {"DXF_UNITS"}, id="inch header"),
         pytest.param(open_rim, {"DXF_CLOSED"}, id="open contour"),
         pytest.param(double_rim, {"DXF_CLOSED"}, id="double contour"),
+        pytest.param(letter_the_part, {"DXF_CLOSED"}, id="lettering among the contours"),
+        pytest.param(cross_a_contour, {"MIN_WALL"}, id="contour that touches itself"),
         pytest.param(lose_pin_hole, {"ROUND_TRIP"}, id="lost hole"),
         pytest.param(swell_bore, {"ROUND_TRIP", "MIN_WALL"}, id="bore that leaves a thin wall"),
     ],

@@ -50,7 +50,7 @@ def material(polygon: np.ndarray, rho: float) -> shapely.Polygon | None:
 
 
 def free_distance(made: DiscCam, z: np.ndarray, around: np.ndarray) -> np.ndarray:
-    """Distance of each point from the whole pitch curve: nearest sample, then Newton on the curve itself and the joints."""
+    """Distance of each point from the whole pitch curve: nearest sample, then a finer and finer grid, and joints."""
     tree = shapely.STRtree(points(made.pitch(around)))
     theta = around[tree.nearest(points(z))]
     step = np.diff(around).max()

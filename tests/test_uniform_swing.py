@@ -134,7 +134,7 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
         ({"geometry__tip_radius": 1e6}, "tip_radius", 14.6078),
         ({"geometry__swing_deg": 53.2}, "geometry.swing_deg", 53.1301),
         ({"geometry__swing_deg": 179.0}, "geometry.swing_deg", 53.1301),
-        ({"geometry__arm_offset": 1e-9}, "geometry.swing_deg", 1.90986e-9),
+        ({"geometry__arm_offset": 0.001}, "geometry.swing_deg", 1.90986e-3),
     ],
 )
 def test_no_such_mechanism(keys: dict[str, Any], quantity: str, limit: float) -> None:

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
 
 MECHANISMS = {
     "uniform-swing": "camgen.mechanisms.uniform_swing:UniformSwing",
+    "thread-take-up": "camgen.mechanisms.thread_take_up:ThreadTakeUp",
+    "eccentric-drive": "camgen.mechanisms.eccentric_drive:EccentricDrive",
 }
 
 

@@ -23,7 +23,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from camgen.distances import point_to_ring, thinnest_wall
+from camgen.distances import inside, point_to_ring, thinnest_wall
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.followers import DiscCam, SwingingArm, greatest
@@ -35,7 +35,7 @@ from camgen.sampling import facet_contour
 from camgen.spec import Length, Record
 
 _LAYOUT_TOLERANCE = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
-_ARROW = 2.5  # mm, circumscribed radius of the direction mark
+_ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
 
 
 class Geometry(Record):
@@ -180,13 +180,11 @@ class UniformSwing(Mechanism):
             x = reach + p.wall + p.pin_diameter / 2
             holes += [circle(complex(side * x), p.pin_diameter / 2) for side in (1, -1)]
             keep_clear += [(complex(side * x), p.pin_diameter / 2) for side in (1, -1)]
-        engraved: tuple[Layer, ...] = ()
-        if p.mark_depth:
-            at = -1j * (reach + p.wall / 2 + _ARROW)
-            if float(np.min(point_to_ring(np.array([at]), rim))) > _ARROW + p.wall / 2:
-                mark = Region(arrowhead(at, _ARROW, 1 + 0j))
-                engraved = (Layer(mark, p.thickness - p.mark_depth, p.thickness),)
-                keep_clear.append((at, _ARROW))
+        mark = self._mark(rim, reach, keep_clear) if p.mark_depth else None
+        engraved = (Layer(Region(arrowhead(*mark)), p.thickness - p.mark_depth, p.thickness),) if mark else ()
+        pins = tuple(centre for centre, _ in keep_clear)
+        if mark:
+            keep_clear.append(mark[:2])
         holes += windows(rim, reach, p.windows, p.wall, keep_clear)
         wall = thinnest_wall(rim, [facet_contour(h, _LAYOUT_TOLERANCE) for h in holes])
         if not wall > 0:
@@ -194,14 +192,39 @@ class UniformSwing(Mechanism):
                 "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
                 "holes meet or leave the cam: use a smaller bore, key, pin_diameter or wall",
             )  # fmt: skip
-        pair = self.geometry.closure == "conjugate"
+        copies = 2 if self.geometry.closure == "conjugate" else 1
         return Part(
-            "cam", "Uniform-swing cam", (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),), 2 if pair else 1,
-            engraved, (0j, *(centre for centre, _ in keep_clear[: 2 if p.pin_diameter else 0])),
-            ("turns counter-clockwise, as the arrow shows",)
-            + (("two alike: turn one over about Oy (x to -x)",) if pair else ()),
-            p.bore, self.allowed.min_wall,
+            "cam", "Uniform-swing cam", (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),), copies,
+            engraved, (0j, *pins),
+            self._part_notes(bool(mark)), p.bore, self.allowed.min_wall,
         )  # fmt: skip
+
+    def _mark(self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]) -> tuple[complex, float, complex] | None:
+        """Place, size and direction of the engraved arrow beside the bore, below it if there is room; None without any."""
+        free, size = self.making.wall / 2, min(_ARROW, _ARROW_SHARE * self.making.bore)
+        for turn in (-90, 90, -45, -135, 45, 135, 0, 180):
+            spoke = cmath.rect(1, math.radians(turn))
+            at = spoke * (reach + free + size)
+            room = float(point_to_ring(np.array([at]), rim)[0]) if inside(np.array([at]), rim)[0] else 0.0
+            if min([room, *(abs(at - centre) - radius for centre, radius in holes)]) > size + free:
+                return at, size, 1j * spoke
+        return None
+
+    def _part_notes(self, marked: bool) -> tuple[str, ...]:
+        """What the drawing says beside the numbers."""
+        p, notes = self.making, []
+        if p.shaft == "keyway":
+            notes.append(f"hole A: bore {p.bore:g}, keyway on +Y {p.key_width:g} wide, its floor {p.key_depth:g} above the bore")
+        elif p.shaft == "d-flat":
+            notes.append(f"hole A: bore {p.bore:g}, flat on +Y {p.flat_depth:g} below its top")
+        if marked:
+            notes.append("engraved arrow: sense of turning of the cam that is not turned over")
+        elif p.mark_depth:
+            notes.append("no room for the engraved arrow: turns counter-clockwise as drawn")
+        if self.geometry.closure == "conjugate":
+            notes.append("two alike, one turned over about Oy, engraved faces together")
+            notes.append("the tip at -Y rides on this one, the tip at +Y on the other")
+        return tuple(notes)
 
     def _bore(self) -> tuple[Contour, float]:
         """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
@@ -282,15 +305,15 @@ class UniformSwing(Mechanism):
             )
         )  # fmt: skip
         reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
-        room = self.geometry.pivot_distance - reach
+        pivot = self.geometry.pivot_distance
         findings.append(
             at_least(
                 "INTERFERENCE",
-                room,
+                pivot - reach,
                 0.0,
                 "mm",
                 "exact profile and the follower's pivot",
-                f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {self.geometry.pivot_distance:g} mm",
+                f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm",
             )
         )
         return findings
