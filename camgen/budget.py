@@ -12,17 +12,20 @@ from camgen.distances import point_to_ring
 from camgen.mechanism import Rolling, Table
 from camgen.outlines import Contour, Floats, Points
 from camgen.readback import Ring, Shape
-from camgen.sampling import facet_contour
 from camgen.verify import Motion, judged_angles, mounted
 
 _PAIRS = 4_000_000  # distances computed at most for one figure
 _SAMPLES = 4096  # points of the exact outline that are measured, unless that makes too many pairs
 
 
-def error_budget(outline: Contour, drive: Rolling, reachable: Motion, tolerance: float, read: Mapping[str, Shape]) -> Table:
+def error_budget(
+    outline: Contour, polygon: Ring, drive: Rolling, reachable: Motion, tolerance: float, read: Mapping[str, Shape],
+    undercut: tuple[float, float],
+) -> Table:
     """One row a stage: largest outline error (mm) and largest change of the follower's angle (deg) that it adds.
 
-    outline: the exact one; read: shapes recovered from the files, by kind ("dxf", "stl", "3mf").
+    outline: the exact one; polygon: the facets made of it, as they print; read: shapes recovered from the files, by kind
+    ("dxf", "stl", "3mf"); undercut: what the spec implies, mm at the tip and deg.
     The outline error is the largest over even samples of the exact outline, the angle's over the judged cam angles.
     """
     theta = judged_angles()
@@ -31,10 +34,12 @@ def error_budget(outline: Contour, drive: Rolling, reachable: Motion, tolerance:
     def swing(ring: Ring) -> Floats:
         return mounted(Shape(ring, ()), drive).angle(theta)
 
-    def largest(a: Floats, b: Floats) -> float:
-        return math.degrees(float(np.nanmax(np.abs(a - b))))
+    unit, scale = drive.unit
 
-    rows: list[tuple[str, float, float]] = []
+    def largest(a: Floats, b: Floats) -> float:
+        return scale * float(np.nanmax(np.abs(a - b)))
+
+    rows: list[tuple[str, float, float]] = [("law: undercut that the spec implies", *undercut)]
     if "dxf" in read:
         arcs = Ring(*bulges(fit_arcs(outline, tolerance)))
         fitted = swing(arcs)
@@ -42,14 +47,12 @@ def error_budget(outline: Contour, drive: Rolling, reachable: Motion, tolerance:
         rows.append(("decimals of DXF", _moved(arcs, read["dxf"].outer), largest(swing(read["dxf"].outer), fitted)))
     meshes = [kind for kind in ("stl", "3mf") if kind in read]
     if meshes:
-        points = facet_contour(outline, tolerance)
-        polygon = Ring(points, np.zeros(len(points)))
         facetted = swing(polygon)
-        rows.append(("facets (STL, 3MF)", _facet_error(outline, points), largest(facetted, exact)))
+        rows.append(("facets (STL, 3MF)", _facet_error(outline, polygon.points), largest(facetted, exact)))
         for kind in meshes:
             ring = read[kind].outer
             rows.append((f"float32 of {kind.upper()}", _moved(polygon, ring), largest(swing(ring), facetted)))
-    return Table("Error budget by stage", ("stage", "outline, mm", "follower, deg"), rows)
+    return Table("Error budget by stage", ("stage", "outline, mm", f"follower, {unit}"), rows)
 
 
 def _samples(outline: Contour, edges: int) -> Points:

@@ -108,6 +108,56 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
     _hand_over(dump(found()), file)
 
 
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--follower", required=True, metavar="TABLE", help="The follower: a TOML file, or KEY=VALUE,... as above.")
+@click.option("--second-follower", metavar="TABLE", help="A second tip on the same follower, for the lash of the pair.")
+@click.option("--second", type=click.Path(path_type=Path), help="Outline under the second tip.  [default: FILE]")
+@click.option("--height", type=float, help="Height of a mesh's section, mm.  [default: half way up]")
+@click.option("--layer", help="Layer of a DXF that holds the outline.  [default: all]")
+@click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@_as_json
+def motion(
+    file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
+    harmonics: int, out: Path, as_json: bool,
+) -> None:  # fmt: skip
+    """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker) and report its motion.
+
+    The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
+    a table [follower], or its keys on one line:
+
+    \b
+      --follower oscillating,pivot=60/0,arm=67.082,at_deg=-153.435,radius=3
+      --follower translating,radius=6,offset=0       --follower translating,shape=flat
+    \b
+      shape          roller (a round tip as well), knife or, translating, flat  [roller]
+      radius         of the roller or round tip, mm
+      centre=X/Y     place of the shaft in FILE  [0/0]
+      flipped=true   the outline is turned over about Oy first; turned_deg=A: then turned by A
+    \b
+    oscillating:
+      pivot=X/Y      axle of the arm, seen from the shaft, mm
+      arm            length from axle to tip centre, mm
+      at_deg         direction of the arm (axle to tip) from which its angle is counted
+      leaves=+1|-1   instead of at_deg: sense that takes the tip off the cam, +1 is ccw;
+                     the angle then counts from the innermost position
+    \b
+    translating:
+      direction_deg  way out of the follower, ccw from Ox  [90]
+      offset         of the tip's line from the shaft, positive to the left of the way out  [0]
+      at             distance of tip centre or face from the shaft from which its way is counted;
+                     otherwise it counts from the innermost position
+
+    Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
+    acceleration, pressure angle.
+    """
+    from camgen import outline_motion
+
+    request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
+    _each([file], lambda path, progress: outline_motion.run(path, request, out, progress), as_json)
+
+
 @cli.command("list")
 def list_() -> None:
     """List the mechanisms and the laws of motion."""

@@ -372,15 +372,20 @@ def _play(joint: Pin, held: Mapping[Eye, Measured]) -> float:
 
 
 def _fit(joints: Sequence[Joint], held: Mapping[Eye, Measured], plays: Mapping[str, float], limit: float, where: str) -> Finding:
-    """The joint that fits worst: play against the spec's, and centres at several heights of one hole that differ."""
+    """The joint that fits worst: play against the spec's, each hole's own size, its centres at several heights.
+
+    Each hole by itself, for one that is too tight is not mended by another one that is too wide.
+    """
     misfit = {joint.name: abs(plays[joint.name] - joint.clearance) for joint in joints}
     for joint in joints:
-        misfit[joint.name] = max(misfit[joint.name], *(held[eye].spread for eye in _eyes(joint)))
+        for eye in _eyes(joint):
+            size = abs(held[eye].diameter - eye.diameter) if eye.part and eye.diameter else 0.0
+            misfit[joint.name] = max(misfit[joint.name], held[eye].spread, size)
     worst = max(joints, key=lambda joint: misfit[joint.name])
     return at_most(
         "PIN_GAP", misfit[worst.name], limit, "mm", f"{where}, {worst.name}",
-        f"play {plays[worst.name]:.4f} mm, {worst.clearance:.4f} mm wanted; worst of {len(joints)} joints, by diameter and "
-        "by the centres at several heights",
+        f"play {plays[worst.name]:.4f} mm, {worst.clearance:.4f} mm wanted; worst of {len(joints)} joints, by each "
+        "hole's diameter and by the centres at several heights",
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ class Finding:
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.
-ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL"})
+ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "BED_FIT"})
 
 
 def at_most(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:

@@ -8,6 +8,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -104,15 +105,25 @@ def _foreign(folder: Path) -> Iterator[Path]:
     if not folder.exists():
         return
     listed: set[Path] = set()
-    manifest = folder / MANIFEST
-    if manifest.is_file():
-        try:
-            found = json.loads(manifest.read_bytes())
-            listed = {folder / name for name in found["files"]} | {manifest} if "camgen" in found else set()
-        except (ValueError, KeyError, TypeError):
-            yield manifest
+    if (folder / MANIFEST).is_file():
+        with suppress(FileError):  # not ours, so it is foreign itself
+            listed = {folder / name for name in manifest_files(folder)} | {folder / MANIFEST}
     ours = listed | {parent for path in listed for parent in path.parents}
     yield from (path for path in sorted(folder.rglob("*")) if path not in ours)
+
+
+def manifest_files(folder: Path) -> list[str]:
+    """Names of the files that a build listed in its manifest.json; FileError where that is no manifest of camgen's."""
+    path = folder / MANIFEST
+    try:
+        found = json.loads(path.read_bytes())
+        if not (isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)):
+            raise ValueError("it does not list the files of a build")
+        return list(found["files"])
+    except OSError as error:
+        raise FileError(path, f"cannot be read: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise FileError(path, f"is not a manifest of camgen's: {error}") from None
 
 
 def write_manifest(folder: Path, packages: Iterable[str]) -> None:

@@ -1,19 +1,17 @@
-"""Cam followers: from the wanted motion to pitch curve, profile, pressure angle and undercut, all in closed form.
+"""Disc cams: from a program and a follower to profile, pressure angle and undercut, all in closed form.
 
-    trace point     centre of the tip (or roller); the point itself for a knife edge
-    pitch curve     path of the trace point as the cam sees it
-    profile         envelope of the tip: the parallel curve of the pitch curve at the tip radius, inwards
-    pressure angle  between the contact normal and the trace point's velocity
-    undercut        profile that a later pass of the tip cuts away again
+    profile         envelope of the follower as the cam sees it, loops trimmed
+    pressure angle  between the contact normal and the follower's motion where it touches
+    undercut        profile that a later pass of the follower cuts away again
 
                          A pivot                    ground: the cam turns by theta, counter-clockwise, about O
                         /                           cam:    ground turned back by theta
             tip  ( C )-'    arm A-C
                (cam)
-                 O                                  the pitch curve runs CLOCKWISE round the cam as theta grows
+                 O                                  the envelope runs CLOCKWISE round the cam as theta grows
 
-Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
-[Norton, Cam Design and Manufacturing Handbook, ch. 7; formulas re-derived for a swinging arm in complex form]
+Followers are those of `tips`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
+[Norton, Cam Design and Manufacturing Handbook, ch. 7]
 """
 
 from __future__ import annotations
@@ -24,72 +22,28 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Any
+from typing import Any, Generic
 
 import numpy as np
+from typing_extensions import TypeVar
 
 from camgen.errors import DesignError
 from camgen.motion import Floats
-from camgen.outlines import Arc, Contour, Piece, Points, Smooth, end_point, start_point
+from camgen.outlines import Arc, Contour, Line, Piece, Points, Smooth, end_point, start_point
 from camgen.program import Program, Segment
+from camgen.tips import FlatFace, Follower, Motion, RoundTip
+from camgen.tips import SwingingArm as SwingingArm
 from camgen.tolerances import SAME_POINT
 from camgen.trimming import trim
 
-
-@dataclass(frozen=True)
-class SwingingArm:
-    """Follower on an arm: trace point = pivot + arm * exp(i s), s in rad; leaves: sense of s that takes the tip off the cam."""
-
-    pivot: complex
-    arm: complex
-    tip_radius: float
-    leaves: int
-
-    def trace(self, s: Any) -> Points:
-        """Trace point in the ground, (n,) complex."""
-        return self.pivot + self.arm * np.exp(1j * np.asarray(s))
-
-    def pitch(self, theta: Any, motion: Callable[[Any, int], Floats], order: int) -> Points:
-        """Trace point in the cam's frame at cam angle theta, or its derivative to theta of order 0..3, (n,) complex.
-
-        motion(theta, order): the follower's angle s and its derivatives.
-        """
-        theta = np.asarray(theta, float)
-        centre = (-1j) ** order * self.pivot * np.exp(-1j * theta)
-        arm = self.arm * np.exp(1j * (motion(theta, 0) - theta))
-        if order == 0:
-            return np.asarray(centre + arm)
-        q1 = motion(theta, 1) - 1
-        if order == 1:
-            return np.asarray(centre + 1j * q1 * arm)
-        q2 = motion(theta, 2)
-        if order == 2:
-            return np.asarray(centre + (1j * q2 - q1**2) * arm)
-        return np.asarray(centre + (1j * motion(theta, 3) - 3 * q1 * q2 - 1j * q1**3) * arm)
-
-    def velocity(self, s: Any) -> Points:
-        """Direction in which the trace point moves in the ground as s grows, (n,) complex, length |arm|."""
-        return np.asarray(1j * self.arm * np.exp(1j * np.asarray(s)))
-
-    def resting_on(self, point: Any) -> Floats:
-        """Follower angle at which the tip touches a point of the ground, (n,) rad; nan out of reach.
-
-        Of the two such angles the one from which the tip leaves the point with s going in the sense `leaves`.
-        """
-        spoke = (np.asarray(point) - self.pivot) / self.arm
-        distance, reach = np.abs(spoke), self.tip_radius / abs(self.arm)
-        # half-angle form of the law of cosines: exact where the triangle is flat
-        near, far = reach**2 - (1 - distance) ** 2, (1 + distance) ** 2 - reach**2
-        with np.errstate(invalid="ignore"):
-            opening = 2 * np.arctan2(np.sqrt(near), np.sqrt(far))
-        return np.asarray(np.angle(spoke) + self.leaves * opening)
+_BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
 
 
 @dataclass(frozen=True)
 class Undercut:
-    """Cam angles begin..end (rad, end > begin) over which the tip rides on the corner at `corner_cam` instead of a profile.
+    """Cam angles begin..end (rad, end > begin) over which the follower rides on the corner at `corner_cam`, not on a profile.
 
-    shortfall: largest missing follower angle, rad, at cam angle `worst`; depth: the same along the tip's path, mm.
+    shortfall: largest missing displacement (rad or mm) at cam angle `worst`; depth: the same along the contact's path, mm.
     """
 
     begin: float
@@ -100,16 +54,26 @@ class Undercut:
     depth: float
 
 
+F = TypeVar("F", bound=Follower, default=SwingingArm)
+
+
 @dataclass(frozen=True)
-class DiscCam:
+class DiscCam(Generic[F]):
     """A disc cam turning about the origin: a program, a follower, and all that follows from them."""
 
     program: Program
-    follower: SwingingArm
+    follower: F
+
+    @property
+    def tip(self) -> RoundTip:
+        """The follower, which must have a round tip; TypeError for a flat face, which has no pitch curve."""
+        if not isinstance(self.follower, RoundTip):
+            raise TypeError("a flat face has no pitch curve")
+        return self.follower
 
     def pitch(self, theta: Any, order: int = 0) -> Points:
         """Pitch curve in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
-        return self.follower.pitch(theta, self.program, order)
+        return self.tip.pitch(theta, self.program, order)
 
     def tangent(self, theta: Any) -> Points:
         """Unit tangent of the pitch curve in the sense of growing theta, (n,) complex, cam's frame."""
@@ -117,35 +81,82 @@ class DiscCam:
 
     def curvature(self, theta: Any) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
-        return _bending(partial(self.follower.pitch, motion=self.program), theta)
+        return self.tip.bending(theta, self.program)
+
+    def radius(self, theta: Any) -> Floats:
+        """Radius of curvature of the untrimmed profile, mm, (n,), positive where convex (below 0: hollow, or undercut)."""
+        return self.follower.radius(theta, self.program)
 
     @cached_property
     def least_radius(self) -> float:
         """Smallest radius of curvature where the pitch curve is convex, corners aside, mm; a larger tip undercuts."""
-        bend = max(greatest(self.curvature, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(self.program.joints))
+        bend = self.greatest(self.curvature)[1]
         return 1 / bend if bend > 0 else math.inf
 
     def profile(self, theta: Any, order: int = 0) -> Points:
-        """Untrimmed envelope of the tip in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
-        return _offset(partial(self.follower.pitch, motion=self.program), self.follower.tip_radius, theta, order)
+        """Untrimmed envelope of the follower in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
+        return self.follower.envelope(theta, self.program, order)
 
     def pressure_angle(self, theta: Any) -> Floats:
-        """Angle between the contact normal and the trace point's velocity, rad, (n,), 0 or more.
+        """Angle between the contact normal and the follower's motion at the contact, rad, (n,), 0 or more.
 
-        Where the tip rides on an undercut's corner the normal runs through that corner. [Norton, ch. 7]
+        Where the follower rides on an undercut's corner that is the contact. [Norton, ch. 7]
         """
         theta = np.asarray(theta, float)
-        s = self.reachable(theta)
-        outward = 1j * self.tangent(theta)
+        angle = self.steepness(theta)
         for cut in self.undercuts:
             inside = _within(theta, cut)
-            trace_cam = self.follower.trace(s[inside]) * np.exp(-1j * theta[inside])
-            outward[inside] = _unit(trace_cam - cut.corner_cam)
-        away = self.follower.leaves * self.follower.velocity(s) * np.exp(-1j * theta)
-        return np.asarray(np.abs(np.angle(away * np.conj(outward))))
+            point = cut.corner_cam * np.exp(1j * theta[inside])
+            s = self.follower.resting_on(point)
+            away = self.follower.leaves * self.follower.velocity(s, point)
+            angle[inside] = np.abs(np.angle(away * np.conj(self.follower.normal_on(s, point))))
+        return angle
+
+    def steepness(self, theta: Any) -> Floats:
+        """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
+        turn = np.exp(1j * np.asarray(theta, float))
+        away = self.follower.leaves * self.follower.velocity(self.program(theta), self.profile(theta) * turn)
+        return np.asarray(np.abs(np.angle(away * np.conj(self.follower.normal(theta, self.program) * turn))))
+
+    def groove(self) -> Contour:
+        """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.
+
+        Raises DesignError where the speed jumps or the tip does not fit the pitch curve's hollows.
+        """
+        tip: Any = self.tip
+        other = DiscCam(self.program, replace(tip, tip_radius=-tip.tip_radius))
+        place, bend = self.greatest(lambda theta: -self.curvature(theta))
+        if bend * self.tip.tip_radius >= 1:
+            raise DesignError(
+                "radius of the pitch curve's hollow", 1 / bend, self.tip.tip_radius, "mm",
+                f"cam angle {math.degrees(place):.3f} deg", "the groove's outer wall is undercut there: use a smaller tip",
+            )  # fmt: skip
+        pieces = [whole.reversed() for whole, _ in reversed(other._stretches())]
+        kept, cuts = trim(pieces)
+        if cuts:
+            raise DesignError(
+                "crossings of the groove's outer wall", len(cuts), 0, "", "", "use a smaller tip or a larger base_radius"
+            )
+        return Contour(tuple(kept)).counter_clockwise()
+
+    def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:
+        """Place and value of the largest f(theta) over the turn, looked for between the program's breaks; even in a dwell."""
+        found = []
+        for a, b in pairwise(float(x) for x in self.program.breaks):
+            if self._segment(a, b)[0].scale == 0:
+                found.append(((a + b) / 2, float(f(np.array([(a + b) / 2]))[0])))
+            else:
+                found.append(greatest(f, a + 1e-9, b - 1e-9))
+        return max(found, key=lambda each: each[1])
+
+    def _segment(self, a: float, b: float) -> tuple[Segment, float]:
+        """The segment between two neighbouring breaks, and where it begins."""
+        joints, last = self.program.joints, len(self.program.segments) - 1
+        k = min(int(np.searchsorted(joints, (a + b) / 2)) - 1, last)
+        return self.program.segments[k], float(joints[k])
 
     def reachable(self, theta: Any) -> Floats:
-        """Follower angle that the exact trimmed cam gives: the program's, less the undercut, (n,) rad."""
+        """Displacement that the exact trimmed cam gives: the program's, less the undercut, (n,) rad or mm."""
         theta = np.asarray(theta, float)
         s = self.program(theta)
         for cut in self.undercuts:
@@ -154,45 +165,39 @@ class DiscCam:
         return s
 
     def riding(self, theta: float) -> bool:
-        """Whether the tip rides on an undercut's corner at theta."""
+        """Whether the follower rides on an undercut's corner at theta."""
         return any(_within(np.asarray(theta), cut) for cut in self.undercuts)
 
     @property
     def undercuts(self) -> tuple[Undercut, ...]:
-        """Where the tip cannot follow the program."""
+        """Where the follower cannot follow the program."""
         return self._made[1]
 
     @property
     def outline(self) -> Contour:
         """The exact trimmed profile at theta = 0, counter-clockwise.
 
-        Raises DesignError where the tip leaves no closed profile round the shaft.
+        Raises DesignError where the follower leaves no closed profile round the shaft.
         """
         return self._made[0]
 
     @cached_property
     def _made(self) -> tuple[Contour, tuple[Undercut, ...]]:
+        self._check_axis()
         raw: list[Piece] = []
-        places: list[float] = []  # cam angle of each raw piece's beginning
-        joints = [float(j) for j in self.program.joints]
-        place, near = greatest(lambda theta: -np.abs(self.pitch(theta)), joints[0], joints[-1], joints)
-        if not self.follower.tip_radius < -near:
-            raise DesignError(
-                "tip_radius", self.follower.tip_radius, -near, "mm", f"cam angle {math.degrees(place):.3f} deg",
-                "the tip reaches the shaft's axis there: use a smaller tip_radius or a smaller swing",
-            )  # fmt: skip
-        pitches = [
-            partial(self.follower.pitch, motion=_continued(segment, joints[k])) for k, segment in enumerate(self.program.segments)
-        ]
-        wholes = [
-            Smooth(partial(_offset, pitch, self.follower.tip_radius), joints[k], joints[k + 1]) for k, pitch in enumerate(pitches)
-        ]
-        for k, whole in enumerate(wholes):
-            corner = self._resting(wholes[k - 1], whole, joints[k])
-            pieces = ([corner] if corner else []) + self._forward(whole, pitches[k])
-            raw += pieces
-            places += [joints[k] if isinstance(p, Arc) else p.t0 for p in pieces]
-        kept, cuts = trim(raw) if self.follower.tip_radius else (raw, [])
+        places: list[tuple[float, float]] = []  # cam angle of each raw piece's beginning, and its growth with the parameter
+        stretches = self._stretches()
+        for k, (whole, motion) in enumerate(stretches):
+            begin = float(self.program.breaks[k])
+            rest = self._resting(stretches[k - 1][0], whole, begin)
+            if rest:
+                raw.append(rest)
+                places.append((begin, 0.0))
+            for piece in self._forward(whole, motion):
+                raw.append(piece)
+                places.append((piece.t0, 1.0) if isinstance(piece, Smooth) else (begin, -1.0))
+        trims = not isinstance(self.follower, RoundTip) or self.follower.tip_radius > 0
+        kept, cuts = trim(raw) if trims else (raw, [])
         outline = Contour(tuple(kept)).reversed()
         if not outline.area > 0:
             raise DesignError(
@@ -203,35 +208,72 @@ class DiscCam:
                 "",
                 "the tip leaves no cam round the shaft: use a smaller tip_radius",
             )
-        return outline, tuple(self._undercut(raw, places, cut.start, cut.end, cut.at) for cut in cuts)
 
-    def _forward(self, whole: Smooth, pitch: Callable[..., Points]) -> list[Piece]:
-        """Stretches of a raw piece that run forwards: where the tip fits into the pitch curve's bend."""
-        rho = self.follower.tip_radius
-        if rho == 0:
+        def angle(mark: tuple[int, float]) -> float:
+            begin, rate = places[mark[0]]
+            return begin + rate * (mark[1] - raw[mark[0]].t0)
+
+        return outline, tuple(self._undercut(angle(cut.start), angle(cut.end), cut.at) for cut in cuts)
+
+    def _check_axis(self) -> None:
+        """DesignError where the follower reaches the shaft's axis, so that no cam is left there."""
+        ends = [float(j) for j in self.program.joints]
+        place, near = greatest(lambda theta: -self.follower.clear(theta, self.program), ends[0], ends[-1], ends)
+        if near < 0:
+            return
+        where = f"cam angle {math.degrees(place):.3f} deg"
+        if isinstance(self.follower, FlatFace):
+            raise DesignError(
+                "distance of the face from the axis", -near, 0.0, "mm", where,
+                "the face reaches the shaft's axis there: use a larger base_radius",
+            )  # fmt: skip
+        rho = self.tip.tip_radius
+        raise DesignError(
+            "tip_radius", rho, rho - near, "mm", where,
+            "the tip reaches the shaft's axis there: use a smaller tip_radius or a smaller swing",
+        )  # fmt: skip
+
+    def _stretches(self) -> list[tuple[Piece, Motion]]:
+        """Untrimmed profile between neighbouring breaks, with the motion there; a dwell's is an arc about the axis."""
+        found: list[tuple[Piece, Motion]] = []
+        for a, b in pairwise(float(x) for x in self.program.breaks):
+            segment, begin = self._segment(a, b)
+            motion = _continued(segment, begin, a, b)
+            whole: Piece = Smooth(partial(_envelope, self.follower, motion), a, b)
+            if segment.scale == 0:
+                first = complex(whole.at(a))
+                whole = Arc(0j, abs(first), cmath.phase(first), a - b)
+            found.append((whole, motion))
+        return found
+
+    def _forward(self, whole: Piece, motion: Motion) -> list[Piece]:
+        """Stretches of a raw piece that run forwards: where the follower fits into the curve's bend."""
+        knife = isinstance(self.follower, RoundTip) and self.follower.tip_radius == 0
+        if knife or not isinstance(whole, Smooth):
             return [whole]
 
         def room(theta: Any) -> Floats:
-            return 1 - rho * _bending(pitch, theta)
+            return self.follower.room(theta, motion)
 
         marks = [whole.t0, *_roots(room, whole.t0, whole.t1), whole.t1]
-        return [replace(whole, t0=p, t1=q) for p, q in zip(marks, marks[1:], strict=False) if room((p + q) / 2) > 0]
+        return [replace(whole, t0=p, t1=q) for p, q in pairwise(marks) if room(np.asarray((p + q) / 2)) > 0]
 
-    def _resting(self, before: Piece, after: Piece, theta: float) -> Arc | None:
-        """At a concave corner of the pitch curve the resting tip itself is the profile: its arc joins the two branches."""
-        rho = self.follower.tip_radius
+    def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
+        """Where the speed jumps so that the follower's own surface is the profile: an arc of the tip, a line of the face."""
+        a, b = end_point(before), start_point(after)
+        if isinstance(self.follower, FlatFace):
+            ahead = -1j * complex(self.follower.normal(np.asarray(theta), self.program))
+            return Line(a, b) if (ahead.conjugate() * (b - a)).real > SAME_POINT else None
+        rho = self.tip.tip_radius
         if rho == 0:
             return None
         centre = complex(self.pitch(theta))
-        here, there = end_point(before) - centre, start_point(after) - centre
+        here, there = a - centre, b - centre
         turn = cmath.phase(there / here)
         # counter-clockwise about the tip's centre is to the left: concave
         return Arc(centre, rho, cmath.phase(here), turn) if turn > SAME_POINT / rho else None
 
-    def _undercut(
-        self, raw: list[Piece], places: list[float], start: tuple[int, float], end: tuple[int, float], at: complex
-    ) -> Undercut:
-        begin, stop = (mark[1] if isinstance(raw[mark[0]], Smooth) else places[mark[0]] for mark in (start, end))
+    def _undercut(self, begin: float, stop: float, at: complex) -> Undercut:
         stop += 2 * math.pi if stop < begin else 0.0
 
         def missing(theta: Any) -> Floats:
@@ -240,10 +282,9 @@ class DiscCam:
 
         corners = [j for j in np.concatenate((self.program.joints, self.program.joints + 2 * math.pi)) if begin <= j <= stop]
         worst, shortfall = greatest(missing, begin, stop, corners)
-        return Undercut(begin, stop, at, shortfall, worst, shortfall * abs(self.follower.arm))
-
-
-_Motion = Callable[[Any, int], Floats]
+        there = at * np.exp(1j * worst)
+        travel = np.abs(self.follower.velocity(self.follower.resting_on(there), there))
+        return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
 
 
 def greatest(f: Callable[[Any], Floats], a: float, b: float, also: list[float] | None = None) -> tuple[float, float]:
@@ -276,35 +317,25 @@ def _roots(f: Callable[[Any], Floats], a: float, b: float) -> list[float]:
     return [float(r) for r in (low + high) / 2]
 
 
-def _continued(segment: Segment, begin: float) -> _Motion:
-    return lambda theta, order: segment.at(np.asarray(theta) - begin, order)
+def _continued(segment: Segment, begin: float, a: float, b: float) -> Motion:
+    """The segment's motion between the breaks a and b, its derivatives at these those on the inside."""
+    low, high = a - begin, b - begin
+    low += _BESIDE * segment.span if low > 0 else 0.0
+    high -= _BESIDE * segment.span if high < (1 - _BESIDE) * segment.span else 0.0
+
+    def motion(theta: Any, order: int) -> Floats:
+        angle = np.asarray(theta) - begin
+        return segment.at(np.clip(angle, low, high) if order else angle, order)
+
+    return motion
+
+
+def _envelope(follower: Follower, motion: Motion, theta: Any, order: int) -> Points:
+    return follower.envelope(theta, motion, order)
 
 
 def _unit(z: Points) -> Points:
     return np.asarray(z / np.abs(z))
-
-
-def _bending(pitch: Callable[..., Points], theta: Any) -> Floats:
-    """Curvature of the pitch curve, positive where the cam is convex (the curve runs clockwise)."""
-    d1, d2 = pitch(theta, order=1), pitch(theta, order=2)
-    return np.asarray(-np.imag(np.conj(d1) * d2) / np.abs(d1) ** 3)
-
-
-def _offset(pitch: Callable[..., Points], rho: float, theta: Any, order: int) -> Points:
-    """Parallel curve at rho to the right of the pitch curve and its derivatives; the right is the cam's inside."""
-    d0, d1 = pitch(theta, order=0), pitch(theta, order=1)
-    speed = np.abs(d1)
-    if order == 0:
-        return np.asarray(d0 - 1j * rho * d1 / speed)
-    d2 = pitch(theta, order=2)
-    cross = np.imag(np.conj(d1) * d2)
-    room = 1 + rho * cross / speed**3
-    if order == 1:
-        return np.asarray(d1 * room)
-    d3 = pitch(theta, order=3)
-    dot = np.real(np.conj(d1) * d2)
-    room_slope = rho * (np.imag(np.conj(d1) * d3) / speed**3 - 3 * cross * dot / speed**5)
-    return np.asarray(d2 * room + d1 * room_slope)
 
 
 def _within(theta: Floats, cut: Undercut) -> Any:

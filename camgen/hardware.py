@@ -56,7 +56,7 @@ def rounded(discs: Sequence[tuple[complex, float]]) -> Contour:
 
 def plate(name: str, outer: Contour, holes: Mapping[str, Contour], min_wall: float) -> Region:
     """The region inside `outer` less the named holes; DesignError names the two that leave a wall under min_wall, mm."""
-    rings = {hole: facet_contour(contour, _FACETS) for hole, contour in holes.items()}
+    rings = {hole: facet_contour(c, min(_FACETS, 0.01 * math.sqrt(abs(c.area)))) for hole, c in holes.items()}
     rim = facet_contour(outer, _FACETS)
     _check_simple(name, rim)
     if thinnest_wall(rim, list(rings.values())) < min_wall:

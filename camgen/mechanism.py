@@ -10,14 +10,18 @@ study()                named numbers, curves and tables for the report
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from camgen.findings import Finding
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
 from camgen.spec import Spec
+from camgen.standards import Bought
 
 
 @dataclass(frozen=True)
@@ -36,14 +40,19 @@ class Pose:
 
 @dataclass(frozen=True)
 class Rolling:
-    """A round tip on a swinging arm, rolling on the outline of a part that turns about the origin by theta.
+    """A round tip on a swinging arm, or another follower, on the outline of a part that turns about the origin by theta.
 
     part: name of the part whose outer outline is touched; flipped: the part is mounted mirrored in its Oy at theta = 0;
     turned: further turn of the mounted part, rad. Tip centre = pivot + arm * exp(i s), s the follower's angle (the
     wanted motion, rad), pivot and arm complex mm; tip_radius mm (0: knife edge); leaves: +1 or -1, sense of s that
     takes the tip off the part; pressure_angle: the largest of the exact part, rad (an outline that is off by e turns
     the follower by e / (|arm| cos pressure_angle)); speed_ripple, lash and undercut: what the designer accepts, as a
-    share of the greatest speed and in rad. The first contact of a part drives, a further one limits the free play.
+    share of the greatest speed and in rad; tip_part: the part whose outline is the tip, its bore at the pivot.
+    The first contact of a part drives, a further one limits the free play.
+    slides: tip centre = pivot + arm * s instead, arm a unit vector, s in mm. face: a flat face instead of a tip, through
+    that point, its unit normal off the part at s = 0. lever: the least way, mm per unit of s, by which the follower moves
+    off the contact's tangent, where it is not |arm| cos pressure_angle. inside: it comes from within to the largest hole,
+    the outer wall of a groove. reach: places on the face (as `contact.Touch` counts them) between which it must be touched.
     """
 
     name: str
@@ -58,6 +67,17 @@ class Rolling:
     undercut: float
     flipped: bool = False
     turned: float = 0.0
+    tip_part: str | None = None
+    slides: bool = False
+    face: complex | None = None
+    lever: float | None = None
+    inside: bool = False
+    reach: tuple[float, float] | None = None
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """What people read s in, and how many of it one unit of s is."""
+        return ("mm", 1.0) if self.slides else ("deg", math.degrees(1))
 
 
 @dataclass(frozen=True)
@@ -129,7 +149,75 @@ class Traced:
     stroke: bool = True
 
 
-Contact = Rolling | Pin | Slide | Traced
+@dataclass(frozen=True)
+class Drive:
+    """What bodies turn with: ground = centre + exp(i angle(theta)) * (place on it); angle: (n,) rad -> (n,) rad, continuous."""
+
+    name: str
+    centre: complex
+    angle: Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Mount:
+    """One copy of a part on a drive: drive's frame = at + exp(i turned) * body, first turned over about its Oy if `flipped`.
+
+    z: height of its underside in the assembly, mm. The copies of a part are numbered in the order of their mounts.
+    """
+
+    part: str
+    drive: Drive
+    at: complex = 0j
+    turned: float = 0.0
+    z: float = 0.0
+    flipped: bool = False
+
+    def pose(self, theta: Floats) -> Pose:
+        """The same over the turn, in the ground's frame."""
+        angle = self.drive.angle(theta)
+        place = self.drive.centre + np.exp(1j * angle) * self.at
+        return Pose(angle + self.turned, np.asarray(place, complex), self.flipped, self.z)
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """A bought body, not made but in the way of others: discs (centre, radius, z0, z1), mm, on a drive."""
+
+    name: str
+    drive: Drive
+    discs: tuple[tuple[complex, float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A whole machine: all copies of its parts and what is bought.
+
+    touching: pairs of bodies ("cam-1", "frame-1", a stand-in's name) that touch by intent -> overlap that may show, mm;
+    gap: what every other pair must keep, mm.
+    """
+
+    mounts: tuple[Mount, ...]
+    stand_ins: tuple[StandIn, ...]
+    touching: Mapping[frozenset[str], float]
+    gap: float
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns.
+
+    planes: heights z of the ground at which their sections are compared, mm; gap: least distance that is wanted, mm,
+    0 where they may graze: slide on each other.
+    """
+
+    name: str
+    a: str
+    b: str
+    planes: tuple[float, ...] = (0.0,)
+    gap: float = 0.0
+
+
+Contact = Rolling | Pin | Slide | Traced | Apart
 
 
 @dataclass(frozen=True)
@@ -205,3 +293,15 @@ class Mechanism(Spec, ABC):
     @abstractmethod
     def study(self) -> Study:
         """Named numbers, curves and tables for the report."""
+
+    def assembly(self) -> Assembly | None:
+        """The whole machine, swept for interference and laid out for printing; None where only single parts are made."""
+        return None
+
+    def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
+        """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
+        return Study()
+
+    def bought(self) -> Sequence[Bought]:
+        """What is bought, by its standard."""
+        return ()

@@ -268,13 +268,22 @@ def fourier_formula(sines: Sequence[float], cosines: Sequence[float] = ()) -> Fo
     return formula
 
 
+def closed(sines: Sequence[float], cosines: Sequence[float]) -> tuple[float, ...]:
+    """The sines, the first of them changed so that the law closes to rounding; c stays as it is at both ends.
+
+    Printed coefficients of six decimals leave a speed of some 1e-8, which a cam would show as a corner at each dwell.
+    """
+    return (sines[0] + 2 * math.pi * end_speed(sines, cosines), *sines[1:]) if len(sines) else tuple(sines)
+
+
 def fourier(sines: Sequence[float], cosines: Sequence[float] = (), name: str = "fourier", source: str = "") -> Law:
     """The Fourier law with these coefficients; SpecError where it does not start and end at rest."""
     leaves = end_speed(sines, cosines)
     if not abs(leaves) <= LAW_CLOSES:
         expected = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
         raise SpecError([Fault("sines", f"speed {leaves:.6g} at both ends", expected)])
-    return measured(name, fourier_formula(sines, cosines), source or f"Fourier series of {len(sines) + len(cosines)} terms")
+    formula = fourier_formula(closed(sines, cosines), cosines)
+    return measured(name, formula, source or f"Fourier series of {len(sines) + len(cosines)} terms")
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------
@@ -356,8 +365,8 @@ LAWS = {
         Law("3-4-5", polynomial(0, 0, 0, 10, -15, 6), 2, 15 / 8, 10 / _ROOT3, 60.0, "VDI 2143: Polynom 5. Grades"),
         Law("4-5-6-7", polynomial(0, 0, 0, 0, 35, -84, 70, -20), 3, 35 / 16, 84 * math.sqrt(5) / 25, 52.5,
             "polynomial 4-5-6-7"),
-        Law("mr-13", fourier_formula(MR_13_SINES, MR_13_COSINES), 1, 1.891738557035243, 6.150072598000659,
-            40.26235766526823, "choice of cam mechanisms for pad-printing machines (in Ukrainian), law MR-13, A6 < 0"),
+        Law("mr-13", fourier_formula(closed(MR_13_SINES, MR_13_COSINES), MR_13_COSINES), 1, 1.8917385846097312, 6.150072767977438,
+            40.26235849974344, "choice of cam mechanisms for pad-printing machines (in Ukrainian), law MR-13, A6 < 0"),
     )
 }  # fmt: skip
 POLYNOMIAL_345 = LAWS["3-4-5"]

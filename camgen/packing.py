@@ -21,12 +21,9 @@ from camgen.findings import Finding, at_most
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
 from camgen.solids import Mesh
+from camgen.standards import DENSITY as DENSITY
 
 _UNIT = 0.001  # mm in which rectangles are packed
-
-# Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials
-# (generic_pla.xml.fdm_material and its neighbours, element <density>).
-DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
 # The rule of print time. A bead as wide as the nozzle and half as high, laid at this speed, gives the volumetric flow;
 # parts are printed solid; each layer of each copy costs as much again for travel, retraction and slow outer walls.
@@ -93,6 +90,14 @@ def _fits(f: Footprint, bed: tuple[float, float]) -> bool:
     return min(f.width, f.height) <= min(bed) and max(f.width, f.height) <= max(bed)
 
 
+def bed_fit(name: str, count: int, vertices: Floats, bed: tuple[float, float]) -> tuple[Footprint, Finding]:
+    """Footprint of a part's vertices, (n, 3) mm, and BED_FIT: how far it stands out over the bed at its best."""
+    f = footprint(vertices[:, 0] + 1j * vertices[:, 1], bed)
+    beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), 0.0)
+    remark = f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, the bed is {bed[0]:g} x {bed[1]:g} mm"
+    return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
+
+
 def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float) -> Layout:
     """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
 
@@ -103,12 +108,10 @@ def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float
     prints: dict[str, Footprint] = {}
     findings, copies = [], []
     for part in parts:
-        xy: Floats = meshes[part.name].vertices
-        f = prints[part.name] = footprint(xy[:, 0] + 1j * xy[:, 1], bed)
-        beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), 0.0)
-        remark = f"{part.count} lying on {f.width:.1f} x {f.height:.1f} mm, the bed is {bed[0]:g} x {bed[1]:g} mm"
-        findings.append(at_most("BED_FIT", beyond, 0.0, "mm", part.name, remark))
-        copies += [(part.name, k + 1) for k in range(part.count)] if not beyond else []
+        f, finding = bed_fit(part.name, part.count, meshes[part.name].vertices, bed)
+        prints[part.name] = f
+        findings.append(finding)
+        copies += [(part.name, k + 1) for k in range(part.count)] if finding.ok else []
 
     packer = rectpack.newPacker(rotation=True)  # the largest area first
     packer.add_bin(*(math.floor((side + gap) / _UNIT) for side in bed), count=float("inf"))
@@ -176,12 +179,15 @@ class Row:
 COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
 
 
-def parts_list(parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4) -> list[Row]:
+def parts_list(
+    parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None
+) -> list[Row]:
     """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
 
-    The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY.
+    The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY
+    unless its density (g/cm^3) is given.
     """
-    density = DENSITY[material] / 1000  # g/mm^3
+    density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
     layer = LAYER_SHARE * nozzle
     flow = nozzle * layer * PRINT_SPEED
     rows = []

@@ -234,8 +234,8 @@ def _array(records: list[Any], kind: type, columns: int) -> NDArray[Any]:
     return np.frombuffer(records[0]._b_base_, kind).reshape(-1, columns) if records else np.empty((0, columns), kind)
 
 
-def read_3mf(path: str | Path) -> Package:
-    """Read a 3MF file with lib3mf in strict mode; FileError when it refuses."""
+def read_3mf(path: str | Path, strict: bool = True) -> Package:
+    """Read a 3MF file with lib3mf, in strict mode unless it is another program's; FileError when it refuses."""
     import lib3mf
 
     try:
@@ -243,7 +243,7 @@ def read_3mf(path: str | Path) -> Package:
             raise FileError(path, "not a 3MF file: it is no zip archive")
         model = lib3mf.get_wrapper().CreateModel()
         reader = model.QueryReader("3mf")
-        reader.SetStrictModeActive(True)
+        reader.SetStrictModeActive(strict)
         reader.ReadFromFile(str(path))
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
@@ -346,7 +346,7 @@ def _components(count: int, a: Ints, b: Ints) -> int:
 def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
     """Section of a mesh at height z: straight rings, material on their left (outside ccw, holes cw).
 
-    A vertex at exactly z counts as above. A point within SAME_POINT of the line through its neighbours is left out:
+    A vertex at exactly z counts as above. A point on the line through its neighbours, within SAME_POINT, is left out:
     such points come from the diagonals of upright walls. ValueError when the section does not close.
     """
     above = mesh.vertices[:, 2] >= z
@@ -396,7 +396,7 @@ def _without_idle(z: Points) -> Ring | None:
     """Ring through z less repeated points and those on the line of their neighbours; None when nothing is left."""
     z = z[np.abs(z - np.roll(z, 1)) > SAME_POINT]
     before, after = z - np.roll(z, 1), np.roll(z, -1) - z
-    span = before + after
-    idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.abs(span)
+    # The far neighbour is to lie on the line of the short edge: so two near vertices that bend a little are not both idle.
+    idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.minimum(np.abs(before), np.abs(after))
     z = z[~(idle & (np.real(np.conj(before) * after) > 0))]
     return Ring(z, np.zeros(len(z))) if len(z) > 2 else None

@@ -105,6 +105,7 @@ class Ring:
         chord = self.ends - self.points
         radius = np.abs(chord) / np.where(sweep == 0, 1, 2 * np.abs(np.sin(sweep / 2)))
         step = 2 * np.arccos(np.maximum(1 - tolerance / np.maximum(radius, tolerance), 0.0))
+        step = np.minimum(step, np.pi / 3)  # six chords on a full circle, however small it is
         count = np.where(sweep == 0, 1, np.maximum(np.ceil(np.abs(sweep) / step), 1)).astype(int)
         edge = np.repeat(np.arange(len(count)), count)
         half = sweep[edge] / 2

@@ -126,7 +126,7 @@ def program(tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segm
         raise SpecError(faults)
     levels[-1] = 0.0
     made = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
-    faults = [fault for k, segment in enumerate(made.segments) if (fault := _backwards(segment, f"{path}.{k}.law"))]
+    faults = [fault for k, segment in enumerate(made.segments) if (fault := backwards(segment, f"{path}.{k}.law"))]
     if faults:
         raise SpecError(faults)
     return made
@@ -213,8 +213,8 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
     return [segment for segment in made if segment is not None]
 
 
-def _backwards(segment: Segment, path: str) -> Fault | None:
-    """A fault where a rise falls or a return rises on its way."""
+def backwards(segment: Segment, path: str) -> Fault | None:
+    """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
     if segment.kind == "dwell":
         return None
     u = np.union1d(np.linspace(0, 1, 2001), segment.law.breaks)

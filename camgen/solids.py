@@ -70,10 +70,11 @@ def _ring(contour: Contour, tolerance: float, outside: bool) -> Points:
     z = facet_circle(*round_one, tolerance, outside=True) if round_one else facet_contour(contour, tolerance)
     z = z.astype(np.complex64).astype(np.complex128) + 0  # + 0 turns -0 into 0
     while True:
+        z = np.asarray(z[z != np.roll(z, 1)])
         before, after = z - np.roll(z, 1), np.roll(z, -1) - z
         # Exact: differences of neighbours have under 27 bits, their products fit a float64.
         idle = (np.conj(before) * after).imag == 0
-        idle &= ~np.roll(idle, 1) | (before == 0)
+        idle &= ~np.roll(idle, 1)
         if not idle.any() or len(z) <= 3:
             break
         z = z[~idle]

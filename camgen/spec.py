@@ -44,12 +44,29 @@ class Accuracy(Record):
 
 
 class Print(Record):
-    """What the workshop's printer needs; shared by all mechanisms."""
+    """What the workshop's printer needs; shared by all mechanisms.
+
+    hole_compensation and profile_compensation: how far the printer's walls come into holes and out of outlines, mm;
+    shrinkage: share in the plane; elephant_foot: height and width of a chamfer at the foot, in steps of first_layer, mm.
+    They change what is printed (STL, 3MF, plates), not what a laser cuts (DXF) and not the assembly, which shows the print.
+    """
 
     nozzle: Annotated[float, Field(gt=0, le=5)] = 0.4
     slide_clearance: Clearance = 0.2
     press_clearance: Clearance = 0.0
     bed: tuple[Length, Length] = (220.0, 220.0)
+    hole_compensation: Annotated[float, Field(ge=-2, le=2)] = 0.0
+    profile_compensation: Annotated[float, Field(ge=-2, le=2)] = 0.0
+    shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
+    elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
+    first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+
+
+class Material(Record):
+    """What is printed with; density in g/cm^3 where it differs from the usual one."""
+
+    name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = "PLA"
+    density: Annotated[float, Field(gt=0, le=25)] | None = None
 
 
 class Output(Record):
@@ -71,6 +88,7 @@ class Spec(Record):
         ),
     ]
     print: Print = Print()
+    material: Material = Material()
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
 

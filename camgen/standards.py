@@ -1,4 +1,4 @@
-"""Bought parts by their standard name: motor frames, screws, bearings; mm.
+"""Bought parts by their standard name: motor frames, screws, bearings, mm; and what printers are fed with.
 
 Motor frames: NEMA ICS 16-2001 (metric values as in BOSL2, nema_steppers.scad; NEMA 8 as tabled at piclist.com/techref/io/
 stepper/nemasizes.htm). Screw heads: ISO 7380-1 from M3, ISO 4762 below, where ISO 7380-1 has no size; clearance holes:
@@ -58,6 +58,10 @@ class Bought:
     size: str
     count: int
 
+
+# Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials
+# (generic_pla.xml.fdm_material and its neighbours, element <density>).
+DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
 SCREWS = {
     screw.thread: screw

@@ -17,6 +17,9 @@ BOUND_SPARE = 0.05
 # Motion allowed for the float32 of STL on top of the outline's tolerance, deg (45 mm on a 67 mm arm at 58 deg gives 4.4e-6).
 FLOAT32_MOTION_DEG = 1e-5
 
+# The same for a follower that slides, mm (float32 resolves 4e-6 at 60 mm).
+FLOAT32_MOTION_MM = 1e-5
+
 # Cam angles at which a file's motion is judged; seeded random, so never the generator's own.
 JUDGED_ANGLES = 7200
 
@@ -33,3 +36,10 @@ AREA_SHARE = 1e-2
 # A law of motion joins its neighbour where displacement and derivatives agree to this share of their peaks: published
 # coefficients have six decimals (MR-13 leaves its ends with speed 2.8e-8, with the misprinted sign 1.6e-3).
 LAW_CLOSES = 1e-6
+
+# Ends of lines and arcs from other programs' drawings that are one point, mm: some write gaps of 1.3 um, and a gap of
+# 5 um cannot be meant.
+CHAIN_GAP = 5e-3
+
+# Chords for splines and ellipses that are read, mm: a tenth of the finest outline tolerance in use.
+CURVE_CHORDS = 1e-4

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camgen import tolerances
-from camgen.contact import RollingContact, rolling_contact
+from camgen.contact import RollingContact, contact
+from camgen.contact_faces import ArmFace, SlideFace
+from camgen.contact_tips import ArmTip, Form, SlideTip
 from camgen.distances import thinnest_wall
 from camgen.findings import Finding, at_least, at_most
 from camgen.mechanism import Rolling
@@ -31,6 +33,8 @@ from camgen.readback import (
     shape_of,
     slice_mesh,
 )
+from camgen.rings import fit_circle
+from camgen.undoing import printed
 
 Floats = NDArray[np.float64]
 Motion = Callable[[Floats], Floats]
@@ -59,7 +63,8 @@ class Expected:
     """What a part's files should hold, as plain numbers.
 
     sections: of its stack of layers, from the bottom; cut: the one that its drawing shows; volume: mm^3; bore: diameter of
-    the hole on whose centre the part turns; eyes: centres of holes whose place and size the judge of linkages sees to.
+    the hole on whose centre the part turns; eyes: centres of holes whose place and size the judge of linkages sees to;
+    undo: how a mesh was changed for the printer, None where it was not.
     """
 
     part: str
@@ -71,6 +76,20 @@ class Expected:
     eyes: tuple[complex, ...]
     min_wall: float
     chord_tolerance: float
+    undo: Undo | None = None
+
+
+@dataclass(frozen=True)
+class Undo:
+    """What the printer does to a mesh that was sent to it, see `undoing.printed`; files are judged as they print, mm."""
+
+    hole: float
+    profile: float
+    shrinkage: float
+
+    def __call__(self, shape: Shape) -> Shape:
+        """A recovered shape as it is in print; ValueError where a ring vanishes."""
+        return printed(shape, self.hole, self.profile, self.shrinkage)
 
 
 @dataclass(frozen=True)
@@ -135,7 +154,7 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
-    return _judge_sections(sections, expected, where, size * tolerances.FLOAT32_ROUNDING, findings)
+    return _judge_sections(sections, expected, where, size * tolerances.FLOAT32_ROUNDING, findings, expected.undo)
 
 
 def _volume(volume: float, expected: Expected, where: str) -> Finding:
@@ -147,11 +166,14 @@ def _volume(volume: float, expected: Expected, where: str) -> Finding:
 
 
 def _judge_sections(
-    read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float, findings: list[Finding]
+    read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float,
+    findings: list[Finding], undo: Undo | None = None,
 ) -> Judged:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     try:
         sections = [(meant, _pieces(rings) if meant.pieces > 1 else (shape_of(rings),)) for meant, rings in read]
+        if undo is not None:
+            sections = [(meant, tuple(undo(shape) for shape in shapes)) for meant, shapes in sections]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
@@ -163,10 +185,13 @@ def _judge_sections(
             off, remark = here, said
         if math.isnan(off):
             break
+    if off > limit:
+        remark = f"{remark}, but a hole is {off:.4g} mm off in place or size"
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
     wall = min(_wall(shape) for shapes in _distinct(sections) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
-        findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, "smallest wall between contours"))
+        facets = 2 * max(_WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
+        findings.append(at_least("MIN_WALL", wall, expected.min_wall - facets, "mm", where, "smallest wall between contours"))
     shape = sections[0][1][0]
     bore = _bore(shape, expected.bore)
     if bore is not None:
@@ -193,7 +218,7 @@ def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tup
 
 
 def _wall(shape: Shape) -> float:
-    facets = [ring.facetted(_WALL_FACETS) for ring in (shape.outer, *shape.holes)]
+    facets = [ring.facetted(min(_WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in (shape.outer, *shape.holes)]
     return thinnest_wall(facets[0], facets[1:])
 
 
@@ -226,7 +251,7 @@ def _misplaced(shapes: Sequence[Shape], meant: Section, expected: Expected, limi
         off = max(off, abs(math.sqrt(size / math.pi) - math.sqrt(abs(size_meant) / math.pi)))
         if expected.bore is None or abs(centre) > expected.bore / 2:
             off = max(off, abs(place - centre))
-    return off, f"{count} contours read back, holes in their places"
+    return off, f"{count} contours read back"
 
 
 # ---- motion ----------------------------------------------------------------------------------------------------------
@@ -239,23 +264,40 @@ def judged_angles() -> Floats:
 
 
 def mounted(shape: Shape, rolling: Rolling) -> RollingContact:
-    """The tip of `rolling` in contact with a recovered shape, mounted as in assembly."""
+    """The follower of `rolling` in contact with a recovered shape, mounted as in assembly.
+
+    ValueError where the shape has no such outline, or the follower does not fit it.
+    """
     ring = shape.outer
+    if rolling.inside:
+        if not shape.holes:
+            raise ValueError("there is no hole for the follower to run in")
+        ring = max(shape.holes, key=lambda hole: abs(hole.area)).counter_clockwise().reversed()
     if rolling.flipped:
-        ring = ring.moved(-1, mirror=True).counter_clockwise()
+        ring = ring.moved(-1, mirror=True)
     if rolling.turned:
         ring = ring.moved(complex(math.cos(rolling.turned), math.sin(rolling.turned)))
-    return rolling_contact(ring, rolling.pivot, rolling.arm, rolling.tip_radius, rolling.leaves)
+    return contact(ring, _form(rolling))
+
+
+def _form(r: Rolling) -> Form:
+    if r.face is None:
+        tip = SlideTip if r.slides else ArmTip
+        return tip(r.pivot, r.arm, r.tip_radius, r.leaves, r.inside)
+    if r.slides:
+        return SlideFace(r.pivot, r.arm, r.leaves)
+    return ArmFace(r.pivot, r.face, (complex(r.face).conjugate() * r.arm).real, r.leaves)
 
 
 def motion_limit(rolling: Rolling, chord_tolerance: float, kind: str) -> float:
-    """Largest motion error, rad, that an outline within the tolerance can give, 5 % spare; plus float32 for meshes."""
-    lever = abs(rolling.arm) * math.cos(rolling.pressure_angle)
+    """Largest motion error, in units of s, that an outline within the tolerance can give, 5 % spare; plus float32 for meshes."""
+    lever = rolling.lever or abs(rolling.arm) * math.cos(rolling.pressure_angle)
     limit = chord_tolerance / lever * (1 + tolerances.BOUND_SPARE)
     if kind == "dxf":
         return limit
     rounding = tolerances.FLOAT32_ROUNDING * math.sqrt(2) * (abs(rolling.pivot) + abs(rolling.arm)) / lever
-    return limit + max(math.radians(tolerances.FLOAT32_MOTION_DEG), rounding)
+    least = tolerances.FLOAT32_MOTION_MM if rolling.slides else math.radians(tolerances.FLOAT32_MOTION_DEG)
+    return limit + max(least, rounding)
 
 
 def judge_motion(
@@ -267,18 +309,21 @@ def judge_motion(
     reachable: Motion,
     chord_tolerance: float,
 ) -> tuple[list[Finding], dict[str, float]]:
-    """Roll the tips on a recovered shape; compare with the reachable motion: the wanted one less the spec's undercut.
+    """Roll the followers on a recovered shape; compare with the reachable motion: the wanted one less the spec's undercut.
 
     Returns findings and the recovered figures. What follows from the motion is only judged where the motion is right.
     """
     drive, theta = rollings[0], judged_angles()
-    contact = mounted(shape, drive)
-    meant, touch = reachable(theta), contact.touch(theta)
-    limit = motion_limit(drive, chord_tolerance, kind)
+    limit, (unit, scale) = motion_limit(drive, chord_tolerance, kind), drive.unit
+    try:
+        rolled = mounted(shape, drive)
+    except ValueError as fault:
+        return [at_most("MOTION_ERROR", math.nan, scale * limit, unit, where, str(fault))], {}
+    meant, touch = reachable(theta), rolled.touch(theta)
     lost = np.isnan(touch.angle)
     error = np.where(lost, np.inf, np.abs(touch.angle - meant))
     worst = int(np.argmax(error))
-    remark = f"tip rolled on the file at {len(theta)} cam angles"
+    remark = f"{'tip rolled' if drive.face is None else 'face slid'} on the file at {len(theta)} cam angles"
     if lost.any():
         remark += f"; it misses the outline at {np.count_nonzero(lost)} of them"
     if not error[worst] <= limit:
@@ -286,16 +331,16 @@ def judge_motion(
     findings = [
         at_most(
             "MOTION_ERROR",
-            math.degrees(error[worst]),
-            math.degrees(limit),
-            "deg",
+            scale * error[worst],
+            scale * limit,
+            unit,
             _place(where, theta[worst]),
             remark,
         )
     ]
     numbers = {
-        f"swing_recovered_{kind}_deg": math.degrees(float(np.ptp(touch.angle))),
-        f"motion_error_{kind}_deg": math.degrees(error[worst]),
+        f"{'stroke' if drive.slides else 'swing'}_recovered_{kind}_{unit}": scale * float(np.ptp(touch.angle)),
+        f"motion_error_{kind}_{unit}": scale * float(error[worst]),
         f"pressure_angle_{kind}_deg": math.degrees(float(np.max(np.abs(touch.pressure_angle)))),
     }
     if not findings[0].ok:
@@ -304,56 +349,100 @@ def judge_motion(
     if np.any(asked != meant):
         loss = np.where(asked != meant, np.abs(touch.angle - asked), 0.0)
         worst = int(np.argmax(loss))
-        numbers[f"undercut_{kind}_deg"] = math.degrees(loss[worst])
+        numbers[f"undercut_{kind}_{unit}"] = scale * float(loss[worst])
         findings.append(
             at_most(
                 "UNDERCUT",
-                math.degrees(loss[worst]),
-                math.degrees(drive.undercut + limit),
-                "deg",
+                scale * loss[worst],
+                scale * (drive.undercut + limit),
+                unit,
                 _place(where, theta[worst]),
-                "swing that the file loses where the tip is undercut; the limit is the spec's and the outline tolerance",
+                "motion that the file loses where it is undercut; the limit is the spec's and the outline tolerance",
             )
         )
-    findings.append(_ripple(contact, where, theta, reachable, drive.speed_ripple))
+    if drive.reach is not None:
+        findings.append(_on_face(where, theta, touch.place, drive.reach))
+    findings.append(_ripple(rolled, where, theta, reachable, drive.speed_ripple))
     for other in rollings[1:]:
         play = drive.leaves * (mounted(shape, other).angle(theta) - touch.angle)
-        findings += _free_play(where, theta, play, drive.lash, 2 * limit)
-        numbers[f"lash_{kind}_deg"] = math.degrees(float(np.max(play)))
+        findings += _free_play(where, theta, play, drive, 2 * limit)
+        numbers[f"lash_{kind}_{unit}"] = scale * float(np.max(play))
     return findings, numbers
+
+
+def judge_tip(
+    kind: str, where: str, frame: Shape, cam: Shape, rolling: Rolling, reachable: Motion, chord_tolerance: float
+) -> tuple[list[Finding], dict[str, float]]:
+    """Roll the tip that is in the frame's file on the cam that is in its file: MOTION_ERROR of the two together.
+
+    frame: with its pivot's hole at the origin. The limit is that of the outline tolerance at both.
+    """
+    ring = frame.outer.facetted(chord_tolerance / 4)
+    away = np.abs(ring - rolling.arm)
+    if rolling.tip_radius:
+        near = ring[np.abs(away - rolling.tip_radius) < 0.02 * rolling.tip_radius + 4 * chord_tolerance]
+        arm, radius, _ = fit_circle(near) if len(near) > 2 else (complex(math.nan), math.nan, 0.0)
+    else:
+        arm, radius = complex(ring[np.argmin(away)]), 0.0
+    limit = 2 * motion_limit(rolling, chord_tolerance, kind)
+    theta = judged_angles()[::4]
+    worst, error = 0, np.array([math.inf])
+    if math.isfinite(radius) and abs(arm - rolling.arm) < abs(rolling.arm) / 2:
+        tip = replace(rolling, arm=arm, tip_radius=radius)
+        # the wanted angle is counted from the nominal arm
+        turned = float(np.angle(rolling.arm / arm))
+        error = np.abs(mounted(cam, tip).angle(theta) - turned - reachable(theta))
+        error = np.where(np.isnan(error), np.inf, error)
+        worst = int(np.argmax(error))
+    remark = f"the frame's own tip, radius {radius:.4f} mm, on the cam, both from the files"
+    finding = at_most(
+        "MOTION_ERROR", math.degrees(error[worst]), math.degrees(limit), "deg", _place(where, theta[worst]), remark
+    )
+    return [finding], {f"tip_motion_error_{kind}_deg": math.degrees(error[worst]), f"tip_radius_{kind}_mm": radius}
 
 
 def _place(where: str, theta: float) -> str:
     return f"{where}, cam angle {math.degrees(theta):.3f} deg"
 
 
-def _free_play(where: str, theta: Floats, play: Floats, lash: float, overlap: float) -> list[Finding]:
+def _on_face(where: str, theta: Floats, place: Floats, reach: tuple[float, float]) -> Finding:
+    """How far contact runs off a face."""
+    beyond = np.maximum(place - reach[1], reach[0] - place)
+    worst = int(np.argmax(np.where(np.isnan(beyond), np.inf, beyond)))
+    return at_most(
+        "FACE_WIDTH", float(beyond[worst]), 0.0, "mm", _place(where, theta[worst]),
+        f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):.3f} to {np.max(place):.3f} mm",
+    )  # fmt: skip
+
+
+def _free_play(where: str, theta: Floats, play: Floats, drive: Rolling, overlap: float) -> list[Finding]:
     """Free play of the follower between two tips: not too much, and nowhere less than nothing."""
     most, least = int(np.argmax(play)), int(np.argmin(play))
+    unit, scale = drive.unit
     return [
         at_most(
             "LASH",
-            math.degrees(play[most]),
-            math.degrees(lash),
-            "deg",
+            scale * play[most],
+            scale * drive.lash,
+            unit,
             _place(where, theta[most]),
             "largest free play of the follower between both tips",
         ),
         at_most(
             "INTERFERENCE",
-            math.degrees(max(0.0, -play[least])),
-            math.degrees(overlap),
-            "deg",
+            scale * max(0.0, -play[least]),
+            scale * overlap,
+            unit,
             _place(where, theta[least]),
             "largest overlap of both tips with the pair; the limit is the outline tolerance at both tips",
         ),
     ]
 
 
-def _ripple(contact: RollingContact, where: str, theta: Floats, reachable: Motion, limit: float) -> Finding:
+def _ripple(rolled: RollingContact, where: str, theta: Floats, reachable: Motion, limit: float) -> Finding:
     """Speed averaged over a window of cam angle, against the same average of the reachable motion."""
     half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
-    made = contact.angle(theta + half) - contact.angle(theta - half)
+    made = rolled.angle(theta + half) - rolled.angle(theta - half)
     meant = reachable(theta + half) - reachable(theta - half)
     off = np.abs(made - meant)
     worst = int(np.argmax(np.where(np.isnan(off), np.inf, off)))

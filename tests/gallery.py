@@ -8,7 +8,14 @@ from camgen import pipeline
 from camgen.moving import still_svg
 
 TOP = Path(__file__).resolve().parent.parent
-FRAMES = {"uniform-swing": 20, "eccentric-drive": 15, "thread-take-up": 40}  # frame of the moving picture that shows most
+FRAMES = {
+    "uniform-swing": 20,
+    "eccentric-drive": 15,
+    "thread-take-up": 40,
+    "chain-stitch-looper": 30,
+    "disc-cam": 20,
+    "indexing-cam": 20,
+}  # frame of the moving picture that shows most
 
 
 def picture(name: str) -> str:

@@ -15,14 +15,16 @@ PACKAGE = Path(__file__).resolve().parent.parent / "camgen"
 ROWS = (
     {"errors", "tolerances"},
     {"motion", "findings", "spec", "standards"},
-    {"program", "spring_law", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
-    | {"linkages", "dynamics", "landmarks"},
-    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis"},
-    {"mechanism", "hardware", "canvas", "follower_dynamics"},
-    {"solids", "readback", "contact", "undoing", "closure", "feed_study", "mechanisms"},
-    {"export", "dxf", "sheet", "drawing", "packing", "verify", "interference", "folder", "budget"},
+    {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
+    | {"linkages", "dynamics", "landmarks", "tips"},
+    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch"},
+    {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "disc_parts", "sizing", "contact_tips"},
+    {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
+    | {"feed_study", "looper_study", "swing_machine", "swing_study", "indexing_study"},
+    {"export", "dxf", "sheet", "drawing", "packing", "verify", "interference", "sweep", "clearance", "folder", "budget"}
+    | {"outline_files", "follower_table"},
     {"report", "moving", "figures"},
-    {"pipeline"},
+    {"pipeline", "outline_motion"},
     {"cli", "__main__"},
 )
 # Imports inside a row, each towards what the other is made from.
@@ -35,6 +37,11 @@ SAME_ROW = {
     ("dynamics", "linkages"),
     ("landmarks", "linkages"),
     ("mechanisms", "feed_study"),
+    ("mechanisms", "swing_machine"),
+    ("mechanisms", "swing_study"),
+    ("mechanisms", "indexing_study"),
+    ("sweep", "interference"),
+    ("mechanisms", "looper_study"),
     ("fits", "parts"),
     ("packing", "export"),
     ("export", "dxf"),
@@ -46,12 +53,29 @@ SAME_ROW = {
     ("__main__", "cli"),
 }
 # The judge sees files, the wanted motion and how parts touch; never what made the curve.
-JUDGES = {"readback", "contact", "closure", "verify", "interference", "undoing", "rings", "distances"}
+JUDGES = {
+    "readback",
+    "contact",
+    "contact_tips",
+    "contact_faces",
+    "closure",
+    "clearance",
+    "verify",
+    "interference",
+    "sweep",
+    "undoing",
+    "rings",
+    "distances",
+}
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments",
+    "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
+    "stitch", "looper_design", "looper_study", "tips", "sizing", "disc_parts",
 }  # fmt: skip
-HOW_PARTS_TOUCH = {("mechanism", name) for name in ("Contact", "Eye", "Pin", "Pose", "Rolling", "Slide", "Traced")}
+HOW_PARTS_TOUCH = {
+    ("mechanism", name)
+    for name in ("Apart", "Assembly", "Contact", "Drive", "Eye", "Pin", "Pose", "Rolling", "Slide", "StandIn", "Traced")
+}
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
 LIGHT_MODULES = {"__init__", "__main__", "cli", "errors", "findings", "folder", "tolerances"}  # numpy and pydantic too
 

@@ -210,3 +210,31 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
     dyads, lever = four_bar(diameter / 2 + tip)
     assert np.all(np.abs(rolled - dyads) * lever <= tolerance + 1e-6)
     assert np.max(np.abs(rolled - four_bar(diameter / 2 + tip + 1e-3)[0]) * lever) > 5e-4
+
+
+def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
+    """The disc's bore 0.2 mm wider and the collar's seat 0.2 mm narrower: the sum of both plays is as meant."""
+    for part, radius, by in (("disc", 1.0, 0.1), ("body", 3.0, -0.1)):
+        path = folder / f"drive-{part}.dxf"
+        drawing = ezdxf.readfile(path)
+        swollen(radius, by)(drawing)
+        drawing.saveas(path)
+    assert ("PIN_GAP", "dxf") in failing(folder)
+
+
+def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(tmp_path: Path) -> None:
+    """The take-up's frame lets the shaft through to the pivot: a millimetre off, and it does not."""
+    spec = SPEC.with_name("thread-take-up.toml")
+    assert pipeline.build(spec, tmp_path, frozenset({"dxf"})).ok
+    folder = tmp_path / "thread-take-up"
+    path = folder / "thread-take-up-frame.dxf"
+    drawing = ezdxf.readfile(path)
+    (hole,) = (c for c in drawing.modelspace().query("CIRCLE") if abs(complex(c.dxf.center.x, c.dxf.center.y)) < 1e-9)
+    hole.dxf.center = (1, 0)
+    drawing.saveas(path)
+    assert ("ROUND_TRIP", "dxf") in failing(folder)
+
+
+def test_a_bed_too_small_is_told(tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["print.bed=[20, 20]"])
+    assert {f.code for f in report.findings if not f.ok} == {"BED_FIT"}

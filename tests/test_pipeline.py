@@ -17,6 +17,7 @@ from camgen import pipeline
 TOP = Path(__file__).parent.parent
 SPEC = TOP / "specs" / "uniform-swing.toml"
 ALL = frozenset(pipeline.KINDS)
+CAMS = ["parts.make='cams'", "parts.bore=8"]  # the cam alone; the whole machine is in test_swing_machine
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -26,7 +27,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("out")
-    assert pipeline.build(SPEC, out, ALL).ok
+    assert pipeline.build(SPEC, out, ALL, CAMS).ok
     return out / "uniform-swing"
 
 
@@ -92,7 +93,7 @@ def test_check_says_what_the_build_said(made: Path) -> None:
 
 @pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
 def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
-    assert pipeline.build(SPEC, tmp_path, frozenset({only})).ok
+    assert pipeline.build(SPEC, tmp_path, frozenset({only}), CAMS).ok
     endings = {name.rsplit(".", 1)[1] for name in contents(tmp_path / "uniform-swing")}
     always = {"toml", "json"}
     motion = set() if only == "report" else {"csv"}
@@ -119,7 +120,7 @@ def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
     ],
 )
 def test_other_specs_move_as_asked_too(tmp_path: Path, setting: str) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [setting, "limits.speed_ripple=0.1"])
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*CAMS, setting, "limits.speed_ripple=0.1"])
     assert [f for f in report.findings if not f.ok] == []
 
 
@@ -131,7 +132,11 @@ def test_any_size(tmp_path: Path, scale: float) -> None:
         "parts.bore": 8, "parts.pin_diameter": 3, "parts.wall": 3, "parts.mark_depth": 0.4, "limits.min_wall": 0.8,
         "accuracy.chord_tolerance": 0.001,
     }  # fmt: skip
-    settings = [f"{key}={value * scale:.12g}" for key, value in lengths.items()] + ["print.nozzle=0.004"]
+    settings = [f"{key}={value * scale:.12g}" for key, value in lengths.items()] + [
+        "print.nozzle=0.004",
+        "print.bed=[1e5, 1e5]",
+        CAMS[0],
+    ]
     report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), settings)
     assert [f for f in report.findings if not f.ok] == []
 

@@ -18,7 +18,7 @@ from camgen.readback import read_dxf, shape_of
 from camgen.verify import judge_motion
 
 # No windows, so that the cam's holes are alike in a mirror and only the profile tells.
-OVERRIDES = ("parts.windows=0", "name='cam'")
+OVERRIDES = ("parts.windows=0", "name='cam'", "parts.make='cams'", "parts.bore=8")
 SPEC = Path(__file__).parent.parent / "specs" / "uniform-swing.toml"
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -278,3 +278,16 @@ def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:
     spec = folder / "spec.toml"
     spec.write_text(spec.read_text().replace("swing_deg = 30.0", "swing_deg = 29.9"))
     assert ("MOTION_ERROR", "dxf") in failing(folder)
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", '{"camgen": "1", "files": 3}', "[" * 100_000])
+def test_a_manifest_that_is_none_is_told(folder: Path, text: str) -> None:
+    (folder / "manifest.json").write_text(text)
+    with pytest.raises(FileError, match=r"manifest\.json"):
+        pipeline.check(folder)
+
+
+def test_files_that_the_manifest_forgot_are_judged_all_the_same(folder: Path) -> None:
+    (folder / "manifest.json").write_text('{"camgen": "1", "files": {}}')
+    edit_dxf(folder, inches)
+    assert failing(folder) == {("DXF_UNITS", "dxf")}

@@ -178,3 +178,10 @@ def test_volume_lies_within_the_facets(mean, wave, shift, tolerance):
     assert edge_balance(mesh)
     share = part.region.length * 5 * (tolerance + 60 * 2**-23)
     assert part.volume - share < mesh.volume < part.volume + 60 * 2**-23 * part.region.length * 5
+
+
+def test_points_that_float32_makes_one_are_kept_once():
+    """Corners 1e-8 mm apart, as short pieces give, leave one vertex; losing both would cut the corner off."""
+    corners = [0, 20 + 7j, 20 + 7.00000001j, 20 + 20j, 20j]
+    (ring,) = rings(Region(polygon(corners)), 1e-3)
+    assert sorted(ring.tolist(), key=lambda z: (z.real, z.imag)) == [0, 20j, 20 + 7j, 20 + 20j]

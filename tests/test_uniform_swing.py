@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -212,3 +214,29 @@ def test_a_cam_that_sweeps_over_the_followers_axle_is_told() -> None:
     assert room.code == "INTERFERENCE" and not room.ok
     far = math.sqrt(60**2 + 7200 - 2 * 60 * math.sqrt(7200) * math.cos(math.radians(60)))
     assert room.measured == pytest.approx(60 - (far - 3), abs=0.1)  # the tip's radius acts along a slightly slanted normal
+
+
+sys.path.insert(0, str(Path(__file__).parent / "bench"))
+from bench_hard_cases import USUAL, outcome  # noqa: E402
+
+
+@pytest.mark.parametrize(
+    ("changes", "ends"),
+    [
+        ({"swing": 0.01}, "kept"),
+        ({"swing": 53.0}, "kept"),
+        ({"swing": 80.0}, "refused"),
+        ({"H/L": 0.0}, "refused"),
+        ({"H/L": 3.0}, "told: INTERFERENCE"),
+        ({"tip/L": 0.0}, "kept"),
+        ({"tip/L": 0.2}, "kept"),
+        ({"tip/L": 0.25}, "refused: tip_radius"),
+        ({"L": 0.1, "tolerance": 2e-6}, "kept"),
+        ({"L": 10_000.0, "tolerance": 0.1}, "kept"),
+        ({"tolerance": 1e-6}, "kept"),
+        ({"tolerance": 0.1}, "kept"),
+    ],
+)
+def test_hard_cases_keep_their_tolerance_or_are_refused(tmp_path: Path, changes: dict[str, float], ends: str) -> None:
+    fine, said = outcome(USUAL | changes, tmp_path)
+    assert fine and said.startswith(ends)

@@ -9,9 +9,12 @@ if TYPE_CHECKING:
     from camgen.mechanism import Mechanism
 
 MECHANISMS = {
+    "disc-cam": "camgen.mechanisms.disc_cam:DiscCamDrive",
     "uniform-swing": "camgen.mechanisms.uniform_swing:UniformSwing",
     "thread-take-up": "camgen.mechanisms.thread_take_up:ThreadTakeUp",
     "eccentric-drive": "camgen.mechanisms.eccentric_drive:EccentricDrive",
+    "indexing-cam": "camgen.mechanisms.indexing_cam:IndexingCam",
+    "chain-stitch-looper": "camgen.mechanisms.chain_stitch_looper:ChainStitchLooper",
 }
 
 

@@ -221,7 +221,7 @@ class ThreadTakeUp(Mechanism):
                 "they meet: use longer links, a smaller shaft_diameter, pin_diameter or frame",
             )  # fmt: skip
         region = Region(hull(hubs), tuple(circle(centre, radius) for centre, radius in holes))
-        bore = None if name == "pivot" else 2 * holes[0][1]
+        bore = None if name in ("frame", "pivot") else 2 * holes[0][1]  # of what turns
         return Part(
             name, title, (Layer(region, 0.0, thickness),), 1, (), tuple(centre for centre, _ in holes), notes, bore,
             self.allowed.min_wall,

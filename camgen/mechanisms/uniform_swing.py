@@ -26,13 +26,25 @@ from pydantic import Field
 from camgen.distances import inside, point_to_ring, thinnest_wall
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
+from camgen.follower_dynamics import Load, inertia_of
 from camgen.followers import DiscCam, SwingingArm, greatest
-from camgen.mechanism import Mechanism, Plot, Pose, Rolling, Sketch, Study, Table
+from camgen.mechanism import Assembly, Mechanism, Plot, Pose, Rolling, Sketch, Study, Table
 from camgen.outlines import Contour, Floats, Points, Region, circle
 from camgen.parts import Layer, Part, arrowhead, d_bore, keyed_bore, windows
 from camgen.program import uniform_swing
 from camgen.sampling import facet_contour
 from camgen.spec import Length, Record
+from camgen.standards import DENSITY, Bought
+from camgen.swing_machine import (
+    BaseTable,
+    ColletTable,
+    FrameTable,
+    NozzleTable,
+    SpringTable,
+    SwingMachine,
+    machine_faults,
+)
+from camgen.swing_study import Forces, blend_study, canvas_study, force_study, forces, keeps_contact
 
 _LAYOUT_TOLERANCE = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 _ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
@@ -56,8 +68,9 @@ class Motor(Record):
 
 
 class Parts(Record):
-    """The cam as a body."""
+    """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
 
+    make: Literal["machine", "cams"] = "cams"
     thickness: Length = 6.0
     bore: Length = 8.0
     shaft: Literal["plain", "keyway", "d-flat"] = "plain"
@@ -86,6 +99,11 @@ class UniformSwing(Mechanism):
     geometry: Geometry
     motor: Motor = Motor()
     making: Annotated[Parts, Field(alias="parts")] = Parts()
+    base: BaseTable = BaseTable()
+    frame: FrameTable = FrameTable()
+    collet: ColletTable = ColletTable()
+    nozzle: NozzleTable = NozzleTable()
+    spring: SpringTable = SpringTable()
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
     def faults(self) -> Sequence[Fault]:
@@ -125,6 +143,9 @@ class UniformSwing(Mechanism):
                 f"less than the bore, {p.bore:g} mm",
             ),
         ]
+        if p.make == "machine":
+            clearances = self.print.slide_clearance, self.print.press_clearance
+            checks += machine_faults(*clearances, p.pin_diameter, self.allowed.min_wall, self.base, self.frame)
         return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -158,7 +179,24 @@ class UniformSwing(Mechanism):
 
         Pin holes lie on Ox at equal distances and keyway or flat on Oy, so the turned part fits the other one.
         """
-        return (self._cam_part,)
+        return self._machine.parts() if self.making.make == "machine" else (self._cam_part,)
+
+    @cached_property
+    def _machine(self) -> SwingMachine:
+        p, fits = self.making, self.print
+        return SwingMachine(
+            self.cam, self._cam_part, p.bore, p.pin_diameter, math.radians(self.geometry.swing_deg),
+            self.geometry.closure == "conjugate", p.shaft == "plain", p.wall, fits.slide_clearance, fits.press_clearance,
+            self.allowed.min_wall, self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle,
+        )  # fmt: skip
+
+    def assembly(self) -> Assembly | None:
+        """The whole machine, if it is to be made."""
+        return self._machine.assembly(self.reachable) if self.making.make == "machine" else None
+
+    def bought(self) -> Sequence[Bought]:
+        """Motor and screws of the whole machine."""
+        return self._machine.bought() if self.making.make == "machine" else ()
 
     @cached_property
     def _cam_part(self) -> Part:
@@ -186,7 +224,8 @@ class UniformSwing(Mechanism):
         if mark:
             keep_clear.append(mark[:2])
         holes += windows(rim, reach, p.windows, p.wall, keep_clear)
-        wall = thinnest_wall(rim, [facet_contour(h, _LAYOUT_TOLERANCE) for h in holes])
+        # a hole smaller than the tolerance must not lose its corners
+        wall = thinnest_wall(rim, [facet_contour(h, min(_LAYOUT_TOLERANCE, 0.01 * math.sqrt(abs(h.area)))) for h in holes])
         if not wall > 0:
             raise DesignError(
                 "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
@@ -240,6 +279,10 @@ class UniformSwing(Mechanism):
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """The cam (and its turned twin above it) turning about O, the follower about A."""
         theta = np.asarray(theta, float)
+        assembly = self.assembly()
+        if assembly:
+            parts = dict.fromkeys(mount.part for mount in assembly.mounts)
+            return {part: [m.pose(theta) for m in assembly.mounts if m.part == part] for part in parts}
         still: Points = np.zeros(theta.shape, complex)
         cams = [Pose(theta, still)]
         if self.geometry.closure == "conjugate":
@@ -257,6 +300,7 @@ class UniformSwing(Mechanism):
         first = Rolling(
             "tip", "cam", follower.pivot, follower.arm, follower.tip_radius, follower.leaves, steepest,
             self.allowed.speed_ripple, math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg),
+            tip_part="frame" if self.making.make == "machine" else None,
         )  # fmt: skip
         if self.geometry.closure == "force":
             return (first,)
@@ -316,7 +360,38 @@ class UniformSwing(Mechanism):
                 f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm",
             )
         )
+        loaded = self._forces
+        if loaded and self.geometry.closure == "force":
+            findings.append(keeps_contact(loaded))
         return findings
+
+    @property
+    def _speed(self) -> float:
+        return self.motor.speed_rpm * math.tau / 60
+
+    @cached_property
+    def _load(self) -> Load:
+        """Nozzle and frames about the pivot, and the spring of force closure."""
+        frames = [part for part in self.parts() if part.name == "frame"]
+        density = self.material.density or DENSITY[self.material.name]
+        inertia = self.nozzle.inertia_kg_m2 + sum(part.count * inertia_of(part, 1000 * density) for part in frames)
+        pushed = self.geometry.closure == "force"
+        return Load(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
+
+    @cached_property
+    def _forces(self) -> Forces | None:
+        """Forces over the turn, where the spec gives the nozzle's inertia."""
+        if not self.nozzle.inertia_kg_m2:
+            return None
+        return forces(self.cam, self._load, self._speed, self.nozzle.friction, self.geometry.closure == "conjugate")
+
+    def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
+        """The canvas that the recovered motion lays; for a machine also the choice of the blend."""
+        laid = canvas_study(theta, motion)
+        if self.making.make == "cams":
+            return laid
+        choice = blend_study(self.cam, math.radians(self.geometry.reversal_blend_deg))
+        return replace(laid, plots=[*laid.plots, *choice.plots], tables=[*laid.tables, *choice.tables])
 
     def study(self) -> Study:
         """Figures, speed and pressure-angle curves, and the remedies for what the design suffers from."""
@@ -341,7 +416,12 @@ class UniformSwing(Mechanism):
             "undercut_deg": max((math.degrees(u.shortfall) for u in cam.undercuts), default=0.0),
             "undercut_mm": max((u.depth for u in cam.undercuts), default=0.0),
         }
+        if self.making.make == "machine":
+            numbers["shaft_length_mm"] = self._machine.shaft_length
         degrees = np.degrees(theta)
+        loaded = (
+            force_study(self._forces, self._load, self._speed, g.closure == "conjugate") if self._forces else Study()
+        )
         undercut = Table(
             "Undercut of the exact profile",
             ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
@@ -351,8 +431,9 @@ class UniformSwing(Mechanism):
             ],
         )
         return Study(
-            numbers,
+            numbers | dict(loaded.numbers),
             plots=(
+                *loaded.plots,
                 Plot(
                     "Pressure angle",
                     "cam angle, deg",
@@ -361,8 +442,8 @@ class UniformSwing(Mechanism):
                 ),
             ),
             tables=(undercut,) if cam.undercuts else (),
-            sketches=self._sketches(),
-            notes=self._notes(),
+            sketches=self._sketches() if self.making.make == "cams" else (),
+            notes=(*self._notes(), *loaded.notes),
         )
 
     def _sketches(self) -> tuple[Sketch, Sketch]:
@@ -389,4 +470,6 @@ class UniformSwing(Mechanism):
                 "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
                 "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
             )
+        if self.making.make == "machine":
+            notes.append(self._machine.shaft_note)
         return tuple(notes)

@@ -1,0 +1,350 @@
+"""Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, or a mesh.
+
+    chain     lines and arcs that follow one another, end on end within CHAIN_GAP
+    outline   the largest closed contour; all lengths in mm, in the file's own frame
+
+Unlike `readback`, which is strict with our own files, this reads what others write and says what it made of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import FileError
+from camgen.findings import Finding, at_most
+from camgen.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
+from camgen.rings import Floats, Points, Ring
+from camgen.tolerances import CHAIN_GAP, CURVE_CHORDS, SAME_POINT
+
+ENDINGS = (".dxf", ".stl", ".3mf")
+_MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
+_LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+_NESTED = 16  # blocks within blocks
+_MILLIMETRES, _UNITLESS = 4, 0
+# $INSUNITS of a DXF: name and mm.
+_DXF_UNITS = {
+    1: ("inches", 25.4), 2: ("feet", 304.8), 3: ("miles", 1_609_344.0), 4: ("millimetres", 1.0), 5: ("centimetres", 10.0),
+    6: ("metres", 1e3), 7: ("kilometres", 1e6), 8: ("microinches", 25.4e-6), 9: ("mils", 0.0254), 10: ("yards", 914.4),
+    13: ("micrometres", 1e-3), 14: ("decimetres", 100.0),
+}  # fmt: skip
+_3MF_UNITS = {"micrometer": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1e3}
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What a file holds: the outline, counter-clockwise (None where a finding says why), findings, a sentence on the reading."""
+
+    ring: Ring | None
+    findings: tuple[Finding, ...]
+    remark: str
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """Edges from points[i] to points[i + 1], (n + 1,) complex; bulges (n,); closed: the last point is the first again."""
+
+    points: Points
+    bulges: Floats
+    closed: bool = False
+
+    def reversed(self) -> _Chain:
+        return _Chain(self.points[::-1], -self.bulges[::-1], self.closed)
+
+    @property
+    def size(self) -> float:
+        """Across its box, mm, arcs by the middle of each."""
+        a, b = self.points[:-1], self.points[1:]
+        z = np.concatenate([self.points, (a + b) / 2 - 0.5j * self.bulges * (b - a)])
+        return float(max(np.ptp(z.real), np.ptp(z.imag)))
+
+    @property
+    def straight(self) -> bool:
+        return len(self.bulges) == 1 and not self.bulges.any()
+
+
+def read_outline(path: Path, height: float | None = None, layer: str | None = None) -> Outline:
+    """The largest closed contour of a DXF (of one layer, if named), or of a mesh's section at height, mm (half way up).
+
+    Other units than millimetres are turned into them, with a finding. FileError where the file cannot be read, is empty,
+    too large, or not what its ending says.
+    """
+    kind = path.suffix.lower()
+    if kind not in ENDINGS:
+        raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise FileError(path, f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read")
+        content = path.read_bytes()
+    except OSError as error:
+        raise FileError(path, f"cannot be read: {error.strerror or error}") from None
+    if not content.strip():
+        raise FileError(path, "is empty")
+    found = _looks_like(content)
+    if found not in (kind, ""):
+        raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
+    outline = _from_dxf(path, content, layer) if kind == ".dxf" else _from_mesh(path, kind, height)
+    return _judged(path, outline)
+
+
+def _looks_like(content: bytes) -> str:
+    """Ending that a file's first bytes speak for; empty where they do not tell."""
+    head = content[:4096].lstrip()
+    if head.startswith(b"PK\x03\x04"):
+        return ".3mf"
+    if len(content) == 84 + 50 * int.from_bytes(content[80:84], "little") and len(content) > 84:
+        return ".stl"
+    if head.startswith(b"solid") and b"facet" in head:
+        return ".stl"
+    if head.startswith(b"AutoCAD Binary DXF") or (b"SECTION" in head and b"\n" in head and head[:1].isdigit()):
+        return ".dxf"
+    for magic, name in ((b"%PDF", ".pdf"), (b"<svg", ".svg"), (b"\x89PNG", ".png"), (b"AC10", ".dwg"), (b"ISO-10303", ".step")):
+        if magic in head[:400]:
+            return name
+    return ""
+
+
+def _judged(path: Path, outline: Outline) -> Outline:
+    """The outline with a finding on its crossing itself; FileError where its size cannot be meant."""
+    ring = outline.ring
+    if ring is None:
+        return outline
+    if len(ring.points) > _MOST_POINTS:
+        raise FileError(path, f"has an outline of {len(ring.points)} points; {_MOST_POINTS} at most are taken")
+    left, low, right, high = ring.box
+    size = max(right - left, high - low)
+    if not _LEAST_SIZE <= size <= _MOST_SIZE:
+        taken = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
+        raise FileError(path, f"has an outline {size:.4g} mm across; {taken}")
+    crossing = _crossing(ring)
+    finding = at_most(
+        "SELF_CROSSING", 1 if crossing else 0, 0, "crossings", path.name,
+        f"the outline meets itself: {crossing}" if crossing else "the outline does not meet itself",
+    )  # fmt: skip
+    return Outline(None if crossing else ring.counter_clockwise(), (*outline.findings, finding), outline.remark)
+
+
+def _crossing(ring: Ring) -> str:
+    """Where a ring meets itself; empty where it does not."""
+    import shapely
+
+    z = ring.facetted(CURVE_CHORDS)
+    polygon = shapely.Polygon(np.column_stack([z.real, z.imag]))
+    return "" if shapely.is_valid(polygon) else str(shapely.is_valid_reason(polygon))
+
+
+# ---- DXF -------------------------------------------------------------------------------------------------------------
+
+
+def _from_dxf(path: Path, content: bytes, layer: str | None) -> Outline:
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    if not content.rstrip(b"\x00\x1a \t\r\n").endswith(b"EOF"):
+        raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
+    try:
+        drawing = readfile(str(path))
+    except (DXFError, OSError, UnicodeDecodeError, ValueError, TypeError, IndexError, KeyError, AttributeError) as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
+    code = int(drawing.header.get("$INSUNITS", _UNITLESS))
+    unit, scale = _DXF_UNITS.get(code, ("no unit", 1.0) if code == _UNITLESS else (f"unit number {code}", math.nan))
+    if math.isnan(scale):
+        raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
+    entities = [e for e in _exploded(drawing.modelspace()) if layer is None or str(e.dxf.layer).lower() == layer.lower()]
+    if layer is not None and not entities:
+        known = sorted({str(e.dxf.layer) for e in drawing.modelspace()})
+        raise FileError(path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}")
+    chains, passed = [], Counter[str]()
+    for entity in entities:
+        chain = _chain(entity, CURVE_CHORDS / scale)
+        if chain is None:
+            passed[entity.dxftype()] += 1
+        elif not (np.isfinite(chain.points).all() and np.isfinite(chain.bulges).all()):
+            raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has a coordinate that is not finite")
+        else:
+            chains.append(_Chain(chain.points * scale, chain.bulges, chain.closed))
+    others = ", ".join(f"{count} {kind}" for kind, count in sorted(passed.items()))
+    if not chains:
+        raise FileError(path, f"holds no outline: {others or 'it is empty'}")
+    units = Finding(
+        "DXF_UNITS", code in (_MILLIMETRES, _UNITLESS), code, _MILLIMETRES, "$INSUNITS", path.name,
+        "drawn in millimetres" if code == _MILLIMETRES else
+        "the drawing names no unit: taken as millimetres" if code == _UNITLESS else
+        f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",
+    )  # fmt: skip
+    rings, loose = _joined(chains)
+    biggest = max(rings, key=lambda ring: abs(ring.area), default=None)
+    size = max(np.ptp(biggest.points.real), np.ptp(biggest.points.imag)) if biggest else 0.0
+    wide = [chain for chain in loose if chain.size >= size and not (biggest and chain.straight)]
+    gap, remark = _gap(wide)
+    closed = at_most(
+        "DXF_CLOSED", gap, 0, "mm", path.name,
+        remark or f"the largest of {len(rings)} closed contour(s) is the outline"
+        + (f"; {len(loose)} open line(s) within it left out" if loose else "") + (f"; {others} passed over" if others else ""),
+    )  # fmt: skip
+    curves = sum(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
+    said = f"{len(biggest.points) if biggest else 0} edges" + (
+        f", splines and ellipses as chords within {CURVE_CHORDS:g} mm" if curves else ", lines and arcs as they are"
+    )
+    return Outline(None if wide else biggest, (units, closed), said)
+
+
+def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
+    """The entities, with block references replaced by what they show."""
+    for entity in entities:
+        if entity.dxftype() == "INSERT" and depth < _NESTED:
+            for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from _exploded(single.virtual_entities(), depth + 1)
+        else:
+            yield entity
+
+
+def _chain(entity: Any, tolerance: float) -> _Chain | None:
+    """The curve of an entity in the world's xy plane, drawing units; None for what is no curve, or not in that plane."""
+    kind, dxf = entity.dxftype(), entity.dxf
+    if kind == "LINE":
+        return _Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
+    if kind in ("SPLINE", "ELLIPSE"):
+        try:
+            points = _plane(entity.flattening(tolerance))
+        except (ValueError, ZeroDivisionError, IndexError):
+            return None
+        return _open_or_closed(points, np.zeros(len(points) - 1)) if len(points) > 1 else None
+    if kind not in ("ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE") or abs(abs(dxf.extrusion.z) - 1) > 1e-9:
+        return None
+    if kind in ("ARC", "CIRCLE"):
+        centre, radius = complex(dxf.center.x, dxf.center.y), float(dxf.radius)
+        start, sweep = 0.0, math.tau
+        if kind == "ARC":
+            start = math.radians(dxf.start_angle)
+            sweep = math.radians((dxf.end_angle - dxf.start_angle) % 360) or math.tau
+        angles = start + np.linspace(0, sweep, 3)
+        points, bulges = centre + radius * np.exp(1j * angles), np.full(2, math.tan(sweep / 8))
+    elif kind == "LWPOLYLINE":
+        rows = np.array(entity.get_points("xyb"), float).reshape(-1, 3)
+        points, bulges = _round(rows, entity.closed)
+    else:
+        if not entity.is_2d_polyline:
+            return None
+        rows = np.array([(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices], float)
+        points, bulges = _round(rows.reshape(-1, 3), entity.is_closed)
+    if len(points) < 2:
+        return None
+    if dxf.extrusion.z < 0:  # drawn from below: mirrored in the y axis
+        points, bulges = -np.conj(points), -bulges
+    return _open_or_closed(points, bulges)
+
+
+def _plane(points: Iterable[Any]) -> Points:
+    return np.array([complex(p.x, p.y) for p in points])
+
+
+def _round(rows: Floats, closed: bool) -> tuple[Points, Floats]:
+    """Points and bulges of (n, 3) rows x, y, bulge; a closed polyline ends at its first point."""
+    points, bulges = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
+    return (np.append(points, points[:1]), bulges) if closed else (points, bulges[:-1])
+
+
+def _open_or_closed(points: Points, bulges: Floats) -> _Chain:
+    return _Chain(points, bulges, abs(points[0] - points[-1]) <= SAME_POINT)
+
+
+def _joined(chains: Sequence[_Chain]) -> tuple[list[Ring], list[_Chain]]:
+    """Rings of chains that close, alone or end on end, and what stays open.
+
+    Ends within CHAIN_GAP are one. Where more than two meet, the contour branches and stays open.
+    """
+    from scipy.spatial import cKDTree
+
+    rings = [ring for chain in chains if chain.closed and (ring := _ring([chain])) is not None]
+    pieces = [chain for chain in chains if not chain.closed and chain.size > SAME_POINT]
+    if not pieces:
+        return rings, []
+    ends = np.array([z for chain in pieces for z in (chain.points[0], chain.points[-1])])
+    near: list[list[int]] = [[] for _ in ends]
+    for a, b in cKDTree(np.column_stack([ends.real, ends.imag])).query_pairs(CHAIN_GAP):
+        near[a].append(b)
+        near[b].append(a)
+    partner = [found[0] if len(found) == 1 and len(near[found[0]]) == 1 else -1 for found in near]
+    used = [False] * len(pieces)
+    loose = []
+    # runs that begin at a free end first; what is left goes round
+    for start in [k for k in range(len(ends)) if partner[k] < 0] + list(range(0, len(ends), 2)):
+        if used[start // 2]:
+            continue
+        run, end = [], start
+        while end >= 0 and not used[end // 2]:
+            used[end // 2] = True
+            run.append(pieces[end // 2] if end % 2 == 0 else pieces[end // 2].reversed())
+            end = partner[end ^ 1]
+        ring = _ring(run) if end >= 0 else None
+        if ring is not None:
+            rings.append(ring)
+        else:
+            loose.append(_Chain(np.concatenate([*(c.points[:-1] for c in run), run[-1].points[-1:]]),
+                                np.concatenate([c.bulges for c in run])))  # fmt: skip
+    return rings, loose
+
+
+def _ring(run: Sequence[_Chain]) -> Ring | None:
+    """Ring of chains end on end, less edges of no length; None where it bounds nothing."""
+    points = np.concatenate([chain.points[:-1] for chain in run])
+    bulges = np.concatenate([chain.bulges for chain in run])
+    kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
+    points, bulges = points[kept], bulges[kept]
+    if len(points) < 2 or (len(points) == 2 and not bulges.any()):
+        return None
+    return Ring(points, bulges)
+
+
+def _gap(loose: Sequence[_Chain]) -> tuple[float, str]:
+    """Smallest distance between the free ends of an open contour, mm, and a sentence; 0 and nothing where there is none."""
+    if not loose:
+        return 0.0, ""
+    ends = np.array([z for chain in loose for z in (chain.points[0], chain.points[-1])])
+    apart = np.abs(ends[:, None] - ends) + np.where(np.eye(len(ends)), np.inf, 0)
+    a, b = np.unravel_index(int(np.argmin(apart)), apart.shape)
+    gap = float(apart[a, b])
+    places = " and ".join(f"({z.real:.4f}, {z.imag:.4f})" for z in (ends[a], ends[b]))
+    if gap <= CHAIN_GAP:
+        return max(gap, CHAIN_GAP), f"the contour branches or is drawn twice: more than two ends meet at {places}"
+    return gap, f"the contour is open: the nearest free ends, {places}, are {gap:.4g} mm apart"
+
+
+# ---- meshes ----------------------------------------------------------------------------------------------------------
+
+
+def _from_mesh(path: Path, kind: str, height: float | None) -> Outline:
+    findings = []
+    if kind == ".3mf":
+        package = read_3mf(path, strict=False)
+        if len(package.items) != 1:
+            raise FileError(path, f"holds {len(package.items)} objects; one part was expected")
+        scale = _3MF_UNITS.get(package.unit.lower(), math.nan)
+        mesh = package.meshes[package.items[0].name].moved(package.items[0].transform)
+        mesh = Mesh(mesh.vertices * scale, mesh.faces)
+        findings.append(Finding("MESH_UNITS", scale == 1, scale, 1, "mm", path.name, f"its unit is {package.unit.lower()}"))
+    else:
+        mesh = read_stl(path)
+    if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
+        raise FileError(path, "holds no triangles" if not len(mesh.faces) else "a vertex is not finite")
+    faults = mesh_faults(mesh)
+    findings.append(at_most("WATERTIGHT", faults.count, 0, "faults", path.name, f"{len(mesh.faces)} triangles"))
+    low, high = float(mesh.vertices[:, 2].min()), float(mesh.vertices[:, 2].max())
+    z = (low + high) / 2 if height is None else height
+    if not low < z < high:
+        raise FileError(path, f"reaches from z = {low:g} to {high:g} mm; it has no section at {z:g} mm")
+    try:
+        rings = slice_mesh(mesh, z)
+    except ValueError as error:
+        return Outline(None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), "")
+    if not rings:
+        raise FileError(path, f"has no section at z = {z:g} mm")
+    ring = max(rings, key=lambda ring: abs(ring.area))
+    return Outline(ring, tuple(findings), f"section at z = {z:g} mm, {len(ring.points)} edges")

@@ -1,0 +1,139 @@
+"""What follows from a uniform swing: the canvas that it lays, the choice of the reversal blend, forces and lift-off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgen.canvas import BAND, MEASURED_SPREAD, blend_choice, canvas
+from camgen.errors import DesignError
+from camgen.findings import Finding
+from camgen.follower_dynamics import Contact, Load, arm_contact, kicks, lift_of, lift_off, pair_contact
+from camgen.followers import DiscCam
+from camgen.mechanism import Plot, Study, Table
+from camgen.outlines import Floats
+
+_BLENDS = (0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
+_MIDDLE = 0.9  # share of the width over which the spread is stated besides the whole
+_SAMPLES = 1441
+
+
+def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
+    """Canvas laid by the motions recovered from files, (n,) rad over a whole turn; one that is not whole is left out."""
+    numbers: dict[str, float] = {}
+    rows: list[tuple[object, ...]] = []
+    series = []
+    for kind, s in motion.items():
+        if not np.all(np.isfinite(s)):
+            continue
+        for name, flat in (("round", False), ("flat", True)):
+            laid = canvas(theta, s, flat)
+            share, whole, middle = (100 * x for x in (laid.share, laid.spread(), laid.spread(_MIDDLE)))
+            numbers[f"canvas_share_{name}_{kind}_percent"] = share
+            rows.append((f"{name} collector, from {kind.upper()}", share, whole, middle))
+            series.append((f"{name}, {kind.upper()}", laid.place, laid.thickness))
+    if not series:
+        return Study()
+    rows.append(("measured on the running machine (source)", "", 100 * MEASURED_SPREAD, ""))
+    ends = np.array([-1.0, 1.0])
+    kept = series[-2:]  # the kinds differ by less than a line's width
+    bounds = [(f"{sign} {BAND:.0%}", ends, np.full(2, 1 + float(f"{sign}{BAND}"))) for sign in "+-"]
+    plot = Plot("Canvas over the width", "place, share of half the width", "thickness / median", [*kept, *bounds])
+    columns = ("canvas", f"width within {BAND:.0%}, %", "spread of all, %", f"spread of the middle {_MIDDLE:.0%}, %")
+    return Study(numbers, [plot], [Table("Thickness of the canvas, from the recovered motion", columns, rows)])
+
+
+def blend_study(cam: DiscCam, blend: float) -> Study:
+    """Undercut, peak acceleration and share of the canvas against the reversal blend, rad; gaps where no cam exists."""
+    swing = float(np.ptp(cam.program(np.array([0.0, math.pi]))))
+    degrees = sorted({*_BLENDS, round(math.degrees(blend), 9)})
+    table = np.full((4, len(degrees)), math.nan)
+    for k, each in enumerate(np.radians(degrees)):
+        try:
+            found = blend_choice(swing, cam.follower, [float(each)])
+        except DesignError:
+            continue
+        table[:, k] = [np.degrees(found.undercut[0]), found.acceleration[0], found.share_round[0], found.share_flat[0]]
+    x = np.array(degrees)
+    undercut, acceleration, share_round, share_flat = table
+    finite = np.where(np.isfinite(acceleration), acceleration, math.nan)
+    label, here = "reversal_blend_deg", [("this spec", math.degrees(blend))]
+    shares = [("round collector", x, 100 * share_round), ("flat collector", x, 100 * share_flat)]
+    columns = ("blend, deg", "undercut, deg", "peak acceleration, 1/rad", "round, % of width", "flat, % of width")
+    rows = [tuple(map(float, row)) for row in zip(x, undercut, acceleration, 100 * share_round, 100 * share_flat, strict=True)]
+    return Study(
+        plots=[
+            Plot("Undercut against the blend", label, "deg", [("undercut", x, undercut)], here),
+            Plot("Peak acceleration against the blend", label, "1/rad", [("d2s/dtheta2", x, finite)], here),
+            Plot(f"Canvas within {BAND:.0%} against the blend", label, "% of the width", shares, here),
+        ],
+        tables=[Table("Choice of the reversal blend", columns, rows)],
+    )
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Forces of a loaded follower at even cam angles: theta (n,) rad, effort (n,) N m, contact, kick (N m s) at reversals."""
+
+    theta: Floats
+    lift: Floats
+    effort: Floats
+    contact: Contact
+    kick: float
+
+
+def forces(cam: DiscCam, load: Load, speed: float, friction: float, pair: bool) -> Forces:
+    """Contact over the turn at a cam speed in rad/s; nan where the tip rides on the corner of an undercut."""
+    theta = np.linspace(0, 2 * math.pi, _SAMPLES)
+    lift = lift_of(cam.program, theta)
+    effort = load.effort(lift, speed)
+    follow = np.array([not cam.riding(angle) for angle in theta])
+    contact = (pair_contact if pair else arm_contact)(cam, theta, effort, friction)
+    force, torque = (np.where(follow, values, math.nan) for values in (contact.force, contact.torque))
+    kick = float(np.max(np.abs(kicks(cam.program, load.inertia, speed)), initial=0.0))
+    return Forces(theta, lift, effort, Contact(force, torque), kick)
+
+
+def force_study(found: Forces, load: Load, speed: float, pair: bool) -> Study:
+    """Curves and figures of the forces; with force closure also the spring that keeps contact."""
+    degrees = np.degrees(found.theta)
+    force, torque = found.contact.force, found.contact.torque
+    numbers = {
+        "inertia_kg_m2": load.inertia,
+        "peak_contact_force_n": float(np.nanmax(force)),
+        "peak_torque_n_m": float(np.nanmax(np.abs(torque))),
+    }
+    notes = []
+    if found.kick:
+        numbers["reversal_kick_n_m_s"] = found.kick
+        notes.append(
+            f"A sharp reversal gives the follower a kick of {found.kick:.3g} N m s; the curves of force and torque leave it "
+            "out. A reversal_blend_deg spreads it."
+        )
+    if not pair:
+        numbers["spring_preload_needed_n_m"] = load.preload_needed(found.lift, speed)
+        numbers["spring_rate_needed_n_m_per_rad"] = load.rate_needed(found.lift, speed)
+    label = "cam angle, deg"
+    plots = [
+        Plot("Contact force", label, "N", [("tip on cam", degrees, _drawn(force))]),
+        Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, _drawn(torque))]),
+    ]
+    return Study(numbers, plots, notes=notes)
+
+
+def _drawn(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), values, math.nan)
+
+
+def keeps_contact(found: Forces) -> Finding:
+    """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
+    force = np.where(np.isnan(found.contact.force), math.inf, found.contact.force)
+    remedy = "use a stronger spring (rate or preload), less inertia or a longer reversal_blend_deg"
+    if found.kick:
+        force = force.copy()
+        force[len(force) // 2] = -math.inf
+        remedy = "a sharp reversal throws it off, whatever the spring: use a reversal_blend_deg"
+    return lift_off(force, found.theta, remedy)

@@ -1,0 +1,85 @@
+"""Hard cases of the uniform-swing cam: each meets its tolerance or is refused with the reason.
+
+Prints a table of swing, arm offset H / L, tip radius, pivot distance L and chord tolerance, one varied at a time and some
+together, each built as DXF and STL and rolled. Run: python tests/bench/bench_hard_cases.py
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from camgen import pipeline
+from camgen.errors import CamgenError
+
+SPEC = Path(__file__).parent.parent.parent / "specs" / "uniform-swing.toml"
+USUAL = {"swing": 30.0, "H/L": 0.5, "tip/L": 0.05, "L": 60.0, "tolerance": 1e-3}
+# What the designer accepts is opened wide: here the question is whether files keep the motion.
+OPEN = [
+    "parts.make='cams'", "parts.windows=0", "parts.pin_diameter=0", "parts.mark_depth=0", "limits.pressure_angle_deg=90",
+    "limits.undercut_deg=180", "limits.lash_deg=180", "limits.speed_ripple=10", "print.nozzle=1e-6",
+]  # fmt: skip
+
+
+def settings(case: Mapping[str, float]) -> list[str]:
+    """Overrides of a case; all sizes of the cam as a body go with L."""
+    length = case["L"]
+    lengths = {
+        "geometry.pivot_distance": 1.0, "geometry.arm_offset": case["H/L"], "geometry.tip_radius": case["tip/L"],
+        "parts.thickness": 0.1, "parts.bore": 0.02, "parts.wall": 0.01,
+    }  # fmt: skip
+    lengths["limits.min_wall"] = max(1e-4, 0.001 / length)
+    sized = [f"{key}={share * length:.12g}" for key, share in lengths.items()]
+    sized.append("print.bed=[1e6, 1e6]")  # cut, not printed
+    return [*OPEN, *sized, f"geometry.swing_deg={case['swing']:.12g}", f"accuracy.chord_tolerance={case['tolerance']:.3g}"]
+
+
+def cases() -> Iterator[dict[str, float]]:
+    """One thing varied at a time, then corners of the space."""
+    for swing in (0.01, 0.1, 1, 10, 30, 53, 60, 80):
+        yield USUAL | {"swing": swing}
+    for share in (0, 0.01, 0.1, 0.27, 0.5, 1, 2, 3):
+        yield USUAL | {"H/L": share}
+    for tip in (0, 1e-4, 0.01, 0.1, 0.17, 0.2, 0.25, 0.3, 1):
+        yield USUAL | {"tip/L": tip}
+    for length in (0.1, 1, 10, 100, 1000, 10_000):
+        yield USUAL | {"L": length, "tolerance": min(0.1, max(1e-7, 1e-3 * length / 60))}
+    for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
+        yield USUAL | {"tolerance": tolerance}
+    yield USUAL | {"swing": 80.0, "H/L": 3.0}
+    yield USUAL | {"swing": 80.0, "H/L": 1.0, "tip/L": 0.0}
+    yield USUAL | {"swing": 0.01, "H/L": 3.0, "L": 10_000.0, "tolerance": 0.1}
+    yield USUAL | {"swing": 0.01, "H/L": 0.001, "L": 0.1, "tolerance": 1e-7}
+    yield USUAL | {"swing": 80.0, "H/L": 2.0, "L": 10_000.0, "tolerance": 0.1}
+
+
+def outcome(case: Mapping[str, float], out: Path) -> tuple[bool, str]:
+    """Whether a case is as it should be, and what became of it: kept, failed findings, or refused."""
+    try:
+        report = pipeline.build(SPEC, out, frozenset({"dxf", "stl"}), settings(case))
+    except CamgenError as error:
+        return bool(str(error)), f"refused: {error}".replace("\n", " ")
+    motion = [f for f in report.findings if f.code == "MOTION_ERROR"]
+    failed = [f for f in report.findings if not f.ok]
+    if failed:
+        said = "; ".join(f"{f.code} {f.measured:.3g} of {f.limit:.3g} {f.unit}" for f in failed)
+        return all(f.code != "MOTION_ERROR" for f in failed), f"told: {said}"
+    used = max(f.measured / f.limit for f in motion)
+    return True, f"kept: {used:.0%} of the bound, {max(f.measured for f in motion):.2e} deg"
+
+
+def main() -> None:
+    """Print the table."""
+    print(" | ".join([*USUAL, "s", "outcome"]))
+    with tempfile.TemporaryDirectory() as folder:
+        for case in cases():
+            begin = time.perf_counter()
+            fine, said = outcome(case, Path(folder))
+            spent = time.perf_counter() - begin
+            print(" | ".join([*(f"{value:g}" for value in case.values()), f"{spent:.1f}", ("" if fine else "BAD ") + said]))
+
+
+if __name__ == "__main__":
+    main()

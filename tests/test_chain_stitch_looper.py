@@ -1,0 +1,320 @@
+"""The chain-stitch mechanism: outlines, solids, findings, faults of every key, the search, the hooks for laws."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from camgen import spec
+from camgen.clearance import judge_clearance, sections
+from camgen.errors import DesignError, SpecError
+from camgen.export import write_stl
+from camgen.mechanisms.chain_stitch_looper import ALLOWED, ChainStitchLooper
+from camgen.outlines import Arc, Contour
+from camgen.readback import mesh_faults, read_stl, slice_mesh
+from camgen.solids import solid
+
+ROOT = Path(__file__).parent.parent
+STARTER = ROOT / "specs" / "chain-stitch-looper.toml"
+REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))
+EXAMPLE = {"geometry.velocity_ratio": 0.8, "geometry.plate_to_spreader": 8, "geometry.blade_length": 32}
+
+
+def machine(changes: dict[str, Any] | None = None) -> ChainStitchLooper:
+    data = spec.read(STARTER)
+    for path, value in (changes or {}).items():
+        table, key = path.split(".")
+        data.setdefault(table, {})[key] = value
+    return spec.validate(ChainStitchLooper, data)
+
+
+def failing(m: ChainStitchLooper) -> list[str]:
+    return [f.code for f in m.limits() if not f.ok]
+
+
+# ---- outlines --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tau", [90, 75])
+def test_areas_of_the_outlines(tau: int) -> None:
+    m = machine({**EXAMPLE, "geometry.protrusion_deg": tau, "parts.side_gap": 0.0})
+    assert m.side_outline().area == pytest.approx(REFERENCE["areas"]["side"][str(tau)], abs=5e-7)
+    assert m.design.opening == pytest.approx(1.40625, abs=1e-12)
+
+
+def test_area_of_the_outline_from_above() -> None:
+    # the reference area has the gap in g, and the opening that is needed without it
+    m = machine(EXAMPLE)
+    t1, t2, t3, t4, t5 = m._plan()
+    lost = (m.design.opening - 1.40625) * (32 - m.design.nose)
+    assert m.top_outline().area - lost == pytest.approx(REFERENCE["areas"]["top"], abs=5e-7)
+    assert t5 == pytest.approx(complex(10.8, 0.55)) and t1 == pytest.approx(complex(7.1, 1.75))
+
+
+def test_section_is_what_stands_in_the_needles_plane() -> None:
+    m = machine(EXAMPLE)
+    corners = [8, 8 - 1j, 32 - 1j, 32 + 3.5j, 10.8 + 3.5j]
+    assert [complex(p.at(0.0)) for p in m.section_outline().pieces] == pytest.approx(corners)
+
+
+def arcs(contour: Contour) -> list[Arc]:
+    return [piece for piece in contour.pieces if isinstance(piece, Arc)]
+
+
+def test_rounded_where_thread_runs_and_tangent_to_the_nose() -> None:
+    m = machine(EXAMPLE)
+    side, top = m.side_outline(0.3), m.top_outline(0.3)
+    assert [arc.radius for arc in arcs(side)] == [0.3] * 3 and [arc.radius for arc in arcs(top)] == [0.3] * 2
+    seat, _, crest = arcs(side)
+    assert seat.centre == pytest.approx(complex(7.1 - 0.3, -0.3))  # below y = 0 and before u = l3, by the radius
+    upper = complex(10.8, 3.5)
+    assert ((upper / abs(upper)).conjugate() * crest.centre).imag == pytest.approx(-0.3)
+    assert crest.centre.imag == pytest.approx(3.5 - 0.3)
+    nose = [p for p in top.pieces if abs(complex(p.at(p.t1))) == pytest.approx(0.55)]
+    assert nose, "the nose itself stays sharp"
+    with pytest.raises(DesignError, match="edge_radius"):
+        machine({**EXAMPLE, "parts.edge_radius": 3.0}).parts()
+
+
+@pytest.mark.parametrize("lean", ["nose", "shank"])
+@pytest.mark.parametrize("tau", [75, 90])
+@pytest.mark.parametrize("mode", ["corrected", "published"])
+def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
+    m = machine({**EXAMPLE, "parts.lean": lean, "geometry.protrusion_deg": tau, "geometry.mode": mode})
+    lower, upper, *rest = m.parts()
+    assert [p.name for p in rest] == ["needle-1", "needle-2", "needle-plate", "side-outline", "top-outline", "needle-section"]
+    assert lower.volume == pytest.approx(upper.volume, rel=1e-12)
+    for part in m.parts():
+        path = tmp_path / f"{part.name}.stl"
+        write_stl(path, solid(part, 0.001), part.name)
+        faults = mesh_faults(read_stl(path))
+        assert faults.count == 0 and faults.bodies == 1
+        assert abs(faults.volume - part.volume) <= part.walls * 0.001
+    # the section in the needles' plane: as the outline has it, with shank and running gap
+    floor = m._plan()[2].imag
+    wanted = shapely.Polygon([(z.real, z.imag) for z in (complex(p.at(0.0)) for p in m.section_outline(12.0, 0.9).pieces)])
+    for name, mirror in (("upper-spreader", 1), ("lower-spreader", -1)):
+        (found,) = sections(tmp_path / f"{name}.stl", -floor)
+        ring = shapely.Polygon([(mirror * z.real, z.imag) for z in found])
+        assert ring.exterior.hausdorff_distance(wanted.exterior) < 1e-5  # float32
+
+
+def test_the_body_behind_the_nose_is_side_and_top_crossed(tmp_path: Path) -> None:
+    """Between C and the blade's end the solid is exactly the two outlines' intersection, at every height w."""
+    m = machine({**EXAMPLE, "parts.running_gap": 0.0})
+    part = m.parts()[1]
+    write_stl(tmp_path / "x.stl", solid(part, 0.001), "x")
+    mesh, floor = read_stl(tmp_path / "x.stl"), m._plan()[2].imag
+    t1, t2, t3, t4, t5 = m._plan()
+    assert 0 > t4.imag > floor
+    for w in (floor + 0.3, t4.imag + 0.1, 0.2, 0.7, t1.imag + 0.4):
+        rings = [ring for ring in slice_mesh(mesh, w - floor) if ring.area > 0]
+        x = min(float(ring.points.real.min()) for ring in rings)
+        if w < t5.imag:  # the outline from above, as far as the foot of P6
+            wanted = max(t3.real + (w - t3.imag) * (t4 - t3).real / (t4 - t3).imag, m.design.l1)
+        elif w < t1.imag:
+            wanted = (w - t5.imag) / m.making.nose_width * m.design.l3
+        else:
+            wanted = t1.real + (w - t1.imag) / (t2 - t1).imag * (t2 - t1).real
+        assert x == pytest.approx(max(wanted, 0), abs=2e-3)
+
+
+def test_thin_shank_is_refused() -> None:
+    with pytest.raises(DesignError, match="clamp_hole"):
+        machine({**EXAMPLE, "parts.clamp_hole": 4.5}).parts()
+    with pytest.raises(DesignError, match="blade_length"):
+        machine({**EXAMPLE, "geometry.blade_length": 10.8}).parts()
+
+
+def test_poses_put_noses_and_tips_in_place() -> None:
+    m = machine(EXAMPLE)
+    capture = m.poses(np.array(m.design.capture))
+    assert capture["lower-spreader"][0].position[0] == pytest.approx(-1j * (8 + 4.5 + 3.5))  # nose 1 at needle 1
+    assert capture["upper-spreader"][0].position[1] == pytest.approx(6.4 - 1j * (8 + 3.5))
+    tip = capture["needle-1"][0].position[0]
+    assert tip.imag + 4 + 1.5 == pytest.approx(-16)  # the nose is a1 above the top of the eye
+    assert set(m.poses(np.zeros(1))) == {part.name for part in m.parts()}
+
+
+# ---- findings --------------------------------------------------------------------------------------------------------
+
+
+def test_starter_holds() -> None:
+    assert failing(machine()) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"geometry.nose_over_eye": [1.4, 4]}, "ALLOWED_RANGE"),
+        ({"geometry.nose_over_eye": [1.5, 4.1]}, "ALLOWED_RANGE"),
+        ({"geometry.loop_rise": [1.4, 4.5], "geometry.velocity_ratio": 0.9}, "ALLOWED_RANGE"),
+        ({"geometry.loop_rise": [2, 4.6], "geometry.velocity_ratio": 0.92}, "ALLOWED_RANGE"),
+        ({"geometry.protrusion": 0.9}, "ALLOWED_RANGE"),
+        ({"geometry.protrusion_deg": 74.9}, "ALLOWED_RANGE"),
+        ({"geometry.plate_to_spreader": 8, "geometry.velocity_ratio": 0.93}, "BLADE_LENGTH"),
+        ({"geometry.blade_length": 32}, "BLADE_LENGTH"),
+        ({"timing.needle_stroke": 37}, "FEED"),
+        ({"geometry.protrusion": 1.9, "limits.loop_angle_deg": 1}, "LOOP_ANGLE"),
+        ({"geometry.velocity_ratio": 0.85}, "LOOP"),
+    ],
+)
+def test_each_finding_is_seen_to_fail(changes: dict[str, Any], code: str) -> None:
+    assert code in failing(machine(changes))
+
+
+def test_ranges_state_value_and_range() -> None:
+    found = [f for f in machine({"geometry.protrusion": 2.5}).limits() if f.code == "ALLOWED_RANGE"]
+    assert len(found) == len(ALLOWED)
+    (bad,) = [f for f in found if not f.ok]
+    assert (bad.measured, bad.limit, bad.where) == (2.5, 2.0, "geometry.protrusion") and "1 to 2" in bad.message
+
+
+def test_ratio_finding_turns_at_the_bound() -> None:
+    low = 6.4 / 7.5
+    assert "VELOCITY_RATIO" in failing(machine({"geometry.velocity_ratio": low - 1e-6}))
+    assert {"VELOCITY_RATIO", "LOOP"}.isdisjoint(failing(machine({"geometry.velocity_ratio": low + 1e-6})))
+
+
+def test_study_has_synchrogram_and_tables() -> None:
+    study = machine().study()
+    assert study.plots[0].title == "Synchrogram" and len(study.plots[0].marks) == 8
+    titles = [table.title for table in study.tables]
+    assert {"Published and corrected", "Errata of the source", "Loops", "Velocity ratio, laws in step"} <= set(titles)
+    assert all(len(row) == len(table.columns) for table in study.tables for row in table.rows)
+    assert all(math.isfinite(value) for value in study.numbers.values())
+
+
+# ---- laws ------------------------------------------------------------------------------------------------------------
+
+
+def test_laws_programs_and_lag() -> None:
+    segments = [
+        {"kind": "rise", "span_deg": 170, "to": 1, "law": "cycloidal"},
+        {"kind": "dwell", "span_deg": 20},
+        {"kind": "return", "span_deg": 170, "to": 0, "law": "3-4-5"},
+    ]
+    m = machine({"timing.needle": "modified-sine", "timing.spreader_segment": segments, "timing.lag_deg": 5})
+    theta = np.radians([0, 175, 185, 195])
+    assert m.design.risen(theta)[0] == 0
+    assert m.motion(theta)[1:] == pytest.approx([m.design.spreader_stroke] * 3)
+    assert not any(f.code == "VELOCITY_RATIO" for f in m.limits())
+    phi = np.array(m.design.capture)
+    assert m.design.risen(phi) == pytest.approx(m.geometry.loop_rise, abs=1e-9)
+    assert m.study().tables
+
+
+@pytest.mark.parametrize(
+    ("changes", "path"),
+    [
+        ({"timing.needle": "sine"}, "timing.needle"),
+        ({"timing.spreader": {"name": "fourier"}}, "timing.spreader.sines"),
+        ({"timing.needle_segment": [{"kind": "rise", "span_deg": 100, "to": 1, "law": "cycloidal"}]}, "timing.needle_segment"),
+        (
+            {"timing.spreader_segment": [
+                {"kind": "rise", "span_deg": 180, "to": 2, "law": "cycloidal"},
+                {"kind": "return", "span_deg": 180, "to": 0, "law": "cycloidal"}]},
+            "timing.spreader_segment",
+        ),
+        ({"timing.lag_deg": 5, "geometry.mode": "published"}, "geometry.mode"),
+        ({"parts.plate_thickness": 7}, "parts.plate_thickness"),
+        ({"parts.running_gap": 1}, "parts.running_gap"),
+        ({"limits.min_wall": 0.3}, "limits.min_wall"),
+        ({"wanted.loop_rise": [4, 2]}, "wanted.loop_rise"),
+        ({"print.hole_compensation": 0.1}, "print.hole_compensation"),
+        ({"print.profile_compensation": 0.1}, "print.profile_compensation"),
+        ({"print.shrinkage": 0.003}, "print.shrinkage"),
+        ({"print.elephant_foot": 0.2}, "print.elephant_foot"),
+    ],
+)  # fmt: skip
+def test_faults_between_keys(changes: dict[str, Any], path: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        machine(changes)
+    assert path in {fault.path for fault in caught.value.faults}
+
+
+# ---- bad input, key by key -------------------------------------------------------------------------------------------
+
+PAIRS = ("point_lengths", "nose_over_eye", "loop_rise")
+BAD = {
+    **{f"geometry.{key}": (0, -1, "long", 1e7, math.nan) for key in (
+        "needle_spacing", "needle_diameter", "plate_to_spreader", "protrusion", "material_thickness", "velocity_ratio",
+        "blade_length", "stitch_length")},
+    **{f"geometry.{key}": ([1.5], [1, 2, 3], [0, 4], [1.5, -4], 4, "2, 3", [1.5, math.inf]) for key in PAIRS},
+    "geometry.protrusion_deg": (29, 91, "upright"), "geometry.feed_deg": (0, 360, -10), "geometry.mode": ("right", 1),
+    "geometry.p6_setback": (-1, "none"),
+    "timing.needle": (3,), "timing.spreader": (["cycloidal"],), "timing.needle_segment": ("rise", [{"kind": "up"}]),
+    "timing.spreader_segment": (1,), "timing.lag_deg": (-181, 181, "late"), "timing.needle_stroke": (0, "long"),
+    "motor.speed_rpm": (0, -1, "fast"),
+    **{f"parts.{key}": (0, -1, "x") for key in ("nose_width", "shank_length", "shank_width", "clamp_hole", "plate_thickness")},
+    "parts.side_gap": (-0.1, 11), "parts.shed_deg": (-1, 45), "parts.lean": ("left", 1), "parts.edge_radius": (-0.1, "r"),
+    "parts.running_gap": (-0.1, "g"),
+    "limits.loop_angle_deg": (-1, 91), "limits.clearance": (-1, "some"), "limits.min_wall": (0, "thin"),
+    **{f"wanted.{key}": ([1], 3, [0, 2]) for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")},
+    "wanted.spreader_stroke": (0, "long"), "wanted.nose_length": (-1, "long"),
+}  # fmt: skip
+
+
+def test_every_key_has_its_bad_values() -> None:
+    own = {name: field for name, field in ChainStitchLooper.model_fields.items() if name not in spec.Spec.model_fields}
+    known = {
+        f"{field.alias or name}.{key}" for name, field in own.items() for key in getattr(field.annotation, "model_fields", ())
+    }
+    wanted = {path for path in BAD if path.startswith("wanted.")}
+    assert known == set(BAD) - wanted
+    assert {path.split(".")[1] for path in wanted} == set(ChainStitchLooper.model_json_schema()["$defs"]["Wanted"]["properties"])
+
+
+@pytest.mark.parametrize(("path", "value"), [(path, value) for path, values in BAD.items() for value in values])
+def test_bad_value_is_told_with_its_path(path: str, value: object) -> None:
+    with pytest.raises(SpecError) as caught:
+        machine({path: value})
+    assert all(fault.path.startswith(path) for fault in caught.value.faults)
+
+
+@pytest.mark.parametrize("path", [path for path in BAD if path.startswith("geometry.")])
+def test_missing_key_is_told(path: str) -> None:
+    data = spec.read(STARTER)
+    key = path.split(".")[1]
+    optional = key in ("mode", "stitch_length", "p6_setback")
+    data["geometry"].pop(key, None)
+    if optional:
+        spec.validate(ChainStitchLooper, data)
+        return
+    with pytest.raises(SpecError, match=f"{path}: missing|{path} - missing"):
+        spec.validate(ChainStitchLooper, data)
+
+
+# ---- search ----------------------------------------------------------------------------------------------------------
+
+
+def test_search_gives_a_spec_that_builds_and_clears(tmp_path: Path) -> None:
+    m = machine({"wanted.spreader_stroke": 40})
+    found = m.designed()
+    again = spec.validate(ChainStitchLooper, tomllib.loads(spec.dump(found)))
+    assert again == found and failing(again) == []
+    assert again.designed() is not None and spec.dump(m.designed()) == spec.dump(found)
+    for part in again.parts()[:4]:
+        write_stl(tmp_path / f"x-{part.name}.stl", solid(part, 0.001), part.name)
+    cleared = judge_clearance("stl", tmp_path, "x", again.contacts(), again.poses, 0.001)
+    assert min(f.measured for f in cleared.findings[:4]) > 1.5
+    for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
+        low, high = getattr(again.wanted, key)
+        values = np.atleast_1d(getattr(again.geometry, key))
+        assert np.all(values >= low) and np.all(values <= high)
+    assert again.design.spreader_stroke <= 40
+
+
+def test_search_asks_for_its_table() -> None:
+    with pytest.raises(SpecError, match="wanted"):
+        machine().designed()
+    with pytest.raises(SpecError, match="timing"):
+        machine({"wanted.nose_length": 16, "timing.lag_deg": 3}).designed()
+    with pytest.raises(DesignError, match="clearance"):
+        machine({"wanted.spreader_stroke": 10}).designed()

@@ -1,0 +1,360 @@
+"""The disc-cam mechanism: published answers from exported files, every kind of follower, damaged files, bad specs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgen import pipeline
+from camgen import spec as specs
+from camgen.errors import CamgenError, DesignError, SpecError
+from camgen.followers import DiscCam
+from camgen.linkages import slider_travel
+from camgen.mechanism import Rolling
+from camgen.mechanisms.disc_cam import DiscCamDrive
+from camgen.readback import Shape, read_stl, shape_of, slice_mesh
+from camgen.rings import bore_circle, fit_circle
+from camgen.verify import mounted
+
+SPEC = Path(__file__).parent.parent / "specs" / "disc-cam.toml"
+INCH = 25.4
+FILES = frozenset({"dxf", "stl"})
+ROLLER = 'motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm=50'
+STEEP = "limits.pressure_angle_deg=45"
+
+
+def built(out: Path, *settings: str, only: frozenset[str] = FILES) -> Any:
+    return pipeline.build(SPEC, out, only, ["name='c'", *settings])
+
+
+def failing(report: Any) -> set[tuple[str, str]]:
+    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in report.findings if not f.ok}
+
+
+def mechanism(*settings: str, segments: list[dict[str, Any]] | None = None) -> DiscCamDrive:
+    data = specs.read(SPEC)
+    for setting in settings:
+        data = specs.override(data, setting)
+    if segments is not None:
+        data["segment"] = segments
+    return specs.validate(DiscCamDrive, data)
+
+
+def rise_and_return(law: str, lift: float) -> list[dict[str, Any]]:
+    return [
+        {"kind": "rise", "span_deg": 180.0, "lift": lift, "law": law},
+        {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": law},
+    ]
+
+
+def written(tmp_path: Path, made: DiscCamDrive) -> Any:
+    """Build a mechanism that was made without a file."""
+    path = tmp_path / "spec.toml"
+    path.write_text(specs.dump(made))
+    return pipeline.build(path, tmp_path / "out", FILES)
+
+
+def from_stl(path: Path, bore: float) -> Shape:
+    shape = shape_of(slice_mesh(read_stl(path), 2.0))
+    return shape.moved(shift=-bore_circle(min(shape.holes, key=lambda h: abs(h.centroid)), bore).centre)
+
+
+# ---- published answers -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("offset", [0.0, 7.0])
+def test_the_flat_faced_harmonic_cam_comes_back_as_a_circle(tmp_path: Path, offset: float) -> None:
+    """Uicker, Pennock, Shigley: 2 in, prime radius 1.5 in: a circle of 2.5 in, 1.0 in off centre; the face reaches 1 in."""
+    made = mechanism(
+        f"geometry.base_radius={1.5 * INCH}", f'geometry.follower={{motion="translating",shape="flat",offset={offset}}}',
+        "parts.hub_height=0", "limits.continuous=2", segments=rise_and_return("simple-harmonic", 2 * INCH),
+    )  # fmt: skip
+    report = written(tmp_path, made)
+    assert report.ok, failing(report)
+    shape = from_stl(tmp_path / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0)
+    centre, radius, deviation = fit_circle(shape.outer.points)
+    assert radius == pytest.approx(2.5 * INCH, abs=1e-5)
+    assert abs(centre) == pytest.approx(1.0 * INCH, abs=1e-5)
+    assert deviation < 1e-5  # vertices lie on the exact outline, to the float32 of the file
+    places = offset - mounted(shape, made.contacts()[0]).touch(np.linspace(0, 7, 3000)).place
+    chord = math.sqrt(8 * 2.5 * INCH * 0.001)  # a corner is touched until the next edge lies on the face
+    assert np.max(places) == pytest.approx(INCH, abs=chord) and np.min(places) == pytest.approx(-INCH, abs=chord)
+    assert report.numbers["face_width_needed_mm"] == pytest.approx(2 * INCH, abs=1e-9)
+    assert report.numbers["curvature_radius_min_mm"] == pytest.approx(2.5 * INCH, rel=1e-9)
+
+
+def test_nortons_cams_are_sized() -> None:
+    """Cycloidal double dwell, in mm: prime radius 1.75094 in with a 0.5 in roller; flat base 1.89263 in, width 2.54648 in."""
+    quarter = [
+        {"kind": "dwell", "span_deg": 90.0},
+        {"kind": "rise", "span_deg": 90.0, "lift": INCH, "law": "cycloidal"},
+        {"kind": "dwell", "span_deg": 90.0},
+        {"kind": "return", "span_deg": 90.0, "to": 0.0, "law": "cycloidal"},
+    ]
+    data = specs.read(SPEC)
+    del data["geometry"]["base_radius"]
+    data["segment"] = quarter
+    data["limits"]["least_radius"] = 0.0
+    rolled = data | {"geometry": {"follower": {"motion": "translating", "shape": "roller", "radius": 0.5 * INCH}}}
+    numbers = specs.validate(DiscCamDrive, rolled).study().numbers
+    assert numbers["prime_radius_mm"] / INCH == pytest.approx(1.75094, abs=5e-6)
+    assert numbers["base_radius_mm"] / INCH == pytest.approx(1.25094, abs=5e-6)
+    assert numbers["pitch_curvature_radius_min_mm"] / INCH == pytest.approx(1.39411, abs=5e-6)
+    flat = data | {"geometry": {"follower": {"motion": "translating", "shape": "flat"}}}
+    flat["limits"] = data["limits"] | {"least_radius": 0.25 * INCH}
+    numbers = specs.validate(DiscCamDrive, flat).study().numbers
+    assert numbers["base_radius_mm"] / INCH == pytest.approx(1.89263, abs=5e-6)
+    assert numbers["face_width_needed_mm"] / INCH == pytest.approx(2.54648, abs=5e-6)
+
+
+def test_an_off_centre_disc_from_an_stl_is_a_slider_crank(tmp_path: Path) -> None:
+    """The harmonic flat-faced cam is a disc; an in-line roller on its STL moves as crank e, rod a + r."""
+    made = mechanism(
+        "geometry.base_radius=15", 'geometry.follower={motion="translating",shape="flat"}', "parts.hub_height=0",
+        segments=rise_and_return("simple-harmonic", 10.0),
+    )  # fmt: skip
+    written(tmp_path, made)
+    shape = from_stl(tmp_path / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0)
+    theta = np.linspace(0, 2 * math.pi, 2000)
+    rolling = Rolling("r", "cam", 0j, 1j, 3.0, 1, 0.3, 0.1, 0.0, 0.0, slides=True)
+    way = 28 - mounted(shape, rolling).angle(theta)
+    expected = slider_travel(theta - math.pi, 5.0, 23.0)  # the centre is opposite the slide at theta = 0
+    assert np.max(np.abs(way - expected)) < 0.00105
+
+
+# ---- every follower --------------------------------------------------------------------------------------------------
+
+KINDS = {
+    "offset roller": ['geometry.follower={motion="translating",shape="roller",radius=5,offset=4}'],
+    "knife": ['geometry.follower={motion="translating",shape="knife",offset=-3}'],
+    "flat": ['geometry.follower={motion="translating",shape="flat",offset=3,face_width=40}', "limits.least_radius=1"],
+    "swinging roller": [f"geometry.follower={{{ROLLER}}}", STEEP],
+    "swinging knife": ['geometry.follower={motion="oscillating",shape="knife",pivot_distance=60,arm=50}', STEEP],
+    "swinging flat": ['geometry.follower={motion="oscillating",shape="flat",pivot_distance=80,face_offset=4,face_width=60}',
+                      "limits.least_radius=0.1", STEEP],
+    "pair": ['geometry.closure="conjugate"'],
+    "flat pair": ['geometry.closure="conjugate"', 'geometry.follower={motion="translating",shape="flat"}',
+                  "limits.least_radius=1"],
+    "swinging pair": ['geometry.closure="conjugate"', f"geometry.follower={{{ROLLER}}}", STEEP],
+    "swinging flat pair": ['geometry.closure="conjugate"', "limits.least_radius=0.1", STEEP,
+                           'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80}'],
+    "groove": ['geometry.closure="groove"', "parts.hub_height=0"],
+    "swinging groove": ['geometry.closure="groove"', "parts.hub_height=0", "geometry.follower={motion='oscillating',"
+                        "shape='roller',radius=5,pivot_distance=90,arm=70}", STEEP],
+    "keyway": ["parts.shaft='keyway'"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_follower_is_proved_from_its_files(tmp_path: Path, kind: str) -> None:
+    report = built(tmp_path, *KINDS[kind])
+    assert report.ok, failing(report)
+    walls = {"pair": 2, "groove": 2}.get(kind.split()[-1], 1)
+    motions = [f for f in report.findings if f.code == "MOTION_ERROR"]
+    assert len(motions) == 2 * walls
+    assert all(0 < f.measured <= f.limit < 0.005 for f in motions)
+    again = pipeline.check(tmp_path / "c")
+    assert [f.as_dict() for f in again.findings] == [f.as_dict() for f in report.findings]
+
+
+@pytest.mark.parametrize("kind", ["flat", "swinging roller", "groove"])
+def test_it_can_be_shown(tmp_path: Path, kind: str) -> None:
+    """The report's page, drawing and 3MF of followers of each kind; acceleration and the coloured profile are among the plots."""
+    report = built(tmp_path, *KINDS[kind], only=frozenset(pipeline.KINDS))
+    assert report.ok, failing(report)
+    titles = {plot.title for plot in report.plots}
+    assert {"Displacement", "Velocity", "Acceleration", "Jerk", "Pressure angle", "Profile, by pressure angle"} <= titles
+    page = (tmp_path / "c" / "report.html").read_text()
+    assert "Radius of curvature" in page and "nan" not in page.split("<script")[0].lower().replace("nanmax", "")
+
+
+# ---- every check is seen to fail -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("settings", "codes"),
+    [
+        (["limits.pressure_angle_deg=15"], {"PRESSURE_ANGLE"}),
+        (["limits.least_radius=30"], {"CURVATURE"}),
+        (['geometry.follower={motion="translating",shape="flat",face_width=10}'], {"FACE_WIDTH"}),
+        (["geometry.base_radius=8", "parts.hub_height=0", "parts.bore=4", "limits.least_radius=0",
+          'geometry.follower={motion="translating",shape="flat"}'], {"UNDERCUT", "CURVATURE"}),
+    ],
+)  # fmt: skip
+def test_a_design_beyond_its_limits(tmp_path: Path, settings: list[str], codes: set[str]) -> None:
+    """The same codes from the design and, where a shape shows it, from the files."""
+    assert {code for code, _ in failing(built(tmp_path, *settings))} == codes
+
+
+def test_a_law_that_jumps_is_told() -> None:
+    segments = [
+        {"kind": "rise", "span_deg": 90.0, "lift": 5.0, "law": "simple-harmonic"},
+        {"kind": "dwell", "span_deg": 90.0},
+        {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cycloidal"},
+    ]
+    (jump,) = [f for f in mechanism(segments=segments).limits() if f.code == "MOTION_JUMP"]
+    assert not jump.ok and jump.measured == 2 and "acceleration at 0.000 deg" in jump.message
+    (jump,) = [f for f in mechanism("limits.continuous=1", segments=segments).limits() if f.code == "MOTION_JUMP"]
+    assert jump.ok
+
+
+def shrink_dxf(path: Path) -> None:
+    drawing = ezdxf.readfile(path)
+    rim = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
+    rim.set_points([(x * 0.9996, y * 0.9996, b) for x, y, b in rim.get_points("xyb")], format="xyb")
+    drawing.saveas(path)
+
+
+def shift_bore(path: Path) -> None:
+    drawing = ezdxf.readfile(path)
+    for circle in drawing.modelspace().query("CIRCLE"):
+        if abs(circle.dxf.radius - 4) < 1e-6:
+            circle.dxf.center = (0.03, 0.01)
+    drawing.saveas(path)
+
+
+@pytest.mark.parametrize("kind", ["offset roller", "flat", "swinging flat", "swinging roller"])
+@pytest.mark.parametrize("damage", [shrink_dxf, shift_bore])
+def test_a_damaged_drawing_moves_wrongly(tmp_path: Path, kind: str, damage: Callable[[Path], None]) -> None:
+    built(tmp_path, *KINDS[kind], only=frozenset({"dxf"}))
+    damage(tmp_path / "c" / "c-cam.dxf")
+    assert failing(pipeline.check(tmp_path / "c")) == {("MOTION_ERROR", "dxf")}
+
+
+@pytest.mark.parametrize(("kind", "part"), [("groove", "outer"), ("groove", "inner"), ("pair", "cam-2"), ("flat pair", "cam-1")])
+def test_each_wall_is_judged(tmp_path: Path, kind: str, part: str) -> None:
+    built(tmp_path, *KINDS[kind], only=frozenset({"dxf"}))
+    shrink_dxf(tmp_path / "c" / f"c-{part}.dxf")
+    wrong = [f for f in pipeline.check(tmp_path / "c").findings if not f.ok]
+    assert "MOTION_ERROR" in {f.code for f in wrong} and all(part in f.where for f in wrong)
+
+
+def test_a_face_that_is_too_narrow_is_seen_in_the_file(tmp_path: Path) -> None:
+    report = built(tmp_path, *KINDS["flat"])
+    assert {f.where.split(",")[0].rsplit(".", 1)[-1] for f in report.findings if f.code == "FACE_WIDTH"} == {
+        "exact profile", "dxf", "stl",
+    }  # fmt: skip
+    narrow = tmp_path / "c" / "spec.toml"
+    narrow.write_text(narrow.read_text().replace("face_width = 40", "face_width = 12"))
+    assert failing(pipeline.check(tmp_path / "c")) == {("FACE_WIDTH", kind) for kind in ("exact profile", "dxf", "stl")}
+
+
+def test_pressure_angle_and_undercut_by_other_routes() -> None:
+    """Against finite differences of the curve; with an undercut the loss is the gap to the highest point of the profile."""
+    made = mechanism(f"geometry.follower={{{ROLLER}}}")
+    cam: DiscCam = made.cam
+    theta = np.linspace(0.01, 6.2, 400)
+    chord = cam.pitch(theta + 1e-6) - cam.pitch(theta - 1e-6)
+    way = cam.follower.velocity(made.motion(theta), 0) * np.exp(-1j * theta)
+    angle = np.pi / 2 - np.arccos(np.abs(np.real(chord * np.conj(way))) / np.abs(chord) / np.abs(way))
+    np.testing.assert_allclose(np.degrees(cam.pressure_angle(theta)), np.degrees(angle), atol=1e-5)
+
+
+# ---- bad input -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("settings", "path"),
+    [
+        (['geometry.follower={motion="translating",shape="roller"}'], "geometry.follower.radius"),
+        (['geometry.follower={motion="translating",shape="flat",radius=3}'], "geometry.follower.radius"),
+        (['geometry.follower={motion="translating",shape="roller",radius=3,arm=40}'], "geometry.follower.arm"),
+        (['geometry.follower={motion="translating",shape="roller",radius=3,face_width=4}'], "geometry.follower.face_width"),
+        (['geometry.follower={motion="translating",shape="roller",radius=3,face_offset=4}'], "geometry.follower.face_offset"),
+        (['geometry.follower={motion="oscillating",shape="roller",radius=3,arm=40}'], "geometry.follower.pivot_distance"),
+        (['geometry.follower={motion="oscillating",shape="roller",radius=3,pivot_distance=40}'], "geometry.follower.arm"),
+        ([f"geometry.follower={{{ROLLER},offset=3}}"], "geometry.follower.offset"),
+        (['geometry.follower={motion="rotating",shape="roller",radius=3}'], "geometry.follower.motion"),
+        (['geometry.follower={motion="translating",shape="round",radius=3}'], "geometry.follower.shape"),
+        (['geometry.follower={motion="translating",shape="roller",radius=-3}'], "geometry.follower.radius"),
+        (['geometry.follower={motion="translating",shape="roller",radius=nan}'], "geometry.follower.radius"),
+        (['geometry.follower={motion="translating",shape="roller",radius=3,ofset=3}'], "geometry.follower.ofset"),
+        (["geometry.base_radius=0"], "geometry.base_radius"),
+        (["geometry.base_radius='big'"], "geometry.base_radius"),
+        (["geometry.closure='slot'"], "geometry.closure"),
+        (['geometry.closure="groove"', "parts.hub_height=0", 'geometry.follower={motion="translating",shape="flat"}'],
+         "geometry.closure"),
+        (['geometry.closure="groove"'], "parts.hub_height"),
+        (["parts.hub_diameter=7"], "parts.hub_diameter"),
+        (["parts.shaft='keyway'", "parts.key_width=9"], "parts.key_width"),
+        (["parts.shaft='d-flat'", "parts.flat_depth=9"], "parts.flat_depth"),
+        (["parts.pin_diameter=9"], "parts.pin_diameter"),
+        (["parts.thickness=0"], "parts.thickness"),
+        (["limits.pressure_angle_deg=90"], "limits.pressure_angle_deg"),
+        (["limits.continuous=4"], "limits.continuous"),
+        (["limits.min_wall=0.1"], "limits.min_wall"),
+        (["motor.speed_rpm=0"], "motor.speed_rpm"),
+        (["segment=[]"], "segment"),
+    ],
+)  # fmt: skip
+def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        mechanism(*settings)
+    assert path in {fault.path for fault in caught.value.faults}
+
+
+@pytest.mark.parametrize(
+    ("segments", "path", "word"),
+    [
+        ([{"kind": "rise", "span_deg": 100.0, "lift": 5.0, "law": "cubic"},
+          {"kind": "return", "span_deg": 200.0, "to": 0.0, "law": "cubic"}], "segment", "360"),
+        ([{"kind": "rise", "span_deg": 360.0, "lift": 5.0, "law": "cubic"}], "segment.0", "ends at 0"),
+        ([{"kind": "dwell", "span_deg": 360.0}], "segment", "rise"),
+        ([{"kind": "rise", "span_deg": 180.0, "lift": 5.0, "law": "cycloid"},
+          {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cubic"}], "segment.0.law", "cycloidal"),
+        ([{"kind": "rise", "span_deg": 180.0, "lift": 5.0,
+           "law": {"name": "table", "points": [[0.0, 0.0], [1.0, 2.0], [2.0, 1.0], [3.0, 3.0], [4.0, 4.0]]}},
+          {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cubic"}], "segment.0.law.points.2", "rises"),
+    ],
+)  # fmt: skip
+def test_bad_segments_are_told_by_their_path(segments: list[dict[str, Any]], path: str, word: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        mechanism(segments=segments)
+    assert any(fault.path == path and word in str(fault) for fault in caught.value.faults), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ['geometry.follower={motion="translating",shape="roller",radius=5,offset=31}'],
+        ["geometry.base_radius=3"],
+        ["parts.hub_diameter=60"],
+        ["parts.bore=60", "parts.hub_height=0"],
+        ["geometry.base_radius=120", f"geometry.follower={{{ROLLER}}}"],
+        ["geometry.base_radius=81", 'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80}'],
+        ["geometry.closure='groove'", "parts.hub_height=0", "geometry.base_radius=9", "parts.bore=8"],
+    ],
+)
+def test_designs_that_do_not_exist(tmp_path: Path, settings: list[str]) -> None:
+    with pytest.raises(DesignError) as caught:
+        built(tmp_path, *settings)
+    assert caught.value.quantity and caught.value.remedy
+    assert not (tmp_path / "c").exists()
+
+
+def test_a_law_from_a_file(tmp_path: Path) -> None:
+    """A table beside the spec; the resolved spec holds its points and needs no other file."""
+    u = np.linspace(0, 1, 41)
+    rows = [f"{90 * x},{4 * (x - np.sin(2 * np.pi * x) / (2 * np.pi))}" for x in u]
+    (tmp_path / "rise.csv").write_text("\n".join(["deg,mm", *rows]))
+    text = SPEC.read_text().replace('law = "modified-sine" ', 'law = { name = "table", file = "rise.csv" } ')
+    (tmp_path / "t.toml").write_text(text)
+    report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", FILES)
+    assert not [f for f in report.findings if not f.ok and f.code != "MOTION_JUMP"]
+    (tmp_path / "rise.csv").unlink()
+    assert pipeline.check(tmp_path / "out" / "disc-cam").numbers == report.numbers
+    with pytest.raises(CamgenError, match=r"rise\.csv"):
+        pipeline.build(tmp_path / "t.toml", tmp_path / "out", FILES)
+
+
+def test_same_spec_same_bytes(tmp_path: Path) -> None:
+    built(tmp_path / "a")
+    built(tmp_path / "b")
+    for name in ("c-cam.dxf", "c-cam.stl", "spec.toml", "motion.csv"):
+        assert (tmp_path / "a" / "c" / name).read_bytes() == (tmp_path / "b" / "c" / name).read_bytes()

@@ -1,0 +1,370 @@
+"""The whole printed machine: all parts, mounted, swept, laid out for printing, with print fits; and seen to fail."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import shutil
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen import pipeline
+from camgen.errors import DesignError, SpecError
+from camgen.export import Placed, placing, write_3mf
+from camgen.mechanism import Mechanism
+from camgen.outlines import circle
+from camgen.readback import read_3mf, read_stl
+from camgen.solids import Mesh, solid
+from camgen.sweep import sweep
+
+SPEC = Path(__file__).parent.parent / "specs" / "uniform-swing.toml"
+NAME = "uniform-swing"
+COARSE = ("accuracy.chord_tolerance=0.01", "limits.speed_ripple=0.1")  # for speed
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def machine(*settings: str) -> Mechanism:
+    return pipeline.read_mechanism(SPEC, settings)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The starter spec, all kinds of files; never changed."""
+    out = tmp_path_factory.mktemp("machine")
+    report = pipeline.build(SPEC, out, frozenset(pipeline.KINDS))
+    assert [f for f in report.findings if not f.ok] == []
+    return out / NAME
+
+
+@pytest.fixture
+def folder(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / NAME))
+
+
+def failing(folder: Path) -> set[tuple[str, str]]:
+    return {(f.code, f.where.split(",")[0]) for f in pipeline.check(folder).findings if not f.ok}
+
+
+# ---- what is there ---------------------------------------------------------------------------------------------------
+
+
+def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
+    counts = {part.name: part.count for part in machine().parts()}
+    assert counts == {
+        "cam": 2, "frame": 2, "base": 1, "axle": 2, "axle-washer": 2, "cam-spacer": 1, "collet": 1, "clamp-ring": 1,
+        "cam-pin": 2, "frame-pin": 2,
+    }  # fmt: skip
+    for name in counts:
+        assert all((made / f"{NAME}-{name}.{kind}").exists() for kind in ("dxf", "stl", "3mf"))
+    for file in ("assembly.3mf", "plate.3mf", "parts.csv"):
+        copies = made / f"{NAME}-{file}"
+        if copies.suffix == ".3mf":
+            assert Counter(item.name for item in read_3mf(copies).items) == counts
+
+
+def test_parts_list(made: Path) -> None:
+    with open(made / f"{NAME}-parts.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    cam = next(row for row in rows if row["part"] == "cam")
+    volume = 2 * machine().parts()[0].volume
+    assert float(cam["material, mm^3"]) == pytest.approx(volume, rel=1e-5)
+    assert float(cam["mass in PLA, g"]) == pytest.approx(volume * 1.24e-3, rel=1e-5)
+    bought = {row["part"]: row for row in rows if row["how"] == "bought"}
+    assert bought["screw of the motor"]["count"] == "4" and "ISO 7380-1" in bought["screw of the motor"]["what"]
+    assert "NEMA 17" in bought["motor"]["what"]
+    assert json.loads((made / "report.json").read_text())["numbers"]["mass_g"] == pytest.approx(
+        sum(float(row["mass in PLA, g"]) for row in rows if row["how"] == "printed"), rel=1e-4
+    )
+
+
+def test_heavier_plastic() -> None:
+    def mass(*settings: str) -> float:
+        return float(str(pipeline.parts_table(machine(*settings)).rows[0][5]))
+
+    assert mass("material.name='PETG'") == pytest.approx(mass() * 1.27 / 1.24)
+    assert mass("material.density=2.48") == pytest.approx(2 * mass())
+
+
+def test_stacking_heights() -> None:
+    """Base 4, gap 0.6, two frames of 6; cams 0.2 mm beyond the frames' middle plane on either side."""
+    mounts = machine().assembly().mounts  # type: ignore[union-attr]
+    heights = {(m.part, m.flipped): m.z for m in mounts}
+    middle = 4 + 0.6 + 6
+    assert heights["frame", False] == pytest.approx(middle - 6) and heights["frame", True] == pytest.approx(middle)
+    assert heights["cam", False] == pytest.approx(middle - 6.2) and heights["cam", True] == pytest.approx(middle + 0.2)
+    assert heights["cam-spacer", False] == pytest.approx(middle - 0.2)
+
+
+def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
+    first, second = machine().poses(np.array([0.3, 2.0]))["frame"]
+    z = complex(-60, -30)
+    for k in range(2):
+        here = first.position[k] + np.exp(1j * first.angle[k]) * z
+        there = second.position[k] + np.exp(1j * second.angle[k]) * -z.conjugate()
+        swing = first.angle[k]
+        assert there == pytest.approx(60 + np.exp(1j * swing) * z.conjugate(), abs=1e-12)
+        assert here == pytest.approx(60 + np.exp(1j * swing) * z, abs=1e-12)
+
+
+def test_check_says_what_the_build_said(made: Path) -> None:
+    findings = json.loads((made / "report.json").read_text())["findings"]
+    assert pipeline.check(made).as_dict()["findings"] == findings
+    codes = Counter(f["code"] for f in findings)
+    assert codes["BED_FIT"] == 4 and codes["MOTION_ERROR"] == 6  # cam alone, and the frame's tip on it, three kinds each
+
+
+def test_canvas_is_that_of_constant_speed(made: Path) -> None:
+    """Constant speed gives an even canvas on a round collector; on a flat one cos^2 of up to 15 deg keeps within 10 %."""
+    numbers = json.loads((made / "report.json").read_text())["numbers"]
+    for kind in ("dxf", "stl", "3mf"):
+        assert numbers[f"canvas_share_round_{kind}_percent"] >= 98
+        assert numbers[f"canvas_share_flat_{kind}_percent"] >= 98
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ("geometry.closure='force'",),
+        ("parts.pin_diameter=0",),
+        ("parts.shaft='keyway'",),
+        ("geometry.tip_radius=0",),
+        ("geometry.reversal_blend_deg=20",),
+        ("print.bed=[120,120]",),
+        ("base.motor='flange'", "base.screws=3"),
+        ("base.motor='nema-11'", "geometry.swing_deg=20", "parts.thickness=5"),
+    ],
+)
+def test_other_machines_work_too(tmp_path: Path, settings: tuple[str, ...]) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), [*settings, *COARSE])
+    assert [f for f in report.findings if not f.ok] == []
+
+
+def test_a_small_bed_takes_several_plates(tmp_path: Path) -> None:
+    assert pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), ["print.bed=[125,70]", *COARSE]).ok
+    plates = sorted(path.name for path in (tmp_path / NAME).glob("*-plate*.3mf"))
+    assert len(plates) > 1 and f"{NAME}-plate-2.3mf" in plates
+
+
+# ---- seen to fail ----------------------------------------------------------------------------------------------------
+
+
+def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
+    """Assembly file of a machine in which one copy is turned (rad) or shifted, or parts are those of another machine."""
+    parts = {part.name: part for part in mechanism.parts()}
+    meshes: dict[str, Mesh] = {name: solid(part, 0.001) for name, part in parts.items()}
+    meshes |= {name: solid(part, 0.001) for name, part in changes.get("other", {}).items()}
+    items = []
+    for part, poses in mechanism.poses(np.zeros(1)).items():
+        for k, pose in enumerate(poses):
+            turn, shift, lift = changes.get(f"{part}_{k + 1}".replace("-", "_"), (0.0, 0j, 0.0))
+            at = complex(pose.position[0]) + shift
+            place = placing(float(pose.angle[0]) + turn, at, pose.z + lift, parts[part].thickness, pose.flipped)
+            items.append(Placed(part, f"{part}-{k + 1}", place))
+    write_3mf(path, meshes, items, "key")
+
+
+def swept(path: Path, mechanism: Mechanism) -> list[str]:
+    assembly = mechanism.assembly()
+    assert assembly is not None
+    return [f"{f.code} {f.where}" for f in sweep(path, assembly)[0] if not f.ok]
+
+
+def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
+    whole, path = machine(), tmp_path / "x.3mf"
+    assembled(path, whole)
+    assert swept(path, whole) == []
+    assembled(path, whole, frame_1=(math.radians(1.0), 0j, 0.0))
+    assert any("cam-1 and frame-1" in said or "frame-1" in said for said in swept(path, whole))
+    assembled(path, whole, collet_1=(0.0, 0j, -0.5))
+    assert any("collet-1" in said for said in swept(path, whole))
+
+
+def test_an_axle_that_meets_the_end_of_its_slot(tmp_path: Path) -> None:
+    whole, path = machine(), tmp_path / "x.3mf"
+    short = {part.name: part for part in machine("geometry.swing_deg=25").parts()}
+    assembled(path, whole, other={"base": short["base"]})
+    failed = swept(path, whole)
+    assert len(failed) == 1 and failed[0].startswith("INTERFERENCE base-1 and axle-2")
+
+
+def test_a_lost_copy(tmp_path: Path) -> None:
+    whole, path = machine(), tmp_path / "x.3mf"
+    mesh = solid(whole.parts()[0], 0.01)
+    write_3mf(path, {"cam": mesh}, [Placed("cam", "cam-1")], "key")
+    assert [said.split()[0] for said in swept(path, whole)] == ["ROUND_TRIP"]
+
+
+def edited(folder: Path, part: str, change: Any) -> None:
+    path = folder / f"{NAME}-{part}.stl"
+    data = path.read_bytes()
+    triangles = np.frombuffer(data[84:], TRIANGLE).copy()
+    corners = triangles["corners"].astype(float)
+    plane = change(corners[..., 0] + 1j * corners[..., 1])
+    triangles["corners"] = np.stack([plane.real, plane.imag, corners[..., 2]], axis=-1)
+    path.write_bytes(data[:84] + triangles.tobytes())
+
+
+def test_a_frame_whose_tip_is_drawn_back(folder: Path) -> None:
+    """0.02 mm away from the cam nothing overlaps, but the contact no longer drives the frame as asked."""
+    edited(folder, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.05, z - 0.02j, z))
+    assert failing(folder) == {("MOTION_ERROR", f"{NAME}-frame.stl")}
+
+
+def test_a_plate_that_lost_its_copies(folder: Path) -> None:
+    package = read_3mf(folder / f"{NAME}-plate.3mf")
+    meshes = {name: Mesh(mesh.vertices, mesh.faces) for name, mesh in package.meshes.items()}
+    items = [Placed(item.name, f"{item.name} {k}", item.transform) for k, item in enumerate(package.items)]
+    write_3mf(folder / f"{NAME}-plate.3mf", meshes, items[1:], "key")
+    assert failing(folder) == {("BED_FIT", "1 plate(s)")}
+
+
+def test_a_part_larger_than_the_bed(tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), ["print.bed=[90,60]", *COARSE])
+    failed = {f.where for f in report.findings if not f.ok}
+    assert "base" in failed and {f.code for f in report.findings if not f.ok} == {"BED_FIT"}
+
+
+# ---- print fits ------------------------------------------------------------------------------------------------------
+
+FITS = ("print.hole_compensation=0.1", "print.profile_compensation=0.06", "print.shrinkage=0.004", "print.elephant_foot=0.3")
+
+
+def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl", "3mf"}), FITS)
+    assert [f for f in report.findings if not f.ok] == []
+    here = tmp_path / NAME
+    assert (here / f"{NAME}-cam.dxf").read_bytes() == (made / f"{NAME}-cam.dxf").read_bytes()
+    sent, drawn = (read_stl(place / f"{NAME}-cam.stl").vertices for place in (here, made))
+
+    def bore(vertices: np.ndarray) -> float:
+        return float(np.min(np.hypot(vertices[:, 0], vertices[:, 1])))
+
+    assert bore(sent) == pytest.approx((2.5 + 0.1) / 0.996, abs=2e-3) and bore(drawn) == pytest.approx(2.5, abs=2e-3)
+    far = [float(np.max(np.hypot(v[:, 0], v[:, 1]))) for v in (sent, drawn)]
+    assert far[0] == pytest.approx((far[1] - 0.06) / 0.996, abs=0.01)
+
+
+@pytest.mark.parametrize("setting", FITS)
+def test_files_with_fits_judged_without_them_fail(tmp_path: Path, setting: str) -> None:
+    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["parts.make='cams'", setting]).ok
+    folder = tmp_path / NAME
+    key, value = setting.removeprefix("print.").split("=")
+    spec = folder / "spec.toml"
+    text = spec.read_text()
+    assert f"{key} = {value}" in text
+    spec.write_text(text.replace(f"{key} = {value}", f"{key} = 0.0"))
+    codes = {code for code, _ in failing(folder)}
+    assert codes & {"MOTION_ERROR", "ROUND_TRIP", "VOLUME"}
+
+
+# ---- forces ----------------------------------------------------------------------------------------------------------
+
+
+def lift_off(*settings: str) -> list[bool]:
+    return [f.ok for f in machine(*settings).limits() if f.code == "LIFT_OFF"]
+
+
+def test_lift_off() -> None:
+    force = ("geometry.closure='force'", "nozzle.inertia_kg_m2=0.001")
+    assert lift_off(force[0]) == lift_off(force[1]) == []
+    assert lift_off(*force, "spring.preload=100") == [False]  # a sharp reversal, whatever the spring
+    blend = (*force, "geometry.reversal_blend_deg=20")
+    needed = machine(*blend).study().numbers["spring_preload_needed_n_m"]
+    assert lift_off(*blend, f"spring.preload={needed * 0.98}") == [False]
+    assert lift_off(*blend, f"spring.preload={needed * 1.02}") == [True]
+
+
+def test_torque_is_that_of_the_load() -> None:
+    """The motor's work over a turn is nothing without friction; the peak grows with the square of the speed."""
+    base = ("nozzle.inertia_kg_m2=0.001", "nozzle.friction=0", "geometry.reversal_blend_deg=30")
+    slow, fast = (machine(*base, f"motor.speed_rpm={rpm}").study().numbers for rpm in (30, 60))
+    assert fast["peak_torque_n_m"] == pytest.approx(4 * slow["peak_torque_n_m"], rel=1e-9)
+
+
+# ---- bad input -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (["base.thickness=2"], "thickness of the base"),
+        (["base.motor='nema-23'", "geometry.pivot_distance=32", "geometry.arm_offset=20"], "."),
+        (["base.wall=0.3"], "wall of the base"),
+        (["base.motor='flange'", "base.boss=43"], "wall of the base"),
+        (["frame.slide_at=6.5"], "."),
+        (["frame.axle=30", "frame.axle_flange=40"], "."),
+        (["frame.wall=0.2"], "wall of the frame"),
+        (["nozzle.spacing=8"], "wall of the frame"),
+        (["collet.wall=0.3"], "wall of the collet"),
+        (["collet.length=2"], "travel of the clamp ring"),
+        (["collet.slits=24"], "finger of the collet"),
+        (["collet.slit=3.5"], "finger of the collet"),
+        (["collet.wall=4"], "gap beside the collet's sleeve"),
+        (["parts.pin_diameter=9"], "."),
+        (["geometry.arm_offset=60"], "."),
+        (["geometry.pivot_distance=20", "geometry.arm_offset=10"], "."),
+    ],
+)
+def test_no_such_machine(settings: list[str], said: str) -> None:
+    with pytest.raises(DesignError, match=said) as caught:
+        machine(*settings).parts()
+    assert caught.value.exit_code == 3 and not math.isnan(caught.value.value)
+
+
+@pytest.mark.parametrize(
+    ("settings", "path"),
+    [
+        (["print.slide_clearance=0"], "print.slide_clearance"),
+        (["base.gap=0.1"], "base.gap"),
+        (["print.press_clearance=3"], "print.press_clearance"),
+        (["frame.arm=0.5"], "frame.arm"),
+        (["frame.axle_flange=6"], "frame.axle_flange"),
+        (["base.motor='flange'", "base.screw_circle=20"], "base.screw_circle"),
+        (["base.motor='nema-42'"], "base.motor"),
+        (["base.screws=1"], "base.screws"),
+        (["base.screw='M7'"], "base.screw"),
+        (["base.window=1"], "base.window"),
+        (["base.slot_room=-1"], "base.slot_room"),
+        (["frame.flange_thickness=0"], "frame.flange_thickness"),
+        (["frame.gap=nan"], "frame.gap"),
+        (["collet.flange=0"], "collet.flange"),
+        (["nozzle.screw='M9'"], "nozzle.screw"),
+        (["nozzle.inertia_kg_m2=-1"], "nozzle.inertia_kg_m2"),
+        (["nozzle.friction=2"], "nozzle.friction"),
+        (["spring.rate=-1"], "spring.rate"),
+        (["spring.preload=inf"], "spring.preload"),
+        (["material.name='wood'"], "material.name"),
+        (["material.density=0"], "material.density"),
+        (["print.hole_compensation=5"], "print.hole_compensation"),
+        (["print.profile_compensation=nan"], "print.profile_compensation"),
+        (["print.shrinkage=1"], "print.shrinkage"),
+        (["print.elephant_foot=-0.1"], "print.elephant_foot"),
+        (["print.first_layer=0"], "print.first_layer"),
+        (["parts.make='all'"], "parts.make"),
+    ],
+)
+def test_faults_of_the_new_keys(settings: list[str], path: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        machine(*settings)
+    assert path in {fault.path for fault in caught.value.faults}
+
+
+@pytest.mark.parametrize("setting", ["print.profile_compensation=2", "print.elephant_foot=1", "print.hole_compensation=2"])
+def test_fits_that_leave_no_material(tmp_path: Path, setting: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        pipeline.build(SPEC, tmp_path, frozenset({"stl"}), [setting])
+    assert caught.value.where or caught.value.remedy
+    assert not (tmp_path / NAME).exists()
+
+
+def test_pins_that_meet_the_bore_are_refused() -> None:
+    """The pin's hole keeps the wall to the bore by its place; with the bore's play the spacer's wall is what is left."""
+    part = machine().parts()[0]
+    bore, pin = (hole for hole in part.region.holes[:2])
+    gap = abs(pin.centroid) - math.sqrt(abs(bore.area) / math.pi) - math.sqrt(abs(pin.area) / math.pi)
+    assert gap == pytest.approx(3.0) and abs(bore.area) == pytest.approx(abs(circle(0j, 2.5).area))
