@@ -232,12 +232,13 @@ class Chain:
 
     def _output(self, q: Floats, slope: Floats, open_: NDArray[np.bool_], given: Mapping[str, Pose]) -> Closed:
         path, swing, k = self._place(self.traced.eye, q, given)
-        steep = self.traced.gradient(path)
+        places = [self._place(eye, q, given)[0] for eye in self.traced.still]
+        steep = self.traced.gradient(path, *places)
         to_pose = np.zeros(q.shape)
         to_pose[:, k], to_pose[:, k + 1] = steep.real, steep.imag
         to_pose[:, k + 2] = np.real(np.conj(steep) * swing)
         shares = _solve(np.swapaxes(slope, 1, 2), to_pose)  # d output / d misfit of each condition
-        output = np.where(open_, np.nan, self.traced.output(path))
+        output = np.where(open_, np.nan, self.traced.output(path, *places))
         shares[open_] = np.nan
         by_joint = {
             joint.name: np.abs(shares[:, 2 * j]) if isinstance(joint, Slide) else np.hypot(*shares[:, 2 * j : 2 * j + 2].T)
@@ -264,8 +265,9 @@ def _eyes(joint: Joint) -> tuple[Eye, ...]:
 
 def eyes_of(part: str, contacts: Sequence[Contact]) -> tuple[complex, ...]:
     """Nominal centres of a part's eyes in its joints, mm."""
-    joints = [contact for contact in contacts if isinstance(contact, Pin | Slide)]
-    return tuple(eye.at for joint in joints for eye in _eyes(joint) if eye.part == part)
+    joints = [eye for contact in contacts if isinstance(contact, Pin | Slide) for eye in _eyes(contact)]
+    still = [eye for contact in contacts if isinstance(contact, Traced) for eye in contact.still]
+    return tuple(eye.at for eye in (*joints, *still) if eye.part == part)
 
 
 # ---- findings --------------------------------------------------------------------------------------------------------
@@ -308,7 +310,8 @@ def judge_linkage(
     (traced,) = (contact for contact in contacts if isinstance(contact, Traced))
     rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size(files)
     eyes = [eye for joint in joints for eye in _eyes(joint)]
-    eyes += [joint.pin for joint in joints if isinstance(joint, Pin) and joint.pin is not None] + [traced.eye]
+    eyes += [joint.pin for joint in joints if isinstance(joint, Pin) and joint.pin is not None]
+    eyes += [traced.eye, *traced.still]
     found = {
         eye: measure(eye, files[eye.part]) if eye.part and eye.diameter else Measured(eye.at, eye.diameter)
         for eye in dict.fromkeys(eyes)

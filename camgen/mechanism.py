@@ -135,8 +135,9 @@ class Traced:
 
     crank: part that turns with theta (its pose's angle at theta = 0 is its mounting); ground: parts that stand still.
     The bodies are these and all parts named by Pin and Slide, one copy of each. eye: the point whose path is traced;
-    output(path): the wanted motion from that path, (n,) complex mm in the ground's frame -> (n,) mm;
-    gradient(path): its slope, (n,) complex, so that d output = Re(conj(gradient) d path).
+    output(path, *places): the wanted motion from that path, (n,) complex mm in the ground's frame -> (n,) mm, and from the
+    places of the eyes that stand `still` (complex mm), such as thread guides;
+    gradient(path, *places): its slope, (n,) complex, so that d output = Re(conj(gradient) d path).
     stroke: whether the difference of the output's extremes is what the spec asks for, and judged as STROKE_ERROR.
     """
 
@@ -144,9 +145,10 @@ class Traced:
     crank: str
     ground: tuple[str, ...]
     eye: Eye
-    output: Callable[[Points], Floats]
-    gradient: Callable[[Points], Points]
+    output: Callable[..., Floats]
+    gradient: Callable[..., Points]
     stroke: bool = True
+    still: tuple[Eye, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -238,3 +238,20 @@ def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(tmp_path: Path) -> Non
 def test_a_bed_too_small_is_told(tmp_path: Path) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["print.bed=[20, 20]"])
     assert {f.code for f in report.findings if not f.ok} == {"BED_FIT"}
+
+
+def test_the_feed_is_taken_from_the_guides_in_the_file(tmp_path: Path) -> None:
+    """A guide's hole 0.1 mm off along the thread changes the feed, and the stroke with it."""
+    assert pipeline.build(SPEC.with_name("thread-take-up.toml"), tmp_path, frozenset({"dxf"})).ok
+    folder = tmp_path / "thread-take-up"
+    path = folder / "thread-take-up-frame.dxf"
+    drawing = ezdxf.readfile(path)
+    circles = drawing.modelspace().query("CIRCLE")
+    (hole,) = (c for c in circles if abs(complex(c.dxf.center.x, c.dxf.center.y) - (40 + 15j)) < 1e-6)
+    hole.dxf.center = (40.1, 15)
+    drawing.saveas(path)
+    assert ("MOTION_ERROR", "dxf") in failing(folder)
+    report = pipeline.check(folder)
+    # from the mean direction of the thread at M: the stroke moves by less than the hole, and by more than a tenth of it
+    lost = next(f for f in report.findings if f.code == "STROKE_ERROR")
+    assert 0.01 < lost.measured < 0.1

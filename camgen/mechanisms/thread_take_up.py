@@ -274,6 +274,7 @@ class ThreadTakeUp(Mechanism):
             Traced(
                 "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
                 self.take_up.thread, self.take_up.thread_slope,
+                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
             ),
         )  # fmt: skip
 
