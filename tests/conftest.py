@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# On a build server the same examples each time, so that a red run can be run again; elsewhere new ones each time.
+settings.register_profile("server", derandomize=True)
+if os.environ.get("CI"):
+    settings.load_profile("server")
 
 ROOT = Path(__file__).resolve().parent.parent
 
