@@ -373,7 +373,7 @@ def judge_motion(
 def judge_tip(
     kind: str, where: str, frame: Shape, cam: Shape, rolling: Rolling, reachable: Motion, chord_tolerance: float
 ) -> tuple[list[Finding], dict[str, float]]:
-    """Roll the tip that is in the frame's file on the cam that is in its file: MOTION_ERROR of the two together.
+    """Roll the tip that is in the frame's file on the cam that is in its file: TIP_MOTION of the two together.
 
     frame: with its pivot's hole at the origin. The limit is that of the outline tolerance at both.
     """
@@ -396,7 +396,7 @@ def judge_tip(
         worst = int(np.argmax(error))
     remark = f"the frame's own tip, radius {radius:.4f} mm, on the cam, both from the files"
     finding = at_most(
-        "MOTION_ERROR", math.degrees(error[worst]), math.degrees(limit), "deg", _place(where, theta[worst]), remark
+        "TIP_MOTION", math.degrees(error[worst]), math.degrees(limit), "deg", _place(where, theta[worst]), remark
     )
     return [finding], {f"tip_motion_error_{kind}_deg": math.degrees(error[worst]), f"tip_radius_{kind}_mm": radius}
 
