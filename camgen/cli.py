@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -20,12 +21,10 @@ from camgen import __version__
 from camgen.errors import CamgenError, Fault, FileError, SpecError
 
 if TYPE_CHECKING:
-    from camgen.findings import Finding
     from camgen.mechanism import Mechanism
     from camgen.report import Report
 
 KINDS = ("dxf", "stl", "3mf", "report")
-_CONDENSED_FROM = 40  # findings; fewer are printed one by one
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 _EXIT_CODES = """\b
@@ -37,6 +36,7 @@ Exit codes:
   4  a file could not be written or read
 Of several the worst, that is the largest, is returned. 130 is Ctrl-C, 70 a fault of camgen itself."""
 
+_jobs = click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
 _as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
 
 
@@ -62,24 +62,28 @@ def cli() -> None:
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: geometry.swing_deg=24.")
+@_jobs
 @_as_json
-def build(specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], as_json: bool) -> None:
+def build(
+    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, as_json: bool
+) -> None:  # fmt: skip
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
     from camgen import pipeline
 
     if len(specs) > 1:
         _refuse_one_name_twice(specs, settings)
-    _each(specs, lambda spec, progress: pipeline.build(spec, out, only, settings, progress), as_json)
+    _each(specs, partial(pipeline.build, out=out, only=only, overrides=settings), as_json, jobs)
 
 
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@_jobs
 @_as_json
-def check(folders: Sequence[Path], as_json: bool) -> None:
+def check(folders: Sequence[Path], jobs: int, as_json: bool) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
     from camgen import pipeline
 
-    _each(folders, pipeline.check, as_json)
+    _each(folders, pipeline.check, as_json, jobs)
 
 
 @cli.command()
@@ -96,7 +100,7 @@ def new(mechanism: str, file: Path | None) -> None:
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: wanted.feed_range=80.")
 def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
-    """Search for what SPEC's table [wanted] asks; write the spec that fulfils it to FILE, or print it."""
+    """Search for what SPEC's table [wanted] ([synthesis] of an indexing cam) asks; write that spec to FILE, or print it."""
     from camgen import pipeline
     from camgen.spec import dump
 
@@ -131,21 +135,25 @@ def motion(
       --follower oscillating,pivot=60/0,arm=67.082,at_deg=-153.435,radius=3
       --follower translating,radius=6,offset=0       --follower translating,shape=flat
     \b
-      shape          roller (a round tip as well), knife or, translating, flat  [roller]
+      shape          roller (a round tip as well), knife or flat  [roller]
       radius         of the roller or round tip, mm
+      contour=N      on which closed contour of FILE it rides: 1 the largest, 2 the next...  [1]
+      inside=true    it touches that contour from within, as the outer wall of a groove
       centre=X/Y     place of the shaft in FILE  [0/0]
       flipped=true   the outline is turned over about Oy first; turned_deg=A: then turned by A
     \b
     oscillating:
       pivot=X/Y      axle of the arm, seen from the shaft, mm
       arm            length from axle to tip centre, mm
-      at_deg         direction of the arm (axle to tip) from which its angle is counted
-      leaves=+1|-1   instead of at_deg: sense that takes the tip off the cam, +1 is ccw;
+      at_deg         direction of the arm (axle to tip; flat: of the face's normal, away from the
+                     shaft) from which its angle is counted
+      leaves=+1|-1   instead of at_deg: sense that takes it away from the shaft, +1 is ccw;
                      the angle then counts from the innermost position
+      face_offset    flat, instead of arm: how far the face lies ahead of the pivot, mm  [0]
     \b
     translating:
       direction_deg  way out of the follower, ccw from Ox  [90]
-      offset         of the tip's line from the shaft, positive to the left of the way out  [0]
+      offset         of the tip's line from the shaft, positive to the right of the way out  [0]
       at             distance of tip centre or face from the shaft from which its way is counted;
                      otherwise it counts from the innermost position
 
@@ -155,7 +163,28 @@ def motion(
     from camgen import outline_motion
 
     request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
-    _each([file], lambda path, progress: outline_motion.run(path, request, out, progress), as_json)
+    _each([file], lambda path, progress, jobs: outline_motion.run(path, request, out, progress), as_json)
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("specs", metavar="[SPEC]...", nargs=-1, type=click.Path(path_type=Path))
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+def bench(specs: Sequence[Path], out: Path) -> None:
+    """Measure what tolerances from 1e-1 to 1e-7 mm buy and cost, for each SPEC, or for three starter specs.
+
+    Makes the parts that set the motion, reads them back and prints vertices, arcs, errors, sizes and seconds by stage.
+    Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding that fails is a file that is not sound, or a
+    motion that is further off than its tolerance allows.
+    """
+    from camgen import benchmark_report
+    from camgen.terminal import Bar
+
+    _refuse_one_name_twice(specs, ())
+    starters = [_starters() / f"{name}.toml" for name in benchmark_report.STARTERS]
+    with Bar() as progress:
+        benches = benchmark_report.run(specs or starters, out, progress)
+    click.echo("\n\n".join(map(benchmark_report.to_text, benches)))
+    raise click.exceptions.Exit(1 if any(row.faults for bench in benches for row in bench.rows) else 0)
 
 
 @cli.command("list")
@@ -163,14 +192,18 @@ def list_() -> None:
     """List the mechanisms and the laws of motion."""
     from camgen.mechanisms import MECHANISMS
     from camgen.motion import LAWS
+    from camgen.segments import ABOUT, FAMILIES
 
     click.echo("Mechanisms")
     for name in MECHANISMS:
         summary = (_starters() / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
         click.echo(f"  {name:<20} {summary}")
-    click.echo("\nLaws of motion")
+    click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
     for law in LAWS.values():
-        click.echo(f"  {law.name:<20} {law.source}")
+        click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
+    click.echo('\nLaws with parameters, as law = { name = "...", KEY = ... }')
+    for name, about in ABOUT.items():
+        click.echo(f"  {name:<20} {', '.join(FAMILIES.get(name, ())) or 'no key'}: {about}")
 
 
 @cli.command()
@@ -244,23 +277,37 @@ def _starters() -> Path:
     return next(folder for folder in (package / "specs", package.parent / "specs") if folder.is_dir())
 
 
-def _each(paths: Sequence[Path], work: Callable[[Path, Callable[[str], None]], Report], as_json: bool) -> NoReturn:
-    """Do the work on each path, print what came out, and end with the worst exit code."""
+def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, jobs: int = 1) -> NoReturn:
+    """Do the work on each path, print what came out in their order, and end with the worst exit code.
+
+    Several paths are shared out to the cores; for a single one the work shares out its own steps.
+    """
+    from camgen.jobs import Workers
+    from camgen.terminal import Bar, print_report
+
+    jobs = jobs or os.cpu_count() or 1
+    shared = len(paths) > 1 and jobs > 1
     worst, records = 0, []
-    for path in paths:
-        try:
-            with _Spinner() as progress:
-                report = work(path, progress)
-        except (CamgenError, OSError) as error:
-            failure = _explained(error)
-            worst = max(worst, failure.exit_code)
-            _complain(failure)
-            records.append(_failure_record(path, failure))
-            continue
-        worst = max(worst, 0 if report.ok else 1)
-        records.append(report.as_dict())
-        if not as_json:
-            _print_report(report)
+    with Workers(min(jobs, len(paths)) if shared else 1) as workers:
+        started = [workers.start(work, path) for path in paths] if shared else []
+        for k, path in enumerate(paths):
+            try:
+                with Bar() as progress:
+                    if shared:
+                        progress(f"{path}, {k + 1} of {len(paths)}", k / len(paths))
+                        report = started[k]()
+                    else:
+                        report = work(path, progress=progress, jobs=jobs)
+            except (CamgenError, OSError) as error:
+                failure = _explained(error)
+                worst = max(worst, failure.exit_code)
+                _complain(failure)
+                records.append(_failure_record(path, failure))
+                continue
+            worst = max(worst, 0 if report.ok else 1)
+            records.append(report.as_dict())
+            if not as_json:
+                print_report(report)
     if as_json:
         import json
 
@@ -286,95 +333,10 @@ def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
     return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}
 
 
-def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
-    """Findings to print, each with how many it stands for: of many routine checks that hold only the tightest."""
-    from camgen.findings import ROUTINE
-
-    routine: dict[str, list[Finding]] = {}
-    for finding in findings:
-        if finding.ok and finding.code in ROUTINE and len(findings) > _CONDENSED_FROM:
-            routine.setdefault(finding.code, []).append(finding)
-    rows = []
-    for finding in findings:
-        group = routine.get(finding.code, []) if finding.ok else []
-        tightest = min(group, key=lambda f: abs(f.limit - f.measured) / (abs(f.limit) or 1), default=finding)
-        if finding is tightest:
-            rows.append((finding, max(1, len(group))))
-    return rows
-
-
-def _print_report(report: Report) -> None:
-    """The findings as a table on stdout, then the verdict."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    class Terminal(Console):
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError  # `main` knows what to do; rich would end with the code of a finding that fails
-
-    # A table that goes to a file or a pipe is as wide as it needs to be.
-    console = Terminal(highlight=False, width=None if sys.stdout.isatty() else 240)
-    title = f"{report.name} ({report.mechanism})"
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in ("finding", "measured", "limit", "margin"):
-        table.add_column(column, justify="left" if column == "finding" else "right", no_wrap=True)
-    table.add_column("unit", no_wrap=True)
-    table.add_column("where", overflow="ellipsis", no_wrap=True, max_width=52)
-    table.add_column("", no_wrap=True)
-    for finding, of in _condensed(report.findings):
-        margin = abs(finding.limit - finding.measured)
-        numbers = (finding.measured, finding.limit, margin if finding.ok else -margin)
-        verdict = Text("ok", "green") if finding.ok else Text("FAIL", "bold red")
-        short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ")
-        where = short if of == 1 else f"tightest of {of}: {short}"
-        table.add_row(finding.code, *(f"{n:.4g}" for n in numbers), finding.unit, Text(where), verdict)
-    console.print(table)
-    failed = [finding for finding in report.findings if not finding.ok]
-    for finding in failed:
-        console.print(Text(f"{finding.code} ({finding.where}): {finding.message}"), soft_wrap=True)
-    count = len(report.findings)
-    console.print(f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL")
-
-
-class _Spinner:
-    """Shows on stderr which step is at work when it takes over a second; only on a terminal."""
-
-    def __enter__(self) -> Callable[[str], None]:
-        self._status: Any = None
-        self._timer: Any = None
-        return self._step if sys.stderr is not None and sys.stderr.isatty() else lambda _: None
-
-    def _step(self, text: str) -> None:
-        self._end()
-        import threading
-
-        self._timer = threading.Timer(1.0, self._show, [text])
-        self._timer.daemon = True
-        self._timer.start()
-
-    def _show(self, text: str) -> None:
-        from rich.console import Console
-
-        self._status = Console(stderr=True).status(text)
-        self._status.start()
-
-    def _end(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer.join()
-        if self._status is not None:
-            self._status.stop()
-        self._timer = self._status = None
-
-    def __exit__(self, *_: object) -> None:
-        self._end()
-
-
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
+    for asked in (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])):
+        signal.signal(asked, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what stdout's encoding does not
         sys.stdout.reconfigure(errors="backslashreplace")
     try:

@@ -24,9 +24,11 @@ def point_to_ring(points: Points, ring: Points) -> NDArray[np.float64]:
     """Distance of each point from the nearest edge of the ring, (n,) mm, 0 on it and positive on both sides."""
     import shapely
 
-    edge = _polygon(ring).exterior
-    shapely.prepare(edge)
-    return np.asarray(shapely.distance(edge, shapely.points(points.real, points.imag)))
+    corners = np.column_stack([ring.real, ring.imag])
+    edges = shapely.STRtree(shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)))
+    places = shapely.points(points.real, points.imag)
+    _, distances = edges.query_nearest(places, return_distance=True, all_matches=False)
+    return np.asarray(distances)
 
 
 def thinnest_wall(outer: Points, holes: Sequence[Points]) -> float:

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 class CamgenError(Exception):
     """Base of all errors that a user can cause; `exit_code` is what the command line returns."""
 
     exit_code = 1
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _sent, (type(self), self.args, vars(self))
+
+
+def _sent(kind: type[CamgenError], arguments: tuple[Any, ...], facts: dict[str, Any]) -> CamgenError:
+    """An error as another process raised it: with its facts, not made anew from its message."""
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(facts)
+    return error
 
 
 @dataclass(frozen=True)

@@ -62,14 +62,13 @@ def write_dxf(
 
 def write_stl(path: Path, mesh: Mesh, name: str) -> None:
     """Write a mesh as binary STL whose header names the part (ASCII, cut at 80 bytes)."""
-    import trimesh
-
     # Never "solid" at the beginning: readers would take the file for text.
     label = f"camgen {name}".encode("ascii", "replace")[:80]
-    # process=False: trimesh must not merge, drop or reorder anything.
-    body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False, validate=False)
-    data = trimesh.exchange.stl.export_stl(body)
-    path.write_bytes(label.ljust(80, b"\0") + data[80:])
+    rows = np.zeros(len(mesh.faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    rows["corners"] = corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    rows["normal"] = normals / np.linalg.norm(normals, axis=1, keepdims=True) + 0.0
+    path.write_bytes(label.ljust(80, b"\0") + np.array(len(rows), "<u4").tobytes() + rows.tobytes())
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +95,7 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     """Write a 3MF of named meshes and their copies; `key` (the spec's hash) makes every UUID, so same key, same bytes.
 
     A copy in place under its object's own name is a build item of the mesh; any other is a named components object
-    that places the mesh.
+    that places the mesh. Meshes that no copy places are left out: PrusaSlicer opens no file that has one.
     """
     import lib3mf
 
@@ -108,7 +107,10 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     model.SetBuildUUID(made("build"))
     identity = _transform(np.eye(3, 4))
     meshes: dict[str, Any] = {}
+    placed = {item.object for item in items}
     for name, mesh in objects.items():
+        if name not in placed:
+            continue
         vertices, faces = np.ascontiguousarray(mesh.vertices, np.float32), np.ascontiguousarray(mesh.faces, np.uint32)
         thing = meshes[name] = model.AddMeshObject()
         thing.SetName(name)

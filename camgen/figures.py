@@ -23,6 +23,8 @@ STEPS = 360
 _WIDTH, _HEIGHT = 432.0, 252.0  # pt
 _LEFT, _RIGHT, _LOW, _TOP = 66.0, 422.0, 42.0, 222.0  # the axes' frame, pt from the lower left corner
 
+_LETTER, _ROW = 4.6, 10.0  # pt, of a mark's name: mean width of a letter, height of a row
+
 _INK, _GRID = "#010203", "#040506"
 _SERIES = ("#0b62a8", "#b5541c", "#2c7a4b", "#7a3e9d", "#8a6d00", "#a8326e")
 _DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (7, 2, 1.2, 2)), (0, (9, 3)), (0, (3, 1, 1, 1, 1, 1)))
@@ -75,8 +77,8 @@ def thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return x[order], y[order]
 
 
-def plot_svg(plot: Plot) -> str:
-    """The plot as an SVG element to stand in a page, or alone as a file; same plot, same text.
+def plot_svg(plot: Plot, log: bool = False) -> str:
+    """The plot as an SVG element to stand in a page, or alone as a file; same plot, same text. log: both axes logarithmic.
 
     An x axis that covers a turn gets ticks of 45 deg and a `cursor` line that the page's script moves.
     """
@@ -91,13 +93,13 @@ def plot_svg(plot: Plot) -> str:
         canvas: Any = FigureCanvasSVG(figure)
         axes = figure.add_axes((_LEFT / _WIDTH, _LOW / _HEIGHT, (_RIGHT - _LEFT) / _WIDTH, (_TOP - _LOW) / _HEIGHT), frameon=True)
         axes.patch.set_visible(False)
-        turn = _draw(axes, plot)
+        turn = _draw(axes, plot, log)
         text = io.StringIO()
         canvas.print_svg(text, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
     return _tidied(text.getvalue(), plot, turn)
 
 
-def _draw(axes: Any, plot: Plot) -> bool:
+def _draw(axes: Any, plot: Plot, log: bool) -> bool:
     """Fill the axes; True where x covers one turn in degrees."""
     for k, (label, x, y) in enumerate(plot.series):
         style = {"color": _SERIES[k % 6], "linestyle": _DASHES[k % 6], "linewidth": 1.8 if k == 0 else 1.5}
@@ -108,26 +110,36 @@ def _draw(axes: Any, plot: Plot) -> bool:
     if turn:
         axes.set_xlim(0, 360)
         axes.set_xticks(range(0, 361, 45))
+    elif plot.equal:
+        axes.set_aspect("equal", adjustable="datalim")
     elif ends and min(ends) < max(ends):
         axes.set_xlim(min(ends), max(ends))
     low, high = axes.get_ylim()
-    if plot.marks:  # room for their names above the curves
-        high += 0.1 * (high - low)
+    rows = _label_rows(plot, axes.get_xlim())
+    if rows:  # room for their names above the curves
+        share = (max(rows) + 1) * _ROW / (_TOP - _LOW)
+        high += max(0.1, share / (1 - share)) * (high - low)
         axes.set_ylim(low, high)
 
     def number(value: float, _: object) -> str:
         return f"{0 if abs(value) < 1e-9 * (high - low) else value:.10g}".replace("-", "−")
 
-    axes.yaxis.set_major_formatter(number)
-    axes.yaxis.set_major_locator(_ticks(6))
+    if log:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_major_formatter("{x:g}")
+    else:
+        axes.yaxis.set_major_formatter(number)
+        axes.yaxis.set_major_locator(_ticks(6))
     axes.set_xlabel(plot.x_label)
     axes.set_ylabel(plot.y_label)
-    for label, x_mark in plot.marks:
+    for (label, x_mark), row in zip(plot.marks, rows, strict=True):
         axes.axvline(x_mark, color=_INK, linewidth=0.7, linestyle=(0, (2, 2)))
         # On the side where there is room.
         inside = x_mark < sum(axes.get_xlim()) / 2
         axes.annotate(
-            label, (x_mark, 1), (3 if inside else -3, -2), xycoords=("data", "axes fraction"),
+            label, (x_mark, 1), (3 if inside else -3, -2 - _ROW * row), xycoords=("data", "axes fraction"),
             textcoords="offset points", va="top", ha="left" if inside else "right", fontsize=8.5,
         )  # fmt: skip
     if (count := len(plot.series)) > 1:
@@ -138,6 +150,22 @@ def _draw(axes: Any, plot: Plot) -> bool:
             handlelength=2.4, columnspacing=1.4, fontsize=9,
         )  # fmt: skip
     return turn
+
+
+def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
+    """The row, from the top, in which each mark's name stands clear of those before it."""
+    taken: list[list[tuple[float, float]]] = []
+    rows = []
+    for label, x in plot.marks:
+        at, wide = (_RIGHT - _LEFT) * (x - ends[0]) / (ends[1] - ends[0]), _LETTER * len(label) + 6
+        left = at if x < sum(ends) / 2 else at - wide
+        free = [k for k, row in enumerate(taken) if all(left >= b or left + wide <= a for a, b in row)]
+        row = free[0] if free else len(taken)
+        if not free:
+            taken.append([])
+        taken[row].append((left, left + wide))
+        rows.append(row)
+    return rows
 
 
 def _ticks(count: int) -> Any:

@@ -126,6 +126,13 @@ def manifest_files(folder: Path) -> list[str]:
         raise FileError(path, f"is not a manifest of camgen's: {error}") from None
 
 
+def changed_files(folder: Path) -> list[str]:
+    """Names of files that the manifest lists and that are not as the build wrote them."""
+    files = json.loads((folder / MANIFEST).read_bytes())["files"]
+    return [name for name, entry in files.items()
+            if not isinstance(entry, dict) or entry.get("sha256") != hashlib.sha256((folder / name).read_bytes()).hexdigest()]
+
+
 def write_manifest(folder: Path, packages: Iterable[str]) -> None:
     """Write manifest.json: sha256 and bytes of every file in the folder, versions of the packages that made them.
 

@@ -47,12 +47,15 @@ class Rolling:
     wanted motion, rad), pivot and arm complex mm; tip_radius mm (0: knife edge); leaves: +1 or -1, sense of s that
     takes the tip off the part; pressure_angle: the largest of the exact part, rad (an outline that is off by e turns
     the follower by e / (|arm| cos pressure_angle)); speed_ripple, lash and undercut: what the designer accepts, as a
-    share of the greatest speed and in rad; tip_part: the part whose outline is the tip, its bore at the pivot.
-    The first contact of a part drives, a further one limits the free play.
+    share of the greatest speed and in rad; tip_part: the part whose outline is the tip, its bore at the pivot; seat: the tip
+    is a bought roller instead, on a pin in a hole of that part, of this diameter, mm.
+    The first contact of a part drives, a further one limits the free play, as does a contact of another part: the second
+    cam of a pair, or the outer wall of a groove (inside), whose tip_radius here is that of a tip as wide as the groove.
     slides: tip centre = pivot + arm * s instead, arm a unit vector, s in mm. face: a flat face instead of a tip, through
     that point, its unit normal off the part at s = 0. lever: the least way, mm per unit of s, by which the follower moves
     off the contact's tangent, where it is not |arm| cos pressure_angle. inside: it comes from within to the largest hole,
     the outer wall of a groove. reach: places on the face (as `contact.Touch` counts them) between which it must be touched.
+    reachable: s that this part gives by itself where it is exact, if that is not the mechanism's own.
     """
 
     name: str
@@ -73,6 +76,8 @@ class Rolling:
     lever: float | None = None
     inside: bool = False
     reach: tuple[float, float] | None = None
+    reachable: Callable[[Floats], Floats] | None = None
+    seat: float = 0.0
 
     @property
     def unit(self) -> tuple[str, float]:
@@ -226,7 +231,7 @@ Contact = Rolling | Pin | Slide | Traced | Apart
 class Plot:
     """A figure of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
-    A plot over the cam angle has x in degrees.
+    A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways.
     """
 
     title: str
@@ -234,6 +239,7 @@ class Plot:
     y_label: str
     series: Sequence[tuple[str, Floats, Floats]]
     marks: Sequence[tuple[str, float]] = ()
+    equal: bool = False
 
 
 @dataclass(frozen=True)
@@ -256,13 +262,17 @@ class Sketch:
 
 @dataclass(frozen=True)
 class Study:
-    """What the report shows of a mechanism, without the report knowing the mechanism."""
+    """What the report shows of a mechanism, without the report knowing the mechanism.
+
+    columns: of motion.csv, where no contact gives them; (1441,) each, every quarter degree of a turn, both ends included.
+    """
 
     numbers: Mapping[str, float] = field(default_factory=dict)
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     sketches: Sequence[Sketch] = ()
     notes: Sequence[str] = ()
+    columns: Mapping[str, Floats] = field(default_factory=dict)
 
 
 class Mechanism(Spec, ABC):

@@ -123,9 +123,9 @@ class Ring:
         return np.concatenate([self.points, inner.ravel()])
 
     def encloses(self, z: complex) -> bool:
-        """Whether z lies inside (arcs facetted to a thousandth of the outline's size)."""
+        """Whether z lies inside (arcs facetted to a thousandth of the outline's size, at most 0.01 mm)."""
         left, low, right, high = self.box
-        a = self.facetted(1e-3 * max(right - left, high - low)) - z
+        a = self.facetted(min(1e-3 * max(right - left, high - low), 0.01)) - z
         b = np.roll(a, -1)
         crosses = (a.imag > 0) != (b.imag > 0)
         side = np.imag(np.conj(a) * b)[crosses] > 0

@@ -11,6 +11,9 @@ INTERSECTION = 1e-12
 # Largest relative rounding of a coordinate by the float32 of STL and 3MF: half an ulp, 2**-24.
 FLOAT32_ROUNDING = 2.0**-24
 
+# Error of a copy's place in a 3MF, as a share of the sizes in its transform, which is written with six decimals.
+TRANSFORM_ROUNDING = 4e-6
+
 # Spare allowed on a first-order error bound for the terms of second order.
 BOUND_SPARE = 0.05
 
@@ -29,9 +32,6 @@ SPEED_WINDOW_DEG = 5.0
 # Volume may differ by this share, besides the facets' own part; it finds a lost hole or a wrong thickness,
 # the outline's accuracy is judged by the motion.
 VOLUME_SHARE = 1e-3
-
-# A section's area may differ by this share: it finds layers that are mixed up, VOLUME and the motion find the rest.
-AREA_SHARE = 1e-2
 
 # A law of motion joins its neighbour where displacement and derivatives agree to this share of their peaks: published
 # coefficients have six decimals (MR-13 leaves its ends with speed 2.8e-8, with the misprinted sign 1.6e-3).

@@ -1,69 +1,46 @@
-"""The judge: what the written files themselves say, against the wanted motion and the plain numbers of the parts.
+"""The judge of files: what they hold, against the plain numbers and points of the parts.
 
-It reads files, rolls tips on what it read, and knows nothing of the formulas that made the curve. The part turns about the
-centre of the bore that is in the file, since that is where the shaft will be.
+It knows nothing of the formulas that made the curve; the shape on which a follower rolls is judged by its motion alone.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen import tolerances
-from camgen.contact import RollingContact, contact
-from camgen.contact_faces import ArmFace, SlideFace
-from camgen.contact_tips import ArmTip, Form, SlideTip
-from camgen.distances import thinnest_wall
+from camgen.distances import point_to_ring, thinnest_wall
 from camgen.findings import Finding, at_least, at_most
-from camgen.mechanism import Rolling
-from camgen.readback import (
-    Circle,
-    Ring,
-    Shape,
-    bore_circle,
-    mesh_faults,
-    read_3mf,
-    read_dxf,
-    read_stl,
-    shape_of,
-    slice_mesh,
-)
-from camgen.rings import fit_circle
+from camgen.readback import Mesh, Package, mesh_faults, read_3mf, read_dxf, read_stl, slice_mesh
+from camgen.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.undoing import printed
 
-Floats = NDArray[np.float64]
-Motion = Callable[[Floats], Floats]
-
 MILLIMETRES = 4  # $INSUNITS of DXF
-MOTION_KINDS = ("dxf", "stl", "3mf")
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 
 
 @dataclass(frozen=True)
 class Section:
-    """What a cut through some heights should show: as many separate pieces, of this area together (mm^2), with these holes.
-
-    heights: where meshes are sliced, mm; holes: centre (complex, mm) and area (mm^2) of each; length: of all edges, mm.
-    """
+    """What cuts through some heights (mm) should show: these separate pieces, facetted within the chord tolerance."""
 
     heights: tuple[float, ...]
-    pieces: int
-    holes: tuple[tuple[complex, float], ...]
-    area: float
-    length: float
+    shapes: tuple[Shape, ...]
 
 
 @dataclass(frozen=True)
 class Expected:
-    """What a part's files should hold, as plain numbers.
+    """What a part's files should hold, as plain numbers and points.
 
-    sections: of its stack of layers, from the bottom; cut: the one that its drawing shows; volume: mm^3; bore: diameter of
-    the hole on whose centre the part turns; eyes: centres of holes whose place and size the judge of linkages sees to;
+    sections: of its stack of layers, from the bottom; cut: the one that its drawing shows; volume: mm^3; levels: heights
+    of its flat faces, mm, the underside first; bore: diameter of the hole on whose centre the part turns, where the motion
+    tells its place. Judged elsewhere, by how parts move, are the outer contour of a part that is `rolled` upon, joints at
+    the `eyes`, and what lies in the discs `tips` (centre, radius); rolled is the section that a drawing shows, or the first
+    of a mesh.
     undo: how a mesh was changed for the printer, None where it was not.
     """
 
@@ -71,11 +48,14 @@ class Expected:
     sections: tuple[Section, ...]
     cut: int
     volume: float
+    levels: tuple[float, ...]
     facets: float
-    bore: float | None
-    eyes: tuple[complex, ...]
     min_wall: float
     chord_tolerance: float
+    bore: float | None = None
+    rolled: bool = False
+    eyes: tuple[complex, ...] = ()
+    tips: tuple[tuple[complex, float], ...] = ()
     undo: Undo | None = None
 
 
@@ -124,18 +104,26 @@ def judge_dxf(path: Path, expected: Expected) -> Judged:
 
 
 def judge_mesh(path: Path, expected: Expected) -> Judged:
-    """Watertightness, volume, sections and walls of a solid in an STL or 3MF file."""
+    """Watertightness, volume, sections and walls of the one solid in an STL or 3MF file."""
     where = path.name
-    if path.suffix == ".3mf":
-        package = read_3mf(path)
-        meshes = [package.meshes[item.name].moved(item.transform) for item in package.items]
-        remarks = [*package.warnings, *([] if package.unit.lower() == "millimeter" else [f"unit is {package.unit}"])]
-        remarks += [] if len(meshes) == 1 else [f"{len(meshes)} objects instead of 1"]
-        if remarks:
-            return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
-        mesh = meshes[0]
-    else:
-        mesh = read_stl(path)
+    if path.suffix != ".3mf":
+        return judge_solid(read_stl(path), expected, where)
+    package = read_3mf(path)
+    remarks = _remarks(package)
+    remarks += [] if len(package.items) == 1 else [f"{len(package.items)} objects instead of 1"]
+    if remarks:
+        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
+    (item,) = package.items
+    return judge_solid(package.meshes[item.name].moved(item.transform), expected, where)
+
+
+def _remarks(package: Package) -> list[str]:
+    """What is wrong with a package as such."""
+    return [*package.warnings, *([] if package.unit.lower() == "millimeter" else [f"unit is {package.unit}"])]
+
+
+def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
+    """Watertightness, volume, sections and walls of a solid."""
     faults = mesh_faults(mesh)
     count = faults.count + abs(faults.bodies - 1)
     findings = [
@@ -148,13 +136,57 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     if count:
         return Judged(tuple(findings), None)
     findings.append(_volume(faults.volume, expected, where))
-    size = float(np.max(np.abs(mesh.vertices[:, :2])))
+    rounding = float(np.max(np.abs(mesh.vertices))) * tolerances.FLOAT32_ROUNDING
+    lifted = _lifted(mesh.vertices[:, 2], expected.levels)
     try:
         sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
-    return _judge_sections(sections, expected, where, size * tolerances.FLOAT32_ROUNDING, findings, expected.undo)
+    return _judge_sections(sections, expected, where, rounding, findings, lifted)
+
+
+def _lifted(heights: Floats, levels: Sequence[float]) -> float:
+    """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
+    there, wanted = np.unique(heights), np.array(levels)
+    if len(levels) == 1:
+        return float(abs(there[0] - wanted[0]))
+    apart = np.abs(there[:, None] - wanted)
+    return float(max(np.max(np.min(apart, axis=0)), np.max(np.min(apart, axis=1))))
+
+
+def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tuple[str, Floats]] | None = None) -> Finding:
+    """ROUND_TRIP of a package that holds copies of parts: its solids are the originals, moved as bodies are and not deformed.
+
+    places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
+    """
+    package, where = read_3mf(path), path.name
+    remarks = _remarks(package)
+    strange = sorted(set(package.meshes) - set(originals))
+    remarks += [f"there is no part {name}" for name in strange]
+    found, wanted = Counter(item.name for item in package.items), Counter(name for name, _ in places or ())
+    if places is not None and found != wanted:
+        remarks.append(f"{found.total()} copies instead of {wanted.total()}")
+    if remarks:
+        return at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks))
+    off = max((_unlike(mesh, originals[name]) for name, mesh in package.meshes.items()), default=0.0)
+    reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
+    far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
+    for item in package.items:
+        turn = item.transform[:, :3]
+        bent = float(np.max(np.abs(turn @ turn.T - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
+        wrong = [float(np.max(np.abs(item.transform - place))) for name, place in places or () if name == item.name]
+        off = max(off, bent * reach, min(wrong, default=0.0))
+    limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
+    remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
+    return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
+
+
+def _unlike(mesh: Mesh, original: Mesh) -> float:
+    """Largest distance between the corners of two meshes that should be one, mm; inf where they are not of the same triangles."""
+    if mesh.faces.shape != original.faces.shape or not np.array_equal(mesh.faces, original.faces):
+        return math.inf
+    return float(np.max(np.abs(mesh.vertices - original.vertices)))
 
 
 def _volume(volume: float, expected: Expected, where: str) -> Finding:
@@ -167,26 +199,29 @@ def _volume(volume: float, expected: Expected, where: str) -> Finding:
 
 def _judge_sections(
     read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float,
-    findings: list[Finding], undo: Undo | None = None,
+    findings: list[Finding], lifted: float = 0.0,
 ) -> Judged:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     try:
-        sections = [(meant, _pieces(rings) if meant.pieces > 1 else (shape_of(rings),)) for meant, rings in read]
-        if undo is not None:
-            sections = [(meant, tuple(undo(shape) for shape in shapes)) for meant, shapes in sections]
+        sections = [(meant, _pieces(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
+        if expected.undo is not None:
+            sections = [(meant, tuple(expected.undo(shape) for shape in shapes)) for meant, shapes in sections]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
     limit = 2 * expected.chord_tolerance + 4 * rounding
-    off, remark = 0.0, ""
-    for meant, shapes in sections:
-        here, said = _misplaced(shapes, meant, expected, limit)
-        if not remark or not here <= off:
-            off, remark = here, said
-        if math.isnan(off):
+    off, remark = lifted, f"a flat face is {lifted:.4g} mm off its height"
+    for k, (meant, shapes) in enumerate(sections):
+        count = sum(1 + len(shape.holes) for shape in meant.shapes)
+        found = sum(1 + len(shape.holes) for shape in shapes)
+        if found != count or len(shapes) != len(meant.shapes):
+            off, remark = math.nan, f"{found} contours instead of {count}"
             break
-    if off > limit:
-        remark = f"{remark}, but a hole is {off:.4g} mm off in place or size"
+        same = meant.shapes[0].outer is sections[0][0].shapes[0].outer
+        rolled = sections[0][1][0].outer if expected.rolled and same else None
+        here = _strayed(shapes, meant.shapes, expected, rolled)
+        if here >= off or (k == 0 and off <= limit):
+            off, remark = max(off, here), f"{found} contours read back and compared point by point"
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
     wall = min(_wall(shape) for shapes in _distinct(sections) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
@@ -230,225 +265,43 @@ def _bore(shape: Shape, diameter: float | None) -> Circle | None:
     return bore_circle(nearest, diameter)
 
 
-def _misplaced(shapes: Sequence[Shape], meant: Section, expected: Expected, limit: float) -> tuple[float, str]:
-    """How far holes are from where and how large they were meant to be, mm; nan when contours are lost or areas differ.
+def _strayed(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, rolled: Ring | None) -> float:
+    """How far the contours of a section are from those meant, mm; as many of them, and what is judged elsewhere left out.
 
-    Size counts as the radius of the circle of the same area. The bore's place is judged by the motion about it, eyes of
-    joints by the linkage that is closed on them.
+    rolled: the outer contour at the height where followers roll on it, with which the other heights are compared.
     """
-    found = [(ring.centroid, abs(ring.area)) for shape in shapes for ring in shape.holes]
-    count, wanted = len(shapes) + len(found), meant.pieces + len(meant.holes)
-    if count != wanted or len(shapes) != meant.pieces:
-        return math.nan, f"{count} contours instead of {wanted}"
-    area = sum(shape.area for shape in shapes)
-    if abs(area - meant.area) > tolerances.AREA_SHARE * meant.area + limit * meant.length:
-        return math.nan, f"section of {area:.3f} mm^2 instead of {meant.area:.3f} mm^2"
     off = 0.0
-    for centre, size_meant in meant.holes:
-        if any(abs(centre - eye) <= limit for eye in expected.eyes):
-            continue
-        place, size = min(found, key=lambda hole: abs(hole[0] - centre))
-        off = max(off, abs(math.sqrt(size / math.pi) - math.sqrt(abs(size_meant) / math.pi)))
-        if expected.bore is None or abs(centre) > expected.bore / 2:
-            off = max(off, abs(place - centre))
-    return off, f"{count} contours read back"
+    for wanted in meant:
+        shape = min(shapes, key=lambda one: _apart(one.outer, wanted.outer))
+        if len(shape.holes) != len(wanted.holes):
+            return math.nan
+        if not _is_eye(wanted.outer, expected):
+            off = max(off, _distance(shape.outer, rolled or wanted.outer, expected))
+        for hole in wanted.holes:
+            if _is_eye(hole, expected):
+                continue
+            found = min(shape.holes, key=lambda one: _apart(one, hole))
+            if expected.bore is not None and abs(hole.centroid) < expected.bore / 2:
+                found = found.moved(shift=hole.centroid - found.centroid)
+            off = max(off, _distance(found, hole, expected))
+    return off
 
 
-# ---- motion ----------------------------------------------------------------------------------------------------------
+def _apart(a: Ring, b: Ring) -> float:
+    return abs(a.centroid - b.centroid) + abs(math.sqrt(abs(a.area)) - math.sqrt(abs(b.area)))
 
 
-def judged_angles() -> Floats:
-    """Cam angles at which motion is judged, rad: one at random in each of JUDGED_ANGLES equal steps, always the same ones."""
-    n = tolerances.JUDGED_ANGLES
-    return (np.arange(n) + np.random.default_rng(20181).random(n)) * (2 * math.pi / n)
+def _is_eye(ring: Ring, expected: Expected) -> bool:
+    return any(abs(ring.centroid - eye) <= 2 * expected.chord_tolerance for eye in expected.eyes)
 
 
-def mounted(shape: Shape, rolling: Rolling) -> RollingContact:
-    """The follower of `rolling` in contact with a recovered shape, mounted as in assembly.
-
-    ValueError where the shape has no such outline, or the follower does not fit it.
-    """
-    ring = shape.outer
-    if rolling.inside:
-        if not shape.holes:
-            raise ValueError("there is no hole for the follower to run in")
-        ring = max(shape.holes, key=lambda hole: abs(hole.area)).counter_clockwise().reversed()
-    if rolling.flipped:
-        ring = ring.moved(-1, mirror=True)
-    if rolling.turned:
-        ring = ring.moved(complex(math.cos(rolling.turned), math.sin(rolling.turned)))
-    return contact(ring, _form(rolling))
+def _distance(a: Ring, b: Ring, expected: Expected) -> float:
+    """Largest distance of either contour's vertices from the other one, mm, those in the discs of tips left out."""
+    one, other = (ring.facetted(expected.chord_tolerance) for ring in (a, b))
+    return max(_beyond(one, other, expected), _beyond(other, one, expected))
 
 
-def _form(r: Rolling) -> Form:
-    if r.face is None:
-        tip = SlideTip if r.slides else ArmTip
-        return tip(r.pivot, r.arm, r.tip_radius, r.leaves, r.inside)
-    if r.slides:
-        return SlideFace(r.pivot, r.arm, r.leaves)
-    return ArmFace(r.pivot, r.face, (complex(r.face).conjugate() * r.arm).real, r.leaves)
-
-
-def motion_limit(rolling: Rolling, chord_tolerance: float, kind: str) -> float:
-    """Largest motion error, in units of s, that an outline within the tolerance can give, 5 % spare; plus float32 for meshes."""
-    lever = rolling.lever or abs(rolling.arm) * math.cos(rolling.pressure_angle)
-    limit = chord_tolerance / lever * (1 + tolerances.BOUND_SPARE)
-    if kind == "dxf":
-        return limit
-    rounding = tolerances.FLOAT32_ROUNDING * math.sqrt(2) * (abs(rolling.pivot) + abs(rolling.arm)) / lever
-    least = tolerances.FLOAT32_MOTION_MM if rolling.slides else math.radians(tolerances.FLOAT32_MOTION_DEG)
-    return limit + max(least, rounding)
-
-
-def judge_motion(
-    kind: str,
-    where: str,
-    shape: Shape,
-    rollings: Sequence[Rolling],
-    wanted: Motion,
-    reachable: Motion,
-    chord_tolerance: float,
-) -> tuple[list[Finding], dict[str, float]]:
-    """Roll the followers on a recovered shape; compare with the reachable motion: the wanted one less the spec's undercut.
-
-    Returns findings and the recovered figures. What follows from the motion is only judged where the motion is right.
-    """
-    drive, theta = rollings[0], judged_angles()
-    limit, (unit, scale) = motion_limit(drive, chord_tolerance, kind), drive.unit
-    try:
-        rolled = mounted(shape, drive)
-    except ValueError as fault:
-        return [at_most("MOTION_ERROR", math.nan, scale * limit, unit, where, str(fault))], {}
-    meant, touch = reachable(theta), rolled.touch(theta)
-    lost = np.isnan(touch.angle)
-    error = np.where(lost, np.inf, np.abs(touch.angle - meant))
-    worst = int(np.argmax(error))
-    remark = f"{'tip rolled' if drive.face is None else 'face slid'} on the file at {len(theta)} cam angles"
-    if lost.any():
-        remark += f"; it misses the outline at {np.count_nonzero(lost)} of them"
-    if not error[worst] <= limit:
-        remark += "; what follows from a wrong motion is not judged"
-    findings = [
-        at_most(
-            "MOTION_ERROR",
-            scale * error[worst],
-            scale * limit,
-            unit,
-            _place(where, theta[worst]),
-            remark,
-        )
-    ]
-    numbers = {
-        f"{'stroke' if drive.slides else 'swing'}_recovered_{kind}_{unit}": scale * float(np.ptp(touch.angle)),
-        f"motion_error_{kind}_{unit}": scale * float(error[worst]),
-        f"pressure_angle_{kind}_deg": math.degrees(float(np.max(np.abs(touch.pressure_angle)))),
-    }
-    if not findings[0].ok:
-        return findings, numbers
-    asked = wanted(theta)
-    if np.any(asked != meant):
-        loss = np.where(asked != meant, np.abs(touch.angle - asked), 0.0)
-        worst = int(np.argmax(loss))
-        numbers[f"undercut_{kind}_{unit}"] = scale * float(loss[worst])
-        findings.append(
-            at_most(
-                "UNDERCUT",
-                scale * loss[worst],
-                scale * (drive.undercut + limit),
-                unit,
-                _place(where, theta[worst]),
-                "motion that the file loses where it is undercut; the limit is the spec's and the outline tolerance",
-            )
-        )
-    if drive.reach is not None:
-        findings.append(_on_face(where, theta, touch.place, drive.reach))
-    findings.append(_ripple(rolled, where, theta, reachable, drive.speed_ripple))
-    for other in rollings[1:]:
-        play = drive.leaves * (mounted(shape, other).angle(theta) - touch.angle)
-        findings += _free_play(where, theta, play, drive, 2 * limit)
-        numbers[f"lash_{kind}_{unit}"] = scale * float(np.max(play))
-    return findings, numbers
-
-
-def judge_tip(
-    kind: str, where: str, frame: Shape, cam: Shape, rolling: Rolling, reachable: Motion, chord_tolerance: float
-) -> tuple[list[Finding], dict[str, float]]:
-    """Roll the tip that is in the frame's file on the cam that is in its file: TIP_MOTION of the two together.
-
-    frame: with its pivot's hole at the origin. The limit is that of the outline tolerance at both.
-    """
-    ring = frame.outer.facetted(chord_tolerance / 4)
-    away = np.abs(ring - rolling.arm)
-    if rolling.tip_radius:
-        near = ring[np.abs(away - rolling.tip_radius) < 0.02 * rolling.tip_radius + 4 * chord_tolerance]
-        arm, radius, _ = fit_circle(near) if len(near) > 2 else (complex(math.nan), math.nan, 0.0)
-    else:
-        arm, radius = complex(ring[np.argmin(away)]), 0.0
-    limit = 2 * motion_limit(rolling, chord_tolerance, kind)
-    theta = judged_angles()[::4]
-    worst, error = 0, np.array([math.inf])
-    if math.isfinite(radius) and abs(arm - rolling.arm) < abs(rolling.arm) / 2:
-        tip = replace(rolling, arm=arm, tip_radius=radius)
-        # the wanted angle is counted from the nominal arm
-        turned = float(np.angle(rolling.arm / arm))
-        error = np.abs(mounted(cam, tip).angle(theta) - turned - reachable(theta))
-        error = np.where(np.isnan(error), np.inf, error)
-        worst = int(np.argmax(error))
-    remark = f"the frame's own tip, radius {radius:.4f} mm, on the cam, both from the files"
-    finding = at_most(
-        "TIP_MOTION", math.degrees(error[worst]), math.degrees(limit), "deg", _place(where, theta[worst]), remark
-    )
-    return [finding], {f"tip_motion_error_{kind}_deg": math.degrees(error[worst]), f"tip_radius_{kind}_mm": radius}
-
-
-def _place(where: str, theta: float) -> str:
-    return f"{where}, cam angle {math.degrees(theta):.3f} deg"
-
-
-def _on_face(where: str, theta: Floats, place: Floats, reach: tuple[float, float]) -> Finding:
-    """How far contact runs off a face."""
-    beyond = np.maximum(place - reach[1], reach[0] - place)
-    worst = int(np.argmax(np.where(np.isnan(beyond), np.inf, beyond)))
-    return at_most(
-        "FACE_WIDTH", float(beyond[worst]), 0.0, "mm", _place(where, theta[worst]),
-        f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):.3f} to {np.max(place):.3f} mm",
-    )  # fmt: skip
-
-
-def _free_play(where: str, theta: Floats, play: Floats, drive: Rolling, overlap: float) -> list[Finding]:
-    """Free play of the follower between two tips: not too much, and nowhere less than nothing."""
-    most, least = int(np.argmax(play)), int(np.argmin(play))
-    unit, scale = drive.unit
-    return [
-        at_most(
-            "LASH",
-            scale * play[most],
-            scale * drive.lash,
-            unit,
-            _place(where, theta[most]),
-            "largest free play of the follower between both tips",
-        ),
-        at_most(
-            "INTERFERENCE",
-            scale * max(0.0, -play[least]),
-            scale * overlap,
-            unit,
-            _place(where, theta[least]),
-            "largest overlap of both tips with the pair; the limit is the outline tolerance at both tips",
-        ),
-    ]
-
-
-def _ripple(rolled: RollingContact, where: str, theta: Floats, reachable: Motion, limit: float) -> Finding:
-    """Speed averaged over a window of cam angle, against the same average of the reachable motion."""
-    half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
-    made = rolled.angle(theta + half) - rolled.angle(theta - half)
-    meant = reachable(theta + half) - reachable(theta - half)
-    off = np.abs(made - meant)
-    worst = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
-    return at_most(
-        "SPEED_RIPPLE", float(off[worst]) / float(np.max(np.abs(meant))), limit, "share",
-        f"{where}, cam angle {math.degrees(theta[worst]):.3f} deg",
-        f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
-        "facets make raw speed ripple as 1/N, and a smaller chord_tolerance lowers it",
-    )  # fmt: skip
+def _beyond(points: Points, ring: Points, expected: Expected) -> float:
+    for centre, radius in expected.tips:
+        points = points[np.abs(points - centre) > radius]
+    return float(np.max(point_to_ring(points, ring), initial=0.0))

@@ -17,14 +17,17 @@ ROWS = (
     {"motion", "findings", "spec", "standards"},
     {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
     | {"linkages", "dynamics", "landmarks", "tips"},
-    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch"},
-    {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "disc_parts", "sizing", "contact_tips"},
+    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "nearness"},
+    {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
+    | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
-    | {"feed_study", "looper_study", "swing_machine", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "packing", "verify", "interference", "sweep", "clearance", "folder", "budget"}
-    | {"outline_files", "follower_table"},
-    {"report", "moving", "figures"},
-    {"pipeline", "outline_motion"},
+    | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
+    {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
+    | {"budget", "outline_files", "follower_table"},
+    {"report", "moving", "figures", "jobs"},
+    {"making", "judging"},
+    {"pipeline", "outline_motion", "terminal", "benchmark"},
+    {"benchmark_report"},
     {"cli", "__main__"},
 )
 # Imports inside a row, each towards what the other is made from.
@@ -34,10 +37,14 @@ SAME_ROW = {
     ("arcfit", "sampling"),
     ("trimming", "outlines"),
     ("crossing", "outlines"),
+    ("crossing", "rings"),
     ("dynamics", "linkages"),
     ("landmarks", "linkages"),
+    ("mechanisms", "eccentric_study"),
     ("mechanisms", "feed_study"),
     ("mechanisms", "swing_machine"),
+    ("mechanisms", "swing_list"),
+    ("swing_list", "swing_machine"),
     ("mechanisms", "swing_study"),
     ("mechanisms", "indexing_study"),
     ("sweep", "interference"),
@@ -48,8 +55,9 @@ SAME_ROW = {
     ("drawing", "dxf"),
     ("drawing", "sheet"),
     ("sheet", "dxf"),
-    ("budget", "verify"),
+    ("budget", "rolling"),
     ("report", "moving"),
+    ("judging", "making"),
     ("__main__", "cli"),
 }
 # The judge sees files, the wanted motion and how parts touch; never what made the curve.
@@ -61,6 +69,7 @@ JUDGES = {
     "closure",
     "clearance",
     "verify",
+    "rolling",
     "interference",
     "sweep",
     "undoing",
@@ -70,14 +79,15 @@ JUDGES = {
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
     "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
-    "stitch", "looper_design", "looper_study", "tips", "sizing", "disc_parts",
+    "stitch", "looper_design", "looper_parts",
+    "looper_study", "tips", "sizing", "disc_parts",
 }  # fmt: skip
 HOW_PARTS_TOUCH = {
     ("mechanism", name)
     for name in ("Apart", "Assembly", "Contact", "Drive", "Eye", "Pin", "Pose", "Rolling", "Slide", "StandIn", "Traced")
 }
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
-LIGHT_MODULES = {"__init__", "__main__", "cli", "errors", "findings", "folder", "tolerances"}  # numpy and pydantic too
+LIGHT_MODULES = {"__init__", "__main__", "cli", "terminal", "errors", "findings", "folder", "tolerances"}  # no numpy, pydantic
 
 MODULES = {path.relative_to(PACKAGE).with_suffix("").as_posix(): path for path in sorted(PACKAGE.rglob("*.py"))}
 

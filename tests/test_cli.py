@@ -55,7 +55,7 @@ def results(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """A stub pipeline: what a spec of this file name gives, a Report or an exception."""
     outcome: dict[str, Any] = {}
 
-    def give(path: Path, *_: object) -> Report:
+    def give(path: Path, **_: object) -> Report:
         result = outcome[path.name]
         if isinstance(result, BaseException):
             raise result
@@ -301,7 +301,7 @@ from pathlib import Path
 from camgen import pipeline
 from camgen.cli import main
 from camgen.folder import Staged
-def build(spec, out, only, settings, progress):
+def build(spec, out, only, overrides, progress, jobs):
     with Staged(out / "cam") as folder:
         (folder / "half.dxf").write_text("half")
         progress("turning the handle")

@@ -135,6 +135,7 @@ def test_any_size(tmp_path: Path, scale: float) -> None:
     settings = [f"{key}={value * scale:.12g}" for key, value in lengths.items()] + [
         "print.nozzle=0.004",
         "print.bed=[1e5, 1e5]",
+        "print.bed_height=1e5",
         CAMS[0],
     ]
     report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), settings)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,9 +15,11 @@ import pytest
 
 from camgen import pipeline
 from camgen.errors import FileError
+from camgen.judging import expected
 from camgen.mechanism import Mechanism
 from camgen.readback import read_dxf, shape_of
-from camgen.verify import judge_motion
+from camgen.rolling import judge_motion
+from camgen.verify import judge_mesh
 
 # No windows, so that the cam's holes are alike in a mirror and only the profile tells.
 OVERRIDES = ("parts.windows=0", "name='cam'", "parts.make='cams'", "parts.bore=8")
@@ -102,7 +106,7 @@ def test_stl_mirrored(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, mirror)
-    assert failing(folder) == {("MOTION_ERROR", "stl")}
+    assert failing(folder) == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}  # the engraved arrow points the other way
 
 
 def test_stl_with_a_shifted_bore(folder: Path) -> None:
@@ -121,7 +125,54 @@ def test_stl_of_the_wrong_thickness(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, thicker)
-    assert failing(folder) == {("VOLUME", "stl")}
+    assert failing(folder) == {("VOLUME", "stl"), ("ROUND_TRIP", "stl")}
+
+
+def test_stl_of_another_volume(folder: Path) -> None:
+    """A part that should weigh more than the file's, all its contours alike."""
+    mechanism = pipeline.read_mechanism(folder / "spec.toml")
+    meant = expected(mechanism.parts()[0], 0.001, mechanism.contacts())
+    codes = []
+    for share in (1.0, 1.01):
+        judged = judge_mesh(folder / "cam-cam.stl", replace(meant, volume=share * meant.volume))
+        codes.append({finding.code for finding in judged.findings if not finding.ok})
+    assert codes == [set(), {"VOLUME"}]
+
+
+def test_stl_with_a_deeper_engraving(folder: Path) -> None:
+    def deeper(triangles: np.ndarray) -> np.ndarray:
+        heights = triangles["corners"][..., 2]
+        heights[np.isclose(heights, np.unique(heights)[1])] -= 0.1
+        return triangles
+
+    edit_stl(folder, deeper)
+    assert failing(folder) == {("ROUND_TRIP", "stl")}
+
+
+def test_stl_lifted_off_its_underside(folder: Path) -> None:
+    def lift(triangles: np.ndarray) -> np.ndarray:
+        triangles["corners"][..., 2] += 0.01
+        return triangles
+
+    edit_stl(folder, lift)
+    assert failing(folder) == {("ROUND_TRIP", "stl")}
+
+
+def test_stl_whose_arrow_is_turned(folder: Path) -> None:
+    """The engraving alone, 0.6 mm deep at most, points another way."""
+
+    def turn(triangles: np.ndarray) -> np.ndarray:
+        corners = triangles["corners"]
+        floor = np.isclose(corners[..., 2], np.unique(corners[..., 2])[1])
+        plane = corners[..., 0] + 1j * corners[..., 1]
+        arrow = np.isin(plane, plane[floor])
+        middle = np.unique(plane[floor]).mean()
+        plane = np.where(arrow, middle - (plane - middle), plane)
+        triangles["corners"] = np.stack([plane.real, plane.imag, corners[..., 2]], axis=-1)
+        return triangles
+
+    edit_stl(folder, turn)
+    assert ("ROUND_TRIP", "stl") in failing(folder)
 
 
 @pytest.mark.parametrize(
@@ -278,6 +329,36 @@ def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:
     spec = folder / "spec.toml"
     spec.write_text(spec.read_text().replace("swing_deg = 30.0", "swing_deg = 29.9"))
     assert ("MOTION_ERROR", "dxf") in failing(folder)
+
+
+@pytest.mark.parametrize("name", ["motion.csv", "report.json", "cam-cam-drawing.pdf", "cam-cam-drawing.dxf"])
+def test_a_side_file_that_was_changed_is_told(folder: Path, name: str) -> None:
+    path = folder / name
+    path.write_bytes(path.read_bytes()[:-9])
+    assert failing(folder) == {("MANIFEST", "json")}
+
+
+def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:
+    path = folder / name
+    with zipfile.ZipFile(path) as package:
+        files = {item: package.read(item) for item in package.namelist()}
+    with zipfile.ZipFile(path, "w") as package:
+        for item, data in files.items():
+            package.writestr(item, edit(data.decode()).encode() if item.endswith(".model") else data)
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        pytest.param(lambda text: text.replace('unit="millimeter"', 'unit="inch"'), id="inches"),
+        pytest.param(lambda text: re.sub(r'<vertex x="[^"]*"', '<vertex x="1.234"', text, count=1), id="moved vertex"),
+        pytest.param(lambda text: re.sub(r"<item [^>]*/>", "", text, count=1), id="lost copy"),
+        pytest.param(lambda text: re.sub(r'transform="[^ ]* ', 'transform="-1.02 ', text, count=1), id="stretched copy"),
+    ],
+)
+def test_a_damaged_assembly_is_told(folder: Path, edit: Callable[[str], str]) -> None:
+    edit_3mf(folder, "cam-assembly.3mf", edit)
+    assert failing(folder) == {("ROUND_TRIP", "3mf")}
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"camgen": "1", "files": 3}', "[" * 100_000])

@@ -1,0 +1,494 @@
+"""Judging a folder: which check looks at which file, and all that they found as one report.
+
+Each stage is a function of the case that returns an Outcome; stages that look at files alone may run in other processes.
+A stage's modules are loaded where a mechanism needs the stage.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import repeat
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.crossing import crossed_at
+from camgen.findings import Finding, at_most
+from camgen.fits import Compensation, compensated
+from camgen.jobs import Case, Progress, Workers
+from camgen.making import PLATE_GAP, assembled, compensation, parts_table
+from camgen.mechanism import Apart, Contact, Mechanism, Plot, Rolling, Study, Table, Traced
+from camgen.outlines import Floats, Region
+from camgen.parts import Part
+from camgen.readback import Mesh, read_3mf, slice_mesh
+from camgen.report import Report
+from camgen.rings import Ring, Shape
+from camgen.rolling import judge_motion, judge_pair, judge_tip, judged_angles, mounted
+from camgen.sampling import facet_contour
+from camgen.tolerances import SPEED_WINDOW_DEG
+from camgen.undoing import printed
+from camgen.verify import Expected, Section, Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
+
+if TYPE_CHECKING:
+    from camgen.closure import Sections
+
+_SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
+_DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
+_HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
+_BESIDE = 4.0  # chord tolerances from the ends of a layer
+_TIP = 1.2  # times the tip radius: about a tip, whose place and size its motion on the cam tells
+_ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one stage found, for the report."""
+
+    findings: Sequence[Finding] = ()
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    plots: Sequence[Plot] = ()
+    tables: Sequence[Table] = ()
+    columns: Mapping[str, Floats] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Read:
+    """What was read from one part's files, by kind: the shape that tips touch, the pieces at each height, and whether the
+    part gives the wanted motion to the follower that it drives."""
+
+    shapes: dict[str, Shape]
+    sections: dict[str, Sections]
+    moves: dict[str, bool]
+
+
+def judge(case: Case, kinds: Sequence[str], workers: Workers, progress: Progress) -> tuple[Report, dict[str, Floats]]:
+    """Judge the files of a case: the report, and the columns of motion.csv.
+
+    kinds: of files that are there, of "dxf", "stl", "3mf" and "report"; the last asks for what only a reader wants.
+    """
+    mechanism, names = case.mechanism, list(case.parts)
+    files = [kind for kind in kinds if kind != "report"]
+    reading = workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
+    waiting = [workers.start(stage, case, files) for stage in _stages(mechanism, files)]
+    limits, study = mechanism.limits(), mechanism.study()
+    parts: list[Outcome] = []
+    read: dict[str, Read] = {}
+    for k, name in enumerate(names):
+        progress(f"reading back {name}", 0.45 + 0.2 * k / len(names))
+        outcome, read[name] = next(reading)
+        parts.append(outcome)
+    progress("letting the parts touch", 0.65)
+    moved, columns, more = _moved(mechanism, files, read)
+    together = _together(mechanism, files, read)
+    budget = _budget(case, read, [study.numbers, *(part.numbers for part in parts)]) if "report" in kinds else None
+    stages = []
+    for k, stage in enumerate(waiting):
+        progress("moving the assembly through a turn", 0.7 + 0.15 * k / len(waiting))
+        stages.append(stage())
+    if not columns:
+        columns = dict(study.columns)
+        for outcome in stages:
+            columns |= outcome.columns
+    outcomes = [moved, *parts, together, *stages]
+    found: list[Outcome | Study] = [study, *outcomes, more]
+    numbers: dict[str, float] = {}
+    for each in found:  # of two parts with a figure of one name the first one drives
+        numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
+    report = Report(
+        mechanism.name, mechanism.mechanism,
+        (*limits, *(finding for outcome in outcomes for finding in outcome.findings)),
+        numbers,
+        [_part_record(case, part, files) for part in case.parts.values()],
+        [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
+        [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
+        [*study.notes, *more.notes], None, budget, (*_SIDE_FILES, *_machine_files(case)),
+    )  # fmt: skip
+    return report, columns
+
+
+# ---- a part by itself ------------------------------------------------------------------------------------------------
+
+
+def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
+    """Read one part's files and roll the tips on them that it drives."""
+    mechanism, part = case.mechanism, case.parts[name]
+    contacts, tolerance, fit = mechanism.contacts(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    drives = [contact for contact in contacts if isinstance(contact, Rolling) and contact.part == name]
+    turns = any(isinstance(contact, Rolling) and name in (contact.part, contact.tip_part) for contact in contacts)
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    read = Read({}, {}, {})
+    for kind in kinds:
+        path = case.file(name, kind)
+        meant = expected(part, tolerance, contacts, fit if kind != "dxf" else None)
+        if not turns:  # the place of its bore is judged as that of any hole
+            meant = replace(meant, bore=None)
+        judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
+        findings += judged.findings
+        if judged.shape is None:
+            continue
+        read.shapes[kind], read.sections[kind] = judged.shape, judged.sections
+        if drives:
+            found, figures = judge_motion(
+                kind, path.name, judged.shape, drives, mechanism.motion, mechanism.reachable, tolerance
+            )
+            read.moves[kind] = found[0].ok
+            findings += found
+            numbers |= figures
+    return Outcome(findings, numbers), read
+
+
+def expected(
+    part: Part, tolerance: float, contacts: Sequence[Contact] = (), fit: Compensation | None = None
+) -> Expected:
+    """What a file of a part should hold, as plain numbers and points for the judge.
+
+    With a fit the file holds the compensated part: its volume counts, and sections above the chamfer are judged as they print.
+    """
+    rollings = [contact for contact in contacts if isinstance(contact, Rolling)]
+    rolled = any(rolling.part == part.name for rolling in rollings)
+    swung = [rolling for rolling in rollings if rolling.tip_part == part.name]
+    eyes: Sequence[complex] = ()
+    if any(isinstance(contact, Traced) for contact in contacts):
+        from camgen.closure import eyes_of
+
+        eyes = eyes_of(part.name, contacts)
+    sent = compensated(part, fit) if fit is not None else part
+    levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
+    sections, cut = _sections(part, tolerance, levels[0] + (fit.foot if fit is not None else 0.0), fit is None or not fit.hole)
+    return Expected(
+        part.name, tuple(sections), cut,
+        volume=sent.volume,
+        levels=tuple(levels) if part.crossed is None else (levels[0],),
+        facets=part.walls * tolerance,
+        min_wall=part.min_wall,
+        chord_tolerance=tolerance,
+        bore=part.bore if rolled or swung else None,
+        rolled=rolled,
+        eyes=tuple(eyes),
+        tips=tuple((rolling.arm, max(_TIP * rolling.tip_radius, part.min_wall)) for rolling in swung),
+        undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
+    )  # fmt: skip
+
+
+def _sections(part: Part, tolerance: float, low: float, engraved: bool) -> tuple[list[Section], int]:
+    """The sections of a part seen above the height `low`, from the bottom, and which of them its drawing shows.
+
+    engraved: whether the bottom of an engraving is looked at too.
+    """
+    spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
+    cut = spans.index((part.layers[part.cut].z0, part.layers[part.cut].z1))
+    sections, deep = [], []
+    for z0, z1 in spans:
+        regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == (z0, z1)]
+        shapes = tuple(_facetted(region, tolerance) for region in regions)
+        bottom = max(z0, low)
+        pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
+        top = min((layer.z0 for layer in pockets), default=z1)
+        sections.append(Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes))
+        if pockets and engraved and len(shapes) == 1 and part.crossed is None:
+            sunk = tuple(_facetted(layer.region, tolerance).outer for layer in pockets)
+            middle = (top + min(layer.z1 for layer in pockets)) / 2
+            deep.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
+    if part.crossed is None:
+        return [*sections, *deep], cut
+    # what a cut shows changes with its height; the drawing has the whole region
+    face = _facetted(part.crossed, tolerance)
+    cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
+    through = []
+    beside = _BESIDE * tolerance  # a wall that lies level shows in sections just under and over it alone
+    for section, (z0, z1) in zip(sections, spans, strict=True):
+        for z in (z0 + beside, *section.heights, z1 - beside):
+            taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
+            through += [Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes]
+    return [*through, replace(sections[cut], heights=())], len(through)
+
+
+def _facetted(region: Region, tolerance: float) -> Shape:
+    rings = [facet_contour(contour.counter_clockwise(), tolerance) for contour in (region.outer, *region.holes)]
+    outer, *holes = (Ring(points, np.zeros(len(points))) for points in rings)
+    return Shape(outer, tuple(holes))
+
+
+def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:
+    return {
+        "name": part.name,
+        "title": part.title,
+        "count": part.count,
+        "material_mm3": part.volume,
+        "thickness_mm": part.thickness,
+        "area_mm2": part.region.area,
+        "files": [case.file(part.name, kind).name for kind in kinds],
+    }
+
+
+# ---- parts that touch ------------------------------------------------------------------------------------------------
+
+
+def _moved(
+    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
+) -> tuple[Outcome, dict[str, Floats], Study]:
+    """The motion over a turn as the files give it: for the report, as columns of motion.csv, and what follows from it."""
+    traced = next((contact for contact in mechanism.contacts() if isinstance(contact, Traced)), None)
+    if traced is not None:
+        outcome, columns = _linkage(mechanism, traced, kinds, read)
+        return outcome, columns, Study()
+    drive = _drive(mechanism, read)
+    if drive is None:
+        return Outcome(), {}, Study()
+    theta, (unit, scale) = np.linspace(0, 2 * math.pi, _ROWS), drive.unit
+    columns = {
+        "theta_deg": np.degrees(theta),
+        f"wanted_{unit}": scale * mechanism.motion(theta),
+        "wanted_speed": mechanism.motion(theta, 1),
+        f"reachable_{unit}": scale * mechanism.reachable(theta),
+    }
+    recovered = {}
+    for kind, shape in read[drive.part].shapes.items():
+        try:
+            recovered[kind] = mounted(shape, drive).angle(theta)
+        except ValueError:  # told by MOTION_ERROR
+            recovered[kind] = np.full(theta.shape, np.nan)
+        columns[f"recovered_{kind}_{unit}"] = scale * recovered[kind]
+    return Outcome(plots=_motion_plots(columns, unit)), columns, mechanism.recovered(theta, recovered)
+
+
+def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
+    """The contact that drives, where its part was read from any file."""
+    rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling) and not contact.inside]
+    return next((contact for contact in rollings if read[contact.part].shapes), None)
+
+
+def _motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
+    """Motion, speed and error over the cam angle, wanted and recovered."""
+    theta, label = columns["theta_deg"], "cam angle, deg"
+    kinds = [name.split("_")[1] for name in columns if name.startswith("recovered_")]
+    recovered = {kind: columns[f"recovered_{kind}_{unit}"] for kind in kinds}
+    step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(theta) - 1) / 360))
+
+    def speed(s: Floats) -> Floats:
+        turn = s[:-1]  # one period, averaged over the window as SPEED_RIPPLE does
+        mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * 360 / len(turn))
+        return np.append(mean, mean[0])
+
+    def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
+        return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
+
+    wanted, reachable = columns[f"wanted_{unit}"], columns[f"reachable_{unit}"]
+    return [
+        Plot("Swing" if unit == "deg" else "Stroke", label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
+        Plot(
+            "Speed",
+            label,
+            f"{unit} per deg of cam angle, mean of {SPEED_WINDOW_DEG:g} deg",
+            [("wanted", theta, speed(wanted)), *from_files(speed)],
+        ),
+        Plot("Motion error", label, unit, from_files(lambda s: s - reachable)),
+    ]
+
+
+def _linkage(
+    mechanism: Mechanism, traced: Traced, kinds: Sequence[str], read: Mapping[str, Read]
+) -> tuple[Outcome, dict[str, Floats]]:
+    """The linkage closed on the holes of the files: findings, plots of travel, speed, error and play, motion.csv."""
+    from camgen.closure import judge_linkage
+
+    theta = np.linspace(0, 2 * math.pi, _ROWS)
+    wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
+    degrees, label = np.degrees(theta), "crank angle, deg"
+    columns = {"theta_deg": degrees, "wanted_mm": wanted, "wanted_mm_rad": speed}
+    travel, speeds = [("wanted", degrees, wanted)], [("wanted", degrees, speed)]
+    errors, bands = [], []
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    for kind in kinds:
+        if any(kind not in part.sections for part in read.values()):
+            continue
+        verdict = judge_linkage(
+            kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()},
+            mechanism.contacts(), mechanism.poses, mechanism.motion, judged_angles(), mechanism.accuracy.chord_tolerance,
+        )  # fmt: skip
+        findings += verdict.findings
+        numbers |= verdict.numbers
+        if verdict.chain is None:
+            continue
+        closed, source = verdict.chain.close(theta), f"from {kind.upper()}"
+        columns[f"recovered_{kind}_mm"], columns[f"band_{kind}_mm"] = closed.output, verdict.band(closed)
+        travel.append((source, degrees, closed.output))
+        speeds.append((source, degrees, closed.slope))
+        errors.append((source, degrees, closed.output - wanted))
+        bands.append((f"+- {source}", degrees, columns[f"band_{kind}_mm"]))
+    plots = [Plot(traced.name.capitalize(), label, "mm", travel), Plot("Speed", label, "mm/rad", speeds)]
+    if errors:
+        plots += [Plot("Motion error", label, "mm", errors), Plot("Worst case of the joints' play", label, "mm", bands)]
+    return Outcome(findings, numbers, plots), columns
+
+
+def _together(mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]) -> Outcome:
+    """Pairs of parts: the frame's own tip on the cam, and a follower between two parts that each touch it."""
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling)]
+    tolerance = mechanism.accuracy.chord_tolerance
+    for kind in kinds:
+        shapes = {name: part.shapes[kind] for name, part in read.items() if kind in part.shapes}
+        found: list[Finding]
+        for tip in (rolling for rolling in rollings if not rolling.flipped):
+            if tip.tip_part in shapes and tip.part in shapes:
+                where = f"{mechanism.name}-{tip.tip_part}.{kind}"
+                found, figures = judge_tip(
+                    kind, where, shapes[tip.tip_part], shapes[tip.part], tip, mechanism.reachable, tolerance
+                )
+                findings += found
+                numbers |= figures
+        for other in (rolling for rolling in rollings if rolling.part != rollings[0].part):
+            first, second = rollings[0].part, other.part
+            if all(read[name].moves.get(kind) for name in (first, second)):
+                where = f"{mechanism.name}-{first}.{kind} with {mechanism.name}-{second}.{kind}"
+                found, figures = judge_pair(kind, where, (shapes[first], shapes[second]), (rollings[0], other), tolerance)
+                findings += found
+                numbers |= figures
+    return Outcome(findings, numbers)
+
+
+def _budget(case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]) -> Table | None:
+    """What each stage from law to file adds to the error of the part that drives; `found`: the figures of today."""
+    drive = _drive(case.mechanism, read)
+    if drive is None:
+        return None
+    from camgen.budget import error_budget
+
+    part, tolerance, fit = case.parts[drive.part], case.mechanism.accuracy.chord_tolerance, compensation(case.mechanism)
+    numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
+    lost = numbers.get("undercut_mm", 0.0), numbers.get(f"undercut_{drive.unit[0]}", 0.0)
+    shapes, reachable = read[drive.part].shapes, case.mechanism.reachable
+    return error_budget(part.region.outer, _facets(part, tolerance, fit), drive, reachable, tolerance, shapes, lost)
+
+
+def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
+    """The facets of a part's outline, as they print."""
+    if fit is None:
+        points = facet_contour(part.region.outer, tolerance)
+        return Ring(points, np.zeros(len(points)))
+    points = facet_contour(compensated(part, fit).region.outer, tolerance)
+    return printed(Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage).outer
+
+
+# ---- the whole, from its files alone ---------------------------------------------------------------------------------
+
+Stage = Callable[[Case, Sequence[str]], Outcome]
+
+
+def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
+    """The stages that this mechanism needs for files of these kinds."""
+    stages: list[Stage] = []
+    if "stl" in kinds or "3mf" in kinds:
+        if any(isinstance(contact, Apart) for contact in mechanism.contacts()):
+            stages.append(pass_by)
+        whole = mechanism.assembly() is not None and "3mf" in kinds
+        stages += [judge_assembly] if "3mf" in kinds else []
+        stages += [sweep_assembly, judge_plates] if whole else [fit_bed]
+    if mechanism.assembly() is not None or mechanism.bought():
+        stages.append(list_parts)
+    return stages
+
+
+def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Least distances of parts that pass by each other, from each kind of mesh."""
+    from camgen.clearance import judge_clearance
+
+    mechanism = case.mechanism
+    pairs = [contact for contact in mechanism.contacts() if isinstance(contact, Apart)]
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    columns: dict[str, Floats] = {}
+    plots = []
+    for kind in (kind for kind in kinds if kind != "dxf"):
+        cleared = judge_clearance(kind, case.folder, mechanism.name, pairs, mechanism.poses, mechanism.accuracy.chord_tolerance)
+        findings += cleared.findings
+        numbers |= cleared.numbers
+        plots.append(Plot(f"Distance, from {kind.upper()}", "shaft angle, deg", "mm, below 0 overlap", cleared.curves))
+        columns |= {f"distance_{name.lower().replace('/', '_')}_{kind}_mm": apart for name, _, apart in cleared.curves}
+    return Outcome(findings, numbers, plots, columns=columns)
+
+
+def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
+    """ROUND_TRIP of the assembly: every copy of every part as designed, where it belongs at theta = 0."""
+    mechanism, path = case.mechanism, case.file("assembly", "3mf")
+    originals, findings = _written(case), []
+    if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
+        originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
+        for name, mesh in originals.items():
+            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.contacts())
+            findings += [f for f in judge_solid(mesh, meant, f"{path.name}, {name}").findings if not f.ok]
+    places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
+    return Outcome([*findings, judge_copies(path, originals, places)])
+
+
+def _written(case: Case) -> dict[str, Mesh]:
+    """The solid of each part's 3MF, judged there by itself."""
+    packages = {name: read_3mf(case.file(name, "3mf")) for name in case.parts}
+    return {name: mesh for name, package in packages.items() for mesh in package.meshes.values()}
+
+
+def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
+    """INTERFERENCE of the whole machine, moved through a turn."""
+    from camgen.sweep import COLUMNS, sweep
+
+    assembly = case.mechanism.assembly()
+    assert assembly is not None, "only machines have one"
+    findings, nearest = sweep(case.file("assembly", "3mf"), assembly)
+    return Outcome(findings, tables=[Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)])
+
+
+def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
+    """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
+    from camgen.interference import judge_plate
+    from camgen.packing import bed_fit
+
+    bed, plates, written = case.mechanism.print.bed, _plates(case), _written(case)
+    laid = Counter(item.name for path in plates for item in read_3mf(path).items)
+    height = case.mechanism.print.bed_height
+    fits = [bed_fit(name, case.parts[name].count, mesh.vertices, bed, height)[1] for name, mesh in written.items()]
+    short = (Counter({part.name: part.count for part in case.parts.values()}) - laid).total()
+    said = f"{laid.total()} copies laid out, {short} missing"
+    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
+    on_plates = [finding for path in plates for finding in judge_plate(path, bed, PLATE_GAP)]
+    copies = [judge_copies(path, written) for path in plates]
+    return Outcome([*(fit for fit in fits if not fit.ok), missing, *copies, *on_plates])
+
+
+def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
+    """BED_FIT of single parts, as designed."""
+    from camgen.packing import bed_fit
+
+    findings, bed = [], case.mechanism.print
+    for part in case.parts.values():
+        rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
+        corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
+        findings.append(bed_fit(part.name, part.count, corners, bed.bed, bed.bed_height)[1])
+    return Outcome(findings)
+
+
+def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The list of parts, with mass and print time of all that is printed."""
+    table = parts_table(case.mechanism)
+    rows = [row for row in table.rows if row[0] == "printed"]
+    mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
+    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table])
+
+
+def _plates(case: Case) -> list[Path]:
+    """The plate files of a build, in their order."""
+    found = list(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"))
+    return sorted(found, key=lambda path: (len(path.name), path.name))
+
+
+def _machine_files(case: Case) -> list[str]:
+    """Further files of the folder to which the page links."""
+    fixed = [case.file("assembly", "3mf"), case.file("parts", "csv")]
+    return [path.name for path in (*fixed, *_plates(case)) if path.exists()]
