@@ -26,9 +26,11 @@ Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 Joint = Pin | Slide
 
 _STEPS = 30  # of Newton's method; it needs five
-_CLOSED = 1e-11  # mm and rad, largest misfit of a closed chain of links of up to some metres
+_CLOSED = 1e-12  # largest misfit of a closed chain, by the size of its links and of the ground under them
 _PARALLEL = 0.01  # rad, leaning more is another face
+_LASH = 0.5  # of the stroke: with more play a mechanism is none
 _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart are two faces
+_FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
 
 
@@ -44,19 +46,30 @@ class Measured:
 
 def measure(eye: Eye, sections: Sections) -> Measured | None:
     """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
-    found: list[Circle] = []
+    found: list[tuple[Circle, float]] = []
     for shapes in sections:
         for shape in shapes:
             rings: Sequence[Ring] = [shape.outer] if eye.shaft else shape.holes
             near = [ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter]
             circles = hole_circles(Shape(shape.outer, tuple(near)))
-            found += [c for c in circles if abs(c.diameter - eye.diameter) <= _SAME_HOLE * eye.diameter]
+            pairs = zip(circles, near, strict=True)
+            found += [(c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= _SAME_HOLE * eye.diameter]
     if not found:
         return None
-    centres = np.array([c.centre for c in found])
-    sizes = [c.diameter if eye.shaft else c.clear_diameter for c in found]
+    centres = np.array([c.centre for c, _ in found])
+    sizes = [c.diameter if eye.shaft else free for c, free in found]
     spread = float(np.max(np.abs(centres - centres[0])))
     return Measured(complex(centres.mean()), max(sizes) if eye.shaft else min(sizes), spread)
+
+
+def _free(circle: Circle, ring: Ring) -> float:
+    """The free diameter of a hole's round part, mm: a flat, longer than any facet, is left out."""
+    straight = ring.bulges == 0
+    flat = straight & (np.abs(ring.ends - ring.points) > _FLAT * circle.diameter)
+    if not flat.any():
+        return circle.clear_diameter
+    facets = np.abs((ring.points + ring.ends)[straight & ~flat] / 2 - circle.centre)
+    return min(circle.diameter, 2 * float(facets.min(initial=np.inf)))
 
 
 @dataclass(frozen=True)
@@ -159,8 +172,7 @@ class Chain:
     def close(self, theta: Floats) -> Closed:
         """Close the chain at theta, (n,) rad."""
         given = {name: copies[0] for name, copies in self.poses(theta).items()}
-        n, size = len(theta), 3 * len(self.bodies)
-        q = np.zeros((n, size))
+        q = np.zeros((len(theta), 3 * len(self.bodies)))
         for k, name in enumerate(self.bodies):
             pose = given[name]
             q[:, 3 * k : 3 * k + 3] = np.column_stack([pose.position.real, pose.position.imag, pose.angle])
@@ -175,7 +187,8 @@ class Chain:
             if np.abs(step).max(initial=0) <= 1e-14 * (1 + np.abs(q).max(initial=0)):
                 break
         misfit, slope = self._conditions(q, given)
-        open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= _CLOSED)
+        size = max(1.0, np.abs(q).max(initial=0), *(abs(centre) for centre in self.centres.values()))
+        open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= _CLOSED * size)
         return self._output(q, slope, open_, given)
 
     def _local(self, eye: Eye, given: Mapping[str, Pose]) -> complex:
@@ -347,7 +360,7 @@ def judge_linkage(
     if np.isinf(error).any():
         return Verdict(tuple(findings), numbers)
     verdict = Verdict(tuple(findings), numbers, chain, plays)
-    numbers[f"clearance_band_{kind}_mm"] = float(np.max(verdict.band(closed)))
+    band = numbers[f"clearance_band_{kind}_mm"] = float(np.max(verdict.band(closed)))
 
     def recovered(t: Floats) -> tuple[Floats, Floats]:
         again = chain.close(t)
@@ -356,6 +369,8 @@ def judge_linkage(
     made = _stroke(theta, closed.output, recovered)
     meant = _stroke(theta, motion(theta, 0), lambda t: (motion(t, 0), motion(t, 1)))
     numbers[f"stroke_recovered_{kind}_mm"] = made
+    remark = "free play of the output, by that of all joints at the worst angle; at most half of the stroke"
+    findings.append(at_most("LASH", 2 * band, made * _LASH, "mm", where, remark))
     if traced.stroke:
         remark = f"{made:.6f} mm recovered, {meant:.6f} mm wanted"
         findings.append(at_most("STROKE_ERROR", abs(made - meant), limit, "mm", where, remark))

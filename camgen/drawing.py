@@ -1,7 +1,8 @@
 """The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
 
-Two views in first-angle projection (the part seen from above, and to its right seen from the left), overall sizes,
-least and greatest radius about the datum, a table of holes, notes and a title block. Nothing here knows a mechanism.
+Two views in first-angle projection (the part seen from above, and to its right seen from the left), overall sizes, a
+table of holes and of the corners and roundings of every layer, notes and a title block. An outline that is no chain of
+lines and arcs, a cam's, is in the part's own file; it gets its least and greatest radius. Nothing here knows a mechanism.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import cmath
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ import numpy as np
 from camgen import __version__
 from camgen.arcfit import as_circle, fit_arcs
 from camgen.dxf import extent
-from camgen.outlines import Arc, Contour, Floats, Points, end_point, start_point
+from camgen.outlines import Arc, Contour, Floats, Line, Piece, Points, end_point, start_point
 from camgen.parts import Layer, Part
 from camgen.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 
@@ -33,6 +34,8 @@ _ROW = 5.0
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
 _LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
 _DIMENSION_GAP = 24.0
+_EDGES = 16  # rows that an outline may take in the table
+_STACK = 8  # layers that are told one by one
 
 
 def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, meta: Mapping[str, str]) -> list[Path]:
@@ -121,6 +124,63 @@ def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
     return min(points, key=abs), max(points, key=abs)
 
 
+def free(contour: Contour) -> bool:
+    """Whether a contour is no chain of lines and arcs, as a cam's."""
+    return any(not isinstance(piece, Line | Arc) for piece in contour.pieces)
+
+
+def edge_rows(contour: Contour) -> list[tuple[str, str, str]]:
+    """X, Y and what is there, of an outline of lines and arcs: a rectangle, or else every rounding and every sharp corner.
+
+    With these, and tangents between roundings, the outline can be drawn.
+    """
+    round_one = as_circle(contour)
+    if round_one:
+        return [(number(round_one[0].real), number(round_one[0].imag), f"Ø{number(2 * round_one[1])}, its edge")]
+    if free(contour):
+        return [("", "", "a curve: see the profile")]
+    pieces = [piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9]
+    corners = [start_point(piece) for piece in pieces]
+    lines = all(isinstance(piece, Line) for piece in pieces)
+    if lines and len({round(z.real, 6) for z in corners}) == len({round(z.imag, 6) for z in corners}) == 2:
+        low, high = extent([contour])
+        size = f"{number(high.real - low.real)} × {number(high.imag - low.imag)}, its lower left corner"
+        return [(number(low.real), number(low.imag), size)]
+    rows = []
+    for before, piece in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
+        place = start_point(piece)
+        if abs(cmath.phase(_way(piece, piece.t0) / _way(before, before.t1))) > 1e-3:
+            rows.append((number(place.real), number(place.imag), "corner"))
+        if isinstance(piece, Arc):
+            kind = "" if piece.sweep > 0 else ", hollow"
+            rows.append((number(piece.centre.real), number(piece.centre.imag), f"R{number(piece.radius)}{kind}"))
+    rows = _paired(dict.fromkeys(rows))
+    return rows if len(rows) <= _EDGES else [("", "", f"{len(rows)} roundings and corners: see the profile")]
+
+
+def _paired(rows: Collection[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
+    """Rows, two that lie on either side of the x axis as one with +-."""
+    found: dict[tuple[str, str, str], None] = {}
+    for x, y, what in rows:
+        size = y.lstrip("-")
+        both = size != "0" and (x, size, what) in rows and (x, f"-{size}", what) in rows
+        found[x, f"±{size}" if both else y, what] = None
+    return list(found)
+
+
+def _way(piece: Piece, t: float) -> complex:
+    return complex(piece.at(t, 1)) * (1 if piece.t1 > piece.t0 else -1)
+
+
+def _wrapped(note: str) -> list[str]:
+    """A note in lines that fit beside the title block of an A4 sheet."""
+    room, lines = _SIZES["A4"][0] - _FILING - _MARGIN - _TITLE[0] - 6, [""]
+    for word in note.split():
+        longer = f"{lines[-1]} {word}".strip()
+        lines = [*lines[:-1], longer] if Text(0j, longer, 2.5).width <= room else [*lines, word]
+    return lines
+
+
 def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
     regions = [layer.region for layer in layers]
     return [fit_arcs(contour, tolerance) for region in regions for contour in (region.outer, *region.holes)]
@@ -142,6 +202,7 @@ class _Layout:
         self.named = holes_of(part.region.holes)
         self.above = _contours([each for k, each in enumerate(part.layers) if k != part.cut], tolerance)
         self.engraved = _contours(part.engraved, tolerance)
+        self.turns = free(part.region.outer) and part.bore is not None
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above])
         self.size_name, self.scale = self._choose()
@@ -225,8 +286,9 @@ class _Layout:
         if hole.radius == 0:
             return hole.middle
         away = hole.radius / 2 if self.scale * hole.radius > 8 else hole.radius + 2.8 / self.scale
-        places = hole.middle + away * np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
-        room = np.min(np.abs(places[:, None] - obstacles), axis=1)
+        ring = np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
+        places = hole.middle + np.concatenate([away * ring, (away + 2.5 / self.scale) * ring])
+        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), 2.2 / self.scale)  # enough is enough
         return complex(places[np.argmax(np.round(room, 3))])
 
     def _centre_lines(self) -> None:
@@ -249,7 +311,7 @@ class _Layout:
                 sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
 
     def _radii(self) -> None:
-        """Least and greatest distance of the outline from the datum, or the diameter; sense of turning."""
+        """Least and greatest distance of a curve from the datum, or the diameter of a circle; sense of turning of a cam."""
         taken: list[float] = []
         round_one = as_circle(self.outer)
         if round_one:
@@ -257,20 +319,23 @@ class _Layout:
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
             taken.append(math.pi / 4)
-        if not round_one or abs(round_one[0]) > 1e-9:
+        if free(self.part.region.outer):
             for point, word in zip(nearest_and_farthest(self.outer), ("min", "max"), strict=True):
                 self._leader(point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}")
                 taken.append(cmath.phase(point))
-        self._turning(taken)
+        if self.turns:
+            self._turning(taken)
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it."""
         tip = self.paper(point)
         reading = direction if direction.real > -1e-9 else -direction
         label = Text(0j, text, 2.5, "centre", reading, "DIM")
-        self.sheet.line(tip + (label.width + 5) * direction, tip, layer="DIM")
+        beyond = (_along(self.above) - point if self.above else np.zeros(1)) * direction.conjugate()
+        clear = self.scale * max(0.0, float(np.max(beyond.real)))  # past what a flange shows
+        self.sheet.line(tip + (clear + label.width + 5) * direction, tip, layer="DIM")
         self.sheet.arrow(tip, -direction)
-        self.sheet.things.append(replace(label, at=tip + (label.width / 2 + 4) * direction + 0.8j * reading))
+        self.sheet.things.append(replace(label, at=tip + (clear + label.width / 2 + 4) * direction + 0.8j * reading))
 
     def _turning(self, taken: Sequence[float]) -> None:
         """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""
@@ -306,6 +371,7 @@ class _Layout:
         bottom = self.paper(self.low).imag
         self._dimension(complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness))
         heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
+        heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
         for i, height in enumerate(heights, 1):
             top = complex(left, self.paper(self.high).imag)
             self._dimension(top, top + self.scale * height, 9j * i, number(height))
@@ -325,13 +391,20 @@ class _Layout:
         sheet.line(a, b, layer="DIM")
         sheet.arrow(a + 6 * along if outside else a, along if outside else -along)
         sheet.arrow(b - 6 * along if outside else b, -along if outside else along)
-        sheet.text((a + b) / 2 + 0.9j * reading, text, 3.5, "centre", reading, "DIM")
+        label = Text(0j, text, 3.5, "centre", reading, "DIM")
+        middle = (a + b) / 2
+        if length < label.width + 7:  # beside the arrows: to the left, or above
+            end, out = (a, -along) if abs(along.real) > 0.5 else (b, along)
+            middle = end + out * (label.width / 2 + 1)
+            sheet.line(end, end + out * (label.width + 2), layer="DIM")
+        sheet.things.append(replace(label, at=middle + 0.9j * reading))
 
     def _table(self) -> None:
         """Table of holes, at the upper right; rows that do not fit are counted in its last line."""
         top = self.sheet.height - _MARGIN
         room = int((top - _MARGIN - _TITLE[1]) / _ROW) - 1
         rows = [(label, number(h.place.real), number(h.place.imag), h.shape) for label, h in self.named]
+        rows += self._layers()
         if len(rows) > room:
             rows = [*rows[: room - 1], ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf")]
         edges = self.table_x + np.cumsum((0.0, *_TABLE_WIDTHS))
@@ -346,6 +419,29 @@ class _Layout:
         for x in edges[:-1]:
             self.sheet.line(complex(x, top), complex(x, bottom), layer="TEXT")
 
+    def _layers(self) -> list[tuple[str, str, str, str]]:
+        """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack."""
+        layers, known = self.part.layers, {(hole.place, hole.shape) for _, hole in self.named}
+        rows: list[tuple[str, str, str, str]] = []
+        if len(layers) > _STACK:
+            for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in layers):
+                outers = [fit_arcs(layer.region.outer, self.tolerance) for layer in layers if (layer.z0, layer.z1) == (z0, z1)]
+                size = extent(outers)[1] - extent(outers)[0]
+                overall = f"{number(size.real)} × {number(size.imag)} overall"
+                rows.append(("", "", "", f"z {number(z0)} to {number(z1)}: {overall}"))
+            return rows
+        if len(layers) == 1 and as_circle(layers[0].region.outer):
+            return []
+        told: dict[tuple[tuple[str, str, str], ...], str] = {}
+        for layer in layers:
+            edges, span = edge_rows(layer.region.outer), f"z {number(layer.z0)} to {number(layer.z1)}"
+            same = told.setdefault(tuple(edges), span)
+            rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
+            rows += [("", *row) for row in edges if same is span]
+            own = [_hole(contour) for contour in layer.region.holes]
+            rows += [("", number(h.place.real), number(h.place.imag), h.shape) for h in own if (h.place, h.shape) not in known]
+        return rows
+
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
         lines = [f"Thickness {number(part.thickness)}"]
@@ -353,13 +449,14 @@ class _Layout:
         if round_one and abs(round_one[0]) > 1e-9:
             x, y = round_one[0].real, round_one[0].imag
             lines.append(f"Outline Ø{number(2 * round_one[1])} about X {number(x)}, Y {number(y)}")
-        if len(part.layers) > 1:
-            spans = [f"z {number(layer.z0)} to {number(layer.z1)}" for layer in part.layers]
-            lines += [f"Layer {i}: {span}" for i, span in enumerate(spans, 1)]
+        if len(part.layers) > _STACK:
+            lines.append(f"{len(part.layers)} layers, see the STL")
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
         lines += [f"Engraved {depth} deep" for depth in depths]
-        lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve", "+ : positive sense of turning (ccw)"]
-        return [*lines, *part.notes]
+        lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
+        if self.turns:
+            lines.append("+ : positive sense of turning (ccw)")
+        return [line for note in (*lines, *part.notes) for line in _wrapped(note)]
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""

@@ -25,6 +25,9 @@ _DRAWN = np.linspace(0, TURN, 721)
 _DEGREES = np.degrees(_DRAWN)
 _STOPS = (0.25, 1.0)  # mm, circles round the near stop
 _ALPHA = "crank angle, deg"
+# Bending stress that a pin bears for long, MPa: half of its tensile strength, since the load changes with every turn; taken
+# as 40 for prints across their layers and 700 for steel that can still be turned.
+_BEARS = {"printed": 20.0, "steel": 350.0}
 
 _ERRATA = (
     "Source: Semin, Korneenko, Kirillov, Mikheeva, Two-crank four-bar thread take-up of a sewing machine (in Russian).",
@@ -111,7 +114,7 @@ class Consumption(Record):
         places = [f"crank angle {math.degrees(angle):.2f} deg" for angle in (at, at_)]
         return [
             at_most("THREAD_EXCESS", most, limit, "mm", places[0], "supply less consumption at its greatest"),
-            at_least("THREAD_SHORT", least, 0, "mm", places[1], "supply less consumption at its least"),
+            at_least("THREAD_SHORT", round(least, 9) + 0.0, 0, "mm", places[1], "supply less consumption at its least"),
         ]
 
 
@@ -202,6 +205,20 @@ def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[s
         **{f"wear_{name.lower()}_n_rad_s": value for name, value in wear.items()},
         "wear_mean_n_rad_s": float(np.mean(list(wear.values()))),
     }
+
+
+def pin_strength(
+    t: TakeUp, masses: Masses, rpm: float, made: str, diameter: float, levers: Mapping[str, float]
+) -> list[Finding]:
+    """PIN_STRESS of pins held in a crank at one end and bent by the peak reaction on a lever, mm, by the joint's name."""
+    peaks, bears, found = force_numbers(t, masses.bodies(t), rpm * math.tau / 60), _BEARS[made], []
+    for pin, lever in levers.items():
+        force = peaks[f"peak_reaction_{pin}_n"]
+        stress = 32 * force * lever / (math.pi * diameter**3)
+        holds = rpm * math.sqrt(bears / stress) if stress else math.inf
+        remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
+        found.append(at_most("PIN_STRESS", stress, bears, "MPa", f"pin {pin.upper()}", remark))
+    return found
 
 
 def _peak(values: Floats | Points) -> float:

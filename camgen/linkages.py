@@ -247,12 +247,20 @@ class Linkage:
 
     points: Mapping[str, Step]
 
-    def solve(self, theta: ArrayLike, order: int = 0, names: tuple[str, ...] | None = None) -> dict[str, Jet]:
-        """Jets of the points named (all), (order + 1, n) complex, at theta, (n,) rad; nan where not assembled."""
+    def solve(
+        self, theta: ArrayLike, order: int = 0, names: tuple[str, ...] | None = None, out: dict[str, Jet] | None = None
+    ) -> dict[str, Jet]:
+        """Jets of the points named (all), (order + 1, n) complex, at theta, (n,) rad; nan where not assembled.
+
+        out: what an earlier call for as many angles has returned, written over: memory fresh from the system is slow.
+        """
         if order not in (0, 1, 2):
             raise ValueError(f"order is 0, 1 or 2, not {order}")
         angles = np.ravel(np.asarray(theta, float))
-        jets = {name: np.empty((order + 1, angles.size), complex) for name in names or self.points}
+        shape = (order + 1, angles.size)
+        jets = {name: np.empty(shape, complex) for name in names or self.points} if out is None else out
+        if any(jet.shape != shape or jet.dtype != complex for jet in jets.values()):
+            raise ValueError(f"out holds jets of another shape than {shape}, complex")
         lanes = min(2, os.cpu_count() or 1) if angles.size >= THREADED else 1
         cuts = [angles.size * k // lanes for k in range(lanes + 1)]
         if lanes == 1:

@@ -2,7 +2,8 @@
 
 Motor frames: NEMA ICS 16-2001 (metric values as in BOSL2, nema_steppers.scad; NEMA 8 as tabled at piclist.com/techref/io/
 stepper/nemasizes.htm). Screw heads: ISO 7380-1 from M3, ISO 4762 below, where ISO 7380-1 has no size; clearance holes:
-ISO 273, medium. Bearings: boundary dimensions of ISO 15.
+ISO 273, medium; nuts: ISO 4032, greatest sizes. Bearings: boundary dimensions of ISO 15 (2RS or ZZ width where two are sold).
+Dowel pins: diameters and lengths of ISO 2338, m6.
 """
 
 from __future__ import annotations
@@ -14,13 +15,24 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Screw:
-    """A metric screw: clearance hole, head diameter and height, mm, and the standard of its head."""
+    """A metric screw: clearance hole, head (diameter, height) and its standard, nut (across flats, height), mm."""
 
     thread: str
     clearance: float
     head: float
     height: float
     standard: str
+    flats: float
+    nut: float
+
+    @property
+    def nominal(self) -> float:
+        """Diameter of the thread, mm."""
+        return float(self.thread[1:])
+
+    def length(self, grip: float) -> float:
+        """Longest length that is sold and engages by no more than 1.5 diameters behind a grip, mm; 0 where all are longer."""
+        return max((length for length in SCREW_LENGTHS if length <= grip + 1.5 * self.nominal), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -63,21 +75,26 @@ class Bought:
 # (generic_pla.xml.fdm_material and its neighbours, element <density>).
 DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
+SCREW_LENGTHS = (4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0)
+
 SCREWS = {
     screw.thread: screw
     for screw in (
-        Screw("M2", 2.4, 3.8, 2.0, "ISO 4762"),
-        Screw("M2.5", 2.9, 4.5, 2.5, "ISO 4762"),
-        Screw("M3", 3.4, 5.7, 1.65, "ISO 7380-1"),
-        Screw("M4", 4.5, 7.6, 2.2, "ISO 7380-1"),
-        Screw("M5", 5.5, 9.5, 2.75, "ISO 7380-1"),
-        Screw("M6", 6.6, 10.5, 3.3, "ISO 7380-1"),
+        Screw("M2", 2.4, 3.8, 2.0, "ISO 4762", 4.0, 1.6),
+        Screw("M2.5", 2.9, 4.5, 2.5, "ISO 4762", 5.0, 2.0),
+        Screw("M3", 3.4, 5.7, 1.65, "ISO 7380-1", 5.5, 2.4),
+        Screw("M4", 4.5, 7.6, 2.2, "ISO 7380-1", 7.0, 3.2),
+        Screw("M5", 5.5, 9.5, 2.75, "ISO 7380-1", 8.0, 4.7),
+        Screw("M6", 6.6, 10.5, 3.3, "ISO 7380-1", 10.0, 5.2),
     )
 }
 
 BEARINGS = {
     bearing.name: bearing
     for bearing in (
+        Bearing("MR63", 3, 6, 2.5),
+        Bearing("MR85", 5, 8, 2.5),
+        Bearing("MR105", 5, 10, 4),
         Bearing("623", 3, 10, 4),
         Bearing("624", 4, 13, 5),
         Bearing("625", 5, 16, 5),
@@ -85,6 +102,19 @@ BEARINGS = {
         Bearing("608", 8, 22, 7),
     )
 }
+
+# Diameter -> shortest and longest, mm.
+DOWELS = {
+    1.0: (4, 10), 1.5: (4, 16), 2.0: (6, 20), 2.5: (6, 24), 3.0: (8, 30), 4.0: (8, 40), 5.0: (10, 50), 6.0: (12, 60),
+    8.0: (14, 80), 10.0: (18, 95), 12.0: (22, 140),
+}  # fmt: skip
+_DOWEL_LENGTHS = (*range(4, 7), *range(8, 33, 2), *range(35, 101, 5))
+
+
+def dowel(diameter: float, longest: float) -> float:
+    """Longest dowel pin of a diameter that is sold and no longer than `longest`, mm; 0 where there is none."""
+    low, high = DOWELS.get(diameter, (1, 0))
+    return float(max((length for length in _DOWEL_LENGTHS if low <= length <= min(high, longest + 1e-9)), default=0))
 
 
 def _square(name: str, side: float, spacing: float, boss: float, height: float, thread: str, shaft: float) -> MotorFace:
@@ -113,3 +143,14 @@ def flange(boss: float, screw_circle: float, count: int, thread: str) -> MotorFa
     screw = SCREWS[thread]
     places = tuple(cmath.rect(screw_circle / 2, math.tau * k / count) for k in range(count))
     return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2, 0.0)
+
+
+# Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
+_LENGTHS = (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100)
+
+
+def fastener(name: str, thread: str, through: float, count: int) -> Bought:
+    """The screw that goes through so much material, mm, and into a nut as high as the thread is thick."""
+    need = through + float(thread[1:])
+    length = next((each for each in _LENGTHS if each >= need - 1e-9), math.ceil(need))
+    return Bought(name, SCREWS[thread].standard, f"{thread} x {length}", count)

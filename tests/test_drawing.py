@@ -4,6 +4,7 @@ import cmath
 import math
 import os
 import re
+from dataclasses import replace
 
 import ezdxf
 import matplotlib
@@ -13,9 +14,9 @@ from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
 from camgen.arcfit import fit_arcs
-from camgen.drawing import holes_of, nearest_and_farthest, number, write_drawing
+from camgen.drawing import edge_rows, holes_of, nearest_and_farthest, number, write_drawing
 from camgen.outlines import Region, circle, kidney, polygon
-from camgen.parts import Layer, Part, keyed_bore
+from camgen.parts import Layer, Part, hull, keyed_bore
 from camgen.sheet import LAYERS, Text
 
 META = {"Mechanism": "uniform-swing", "Material": "steel (C45)"}
@@ -129,3 +130,35 @@ def test_widths_are_those_of_helvetica():
     names |= {c: c for c in "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"}
     for character, name in names.items():
         assert Text(0, character, 718, "left").width == pytest.approx(table[name]), character
+
+
+def test_edges_that_are_no_curve_are_dimensioned():
+    assert edge_rows(polygon([1 - 2j, 5 - 2j, 5 + 3j, 1 + 3j])) == [("1", "-2", "4 × 5, its lower left corner")]
+    assert edge_rows(hull([(0j, 3.0), (10 + 0j, 2.0)])) in (
+        [("10", "0", "R2"), ("0", "0", "R3")], [("0", "0", "R3"), ("10", "0", "R2")],
+    )  # fmt: skip
+    wedge = polygon([0j, 4 - 1j, 4 + 1j])
+    assert edge_rows(wedge) == [("0", "0", "corner"), ("4", "±1", "corner")]
+    assert edge_rows(circle(2j, 3)) == [("0", "2", "Ø6, its edge")]
+    assert edge_rows(oval(28, 3, 0)) == [("", "", "a curve: see the profile")]
+
+
+def test_only_a_cam_turns(tmp_path):
+    """Radii to a curve and the sense of turning are for cams; a plain part gets its layers' edges."""
+    bar = Region(hull([(0j, 3.0), (10 + 0j, 2.0)]), (circle(0, 1),))
+    rail = Region(polygon([4 - 1j, 8 - 1j, 8 + 1j, 4 + 1j]), (circle(6, 0.5),))
+    part = Part("bar", "Bar", (Layer(bar, 0, 2), Layer(rail, 2, 5)), bore=2.0)
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
+    assert not any(t.endswith((" min", " max")) or t.startswith("+") for t in texts)
+    assert {"Edges, z 0 to 2:", "R3", "R2", "Edges, z 2 to 5:", "4 x 2, its lower left corner", "%%c1"} <= set(texts)
+    turning = texts_of(write_drawing(tmp_path, "d", replace(cam(), bore=8.0), TOLERANCE, META)[0])
+    assert "+" in turning and "R37 max" in turning
+
+
+def test_notes_stay_beside_the_title_block(tmp_path):
+    words = "a note that is far too long to stand beside the title block " * 3
+    part = Part("disc", "Disc", disc(9).layers, notes=(words,))
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
+    lines = [t for t in texts if t and t in words]
+    assert len(lines) > 2 and " ".join(lines[::-1]) == words.strip()
+    assert all(Text(0, line, 2.5).width <= 91 for line in lines)

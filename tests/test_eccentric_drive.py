@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from camgen import pipeline
 from camgen.cli import main
 from camgen.errors import DesignError, SpecError
+from camgen.making import assembled
 from camgen.mechanisms.eccentric_drive import EccentricDrive
-from camgen.pipeline import _assembly
 from camgen.solids import solid
 from camgen.spec import validate
 
@@ -123,7 +123,7 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
     for angle in np.radians([0, 75, 180, 270]):
         object.__setattr__(m, "poses", lambda theta, angle=angle: poses(np.asarray(theta) + angle))
         bodies = []
-        for placed in _assembly(m):
+        for placed in assembled(m):
             mesh = meshes[placed.object]
             raw = manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64))
             bodies.append((placed.object, manifold3d.Manifold(raw).transform(np.asarray(placed.transform)[:3, :4])))
@@ -162,6 +162,9 @@ def test_the_papers_disc_has_no_wall() -> None:
 @given(st.floats(0.1, 5), st.floats(0.5, 8), st.floats(0.4, 3))
 def test_the_diameter_that_is_said_to_work_works(eccentricity: float, shaft: float, wall: float) -> None:
     keys = {"geometry__eccentricity": eccentricity, "geometry__shaft_diameter": shaft, "limits__min_wall": wall}
+    # room for such a shaft and such walls in the other parts
+    keys |= {"motor__boss_diameter": 9.0, "parts__rail_width": 12.0, "parts__cover_length": 12.0, "parts__slider_width": 12.0}
+    keys |= {"parts__strap_wall": 3.0}
     with pytest.raises(DesignError) as caught:
         design(**keys, geometry__eccentric_diameter=0.5).parts()
     works = float(caught.value.remedy.split("eccentric_diameter of ")[1].split(" mm")[0])
@@ -259,10 +262,69 @@ def test_what_only_the_designer_knows_is_asked_for(path: str) -> None:
         ({"parts__flange": 4.3}, "parts.flange"),
         ({"parts__wire_diameter": 4.0}, "parts.wire_diameter"),
         ({"parts__pin_diameter": 8.0}, "parts.pin_diameter"),
-        ({"parts__screw_diameter": 6.0}, "parts.screw_diameter"),
-        ({"parts__rail_width": 2.0}, "parts.screw_diameter"),
-        ({"parts__cover_length": 2.0}, "parts.screw_diameter"),
+        ({"parts__screw": "M6"}, "parts.rail_width"),
+        ({"parts__rail_width": 2.0}, "parts.rail_width"),
+        ({"parts__cover_length": 2.0}, "parts.cover_length"),
+        ({"parts__flange": 0.3}, "parts.flange"),
+        ({"parts__body_thickness": 0.001}, "parts.body_thickness"),
+        ({"parts__rod_thickness": 0.001}, "parts.rod_thickness"),
+        ({"parts__slider_thickness": 1.8}, "parts.wire_diameter"),
+        ({"motor__boss_diameter": 2.0}, "motor.boss_diameter"),
+        ({"motor__diameter": 6.0}, "motor.diameter"),
     ],
 )
 def test_keys_that_do_not_go_together(keys: dict[str, Any], path: str) -> None:
     assert faults(**keys) == [path]
+
+
+# Values that are right by themselves: a design or a refusal, never another exception.
+EXTREMES = [1e-3, 0.01, 0.3, 110.0, 1e3, 1e6]
+SWEPT = [path for path in KEYS if path != "parts.screw"]
+
+
+@pytest.mark.parametrize("path", SWEPT)
+def test_extreme_values_make_a_design_or_are_refused(path: str) -> None:
+    for value in EXTREMES:
+        try:
+            m = design(**{path.replace(".", "__"): value})
+            m.parts(), m.limits(), m.bought()
+            assert all(math.isfinite(number) for number in m.study().numbers.values())
+        except (SpecError, DesignError) as error:
+            assert str(error)
+
+
+def test_a_collar_that_would_swallow_the_guide_is_refused() -> None:
+    with pytest.raises(DesignError, match="motor's seat and the guide"):
+        design(motor__boss_diameter=110.0, motor__diameter=120.0).parts()
+    assert faults(motor__boss_diameter=1.5) == ["motor.boss_diameter"]
+
+
+def test_the_motor_shaft_is_told_and_judged() -> None:
+    """5 of the body, 4 of the slider, 3 of the rod, 1 of the washer, three plays of 0.2."""
+    m = design(motor__shaft_length=13.5)
+    assert m.study().numbers["motor_shaft_length_mm"] == pytest.approx(13.6, abs=1e-12)
+    assert {f.code for f in m.limits() if not f.ok} == {"SHAFT_LENGTH"}
+    assert all(f.ok for f in design(motor__shaft_length=13.7).limits())
+    lines = {line.name: line for line in m.bought()}
+    assert "shaft 2 x 13.6 over its face" in lines["motor"].size
+    # 5 + 4.2 + 3 and a nut of 2; 2 * 5 + 25 and 2; 4 + 3 and 2
+    sizes = [lines[f"screw of the {what}"].size for what in ("cover", "motor", "wire clamp")]
+    assert sizes == ["M2 x 16", "M2 x 40", "M2 x 10"] and lines["nut"].count == 6
+
+
+def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
+    m = design()
+    parts = {part.name: part for part in m.parts()}
+    head, top = parts["slider"].layers[1], parts["slider"].thickness
+    assert head.z1 == pytest.approx(top - 1.5 / 4) and head.z0 == pytest.approx(top - 1.5)  # the wire stands out by a quarter
+    poses = m.poses(np.array([math.pi]))
+    edge = poses["clamp"][0].position[0].real - 3.2
+    body = max(z.real for z in parts["body"].region.outer.pieces[0].at(np.linspace(0, 1, 9)))
+    assert edge > body and poses["clamp"][0].z == pytest.approx(poses["slider"][0].z + top)
+
+
+def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), ["print.slide_clearance=0.8", "geometry.eccentricity=0.4"])
+    lash = next(f for f in report.findings if f.code == "LASH")
+    # by hand: strap and pin 0.4 each way, the guide's share under 1 %; half of the stroke of 0.8
+    assert not lash.ok and lash.measured == pytest.approx(1.6, rel=0.01) and lash.limit == pytest.approx(0.4, abs=1e-6)

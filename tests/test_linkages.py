@@ -573,3 +573,15 @@ def test_zeros_and_extremes_of_known_functions() -> None:
     # A circle of 1 about 1: the chord of length 1 from a point on it subtends 60 deg.
     spans = near_stops(lambda t, k: np.exp(1j * t) * 1j**k, 1 + 0j, 1.0)
     np.testing.assert_allclose(spans, [[math.pi * 5 / 3, math.pi * 7 / 3]], atol=1e-12)
+
+
+def test_memory_of_an_earlier_call_is_written_over() -> None:
+    linkage = Linkage({"O": Fixed(0), "C": Fixed(9), "A": Crank("O", 30), "B": RRR("A", "C", 30, 19, -1)})
+    first = linkage.solve(np.linspace(0, 1, 50), 2, ("A", "B"))
+    kept = first["B"]
+    again = linkage.solve(np.linspace(1, 2, 50), 2, out=first)
+    fresh = linkage.solve(np.linspace(1, 2, 50), 2, ("A", "B"))
+    assert again["B"] is kept
+    np.testing.assert_array_equal(again["B"], fresh["B"])
+    with pytest.raises(ValueError, match="another shape"):
+        linkage.solve(np.linspace(1, 2, 51), 2, out=first)

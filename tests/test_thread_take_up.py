@@ -312,7 +312,9 @@ def test_parts_fit_their_pins_and_stack() -> None:
         "bell-crank": 4 + 3 * level,
     }
     assert {name: top[name] for name in heights} == EXACT(heights)
-    assert top["pin-a"] == top["pin-b"] == EXACT(top["bell-crank"]) and top["shaft"] == EXACT(top["input-crank"])
+    # heads of 1 mm, a play of 0.2 above what they hold
+    assert top["pin-a"] == top["pin-b"] == EXACT(top["bell-crank"] + 1.2) and top["shaft"] == EXACT(top["input-crank"])
+    assert top["collar"] == EXACT(-0.2)
     assert top["finger"] == EXACT(top["guide"])
 
 
@@ -337,7 +339,7 @@ def test_shipped_spec_builds_and_checks(tmp_path: Path) -> None:
         ("parts.pin_diameter=20", "wall of"),
         ("geometry.eye_distance=1", "wall of bell-crank"),
         ("geometry.guides=[[1, 1], [-80, 160]]", "wall of frame"),
-        ("parts.shaft_diameter=45", "wall of"),
+        ("parts={shaft_diameter=45, shaft_flat=3}", "wall of"),
     ],
 )
 def test_holes_that_meet_are_refused(override: str, message: str) -> None:
@@ -467,3 +469,65 @@ def test_steep_transmission_fails() -> None:
 def test_crank_that_cannot_turn_is_refused_with_angles() -> None:
     with pytest.raises(DesignError, match=r"gap at joint B is .* mm at crank angle .* deg \(closes or opens at .* deg\)"):
         made("geometry.frame=40").parts()
+
+
+# Values that are right by themselves: a design or a refusal, never another exception.
+SWEPT = [key for key in NUMBERS if not key.startswith("wanted")]
+
+
+@pytest.mark.parametrize("key", [*SWEPT, "parts.shaft_flat", "parts.mount_diameter", "geometry.eye_angle_deg"])
+def test_extreme_values_make_a_design_or_are_refused(key: str) -> None:
+    for value in (1e-3, 0.3, 170, 1e3, 1e6):
+        try:
+            found = made(f"{key}={value}")
+            found.parts(), found.limits(), found.bought()
+        except (SpecError, DesignError) as error:
+            assert str(error)
+
+
+def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
+    """A beam held in the crank: M / W of a round section; B passes one layer more than A."""
+    found = {f.where: f for f in made().limits() if f.code == "PIN_STRESS"}
+    for pin, lever in (("A", 0.2 + 2), ("B", 4.2 + 0.2 + 2)):
+        stress = numbers[f"peak_reaction_{pin.lower()}_n"] * lever / (math.pi / 32 * 3.5**3)
+        assert found[f"pin {pin}"].measured == EXACT(stress, rel=1e-9) and found[f"pin {pin}"].ok
+    print_ = [f for f in made('parts.pins="printed"').limits() if f.code == "PIN_STRESS"]
+    assert len(print_) == 2 and not any(f.ok for f in print_)
+    (rpm,) = (float(f.message.split("which is ")[1].split(" rpm")[0]) for f in print_ if f.where == "pin B")
+    assert all(f.ok for f in made('parts.pins="printed"', f"motor.speed_rpm={rpm - 1}").limits() if f.code == "PIN_STRESS")
+
+
+def test_what_is_bought() -> None:
+    assert [line.name for line in made().bought()] == ["drive", "screw of the frame, from behind", "pins A and B"]
+    assert len(made('parts.pins="printed"').bought()) == 2
+
+
+def test_the_starters_consumption_holds(tmp_path: Path) -> None:
+    text = SHIPPED.read_text()
+    for key in ("[consumption]", "angles_deg", "length_mm"):
+        text = text.replace(f"# {key}", key)
+    (tmp_path / "spec.toml").write_text(text)
+    found = pipeline.read_mechanism(tmp_path / "spec.toml")
+    codes = {f.code: f.ok for f in found.limits()}
+    assert codes["THREAD_EXCESS"] and codes["THREAD_SHORT"]
+
+
+def test_the_flat_of_the_shaft_is_in_shaft_crank_and_collar() -> None:
+    parts = {part.name: part for part in made().parts()}
+    for contour in (parts["shaft"].region.outer, parts["input-crank"].region.holes[0], parts["collar"].region.holes[0]):
+        assert abs(contour.area) == EXACT(9 * math.pi - _segment(3, 0.5), rel=1e-12)
+
+
+def _segment(radius: float, depth: float) -> float:
+    """Area cut off a circle by a chord so deep."""
+    half = math.acos((radius - depth) / radius)
+    return radius**2 * (half - math.sin(half) * math.cos(half))
+
+
+def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> None:
+    lengths = {"input_crank": 3e3, "coupler": 1.9e3, "output_crank": 3e3, "frame": 900, "eye_distance": 5.2e3}
+    overrides = [f"geometry.{key}={value}" for key, value in lengths.items()]
+    overrides.append("geometry.guides=[[4000, 1500], [-8000, 16000]]")
+    report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), overrides)
+    codes = {f.code for f in report.findings if not f.ok}
+    assert codes <= {"PIN_STRESS", "BED_FIT"}

@@ -14,43 +14,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
-from camgen import dynamics
+from camgen.eccentric_study import Masses, study
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
-from camgen.landmarks import refuse_open, zeros
-from camgen.linkages import RRP, Crank, Fixed, Jet, Linkage, slider_travel
-from camgen.mechanism import Contact, Eye, Mechanism, Pin, Plot, Pose, Slide, Study, Table, Traced
+from camgen.hardware import plate
+from camgen.landmarks import refuse_open
+from camgen.linkages import RRP, Crank, Fixed, Linkage, slider_travel
+from camgen.mechanism import Contact, Eye, Mechanism, Pin, Pose, Slide, Study, Traced
 from camgen.outlines import Floats, Points, Region, circle, polygon
 from camgen.parts import Layer, Part, hull
-from camgen.spec import Length, Mass, Record
+from camgen.spec import Length, Record
+from camgen.standards import SCREWS, Bought, Screw, fastener
 from camgen.tolerances import SAME_POINT
 
-_PAPER = (1.5, 48.0, 0.0)
-_PAPER_SPEED = 22.6  # rad/s: 13000/60 taken for rpm
-# Published: angle deg, v3 mm/s, phi2 deg, phi2' rad/s.
-_PUBLISHED = (
-    (30, 16.49, 0.9, 0.61), (60, 28.9, 1.55, 0.35), (90, 33.9, 1.79, 0.0), (120, 28.9, 1.55, -0.35), (150, 16.49, 0.9, -0.61),
-    (180, 0.0, 0.0, -0.7), (210, -16.49, -0.9, -0.61), (240, -28.9, -1.55, -0.35), (270, -33.9, -1.79, 0.0),
-    (300, -28.9, -1.55, 0.35), (330, -16.49, -0.9, 0.61), (360, 0.0, 0.0, 0.7),
-)  # fmt: skip
-_ERRATA = (
-    "Erratum 1: the published v3 at 30 and 330 deg is 5.28 % low, at 60 and 300 deg 3.08 % low: the table mirrors 150 and "
-    "120 deg.",
-    "Erratum 2: phi2 is printed without its minus sign, which contradicts the closure; the header gives phi2' in degrees, it is "
-    "rad/s.",
-    "Erratum 3: 22.6 rad/s puts 13000/60, revolutions per second, into a formula that wants rpm. The motor's real speed is "
-    "1361.357 rad/s; 22.69 rad/s is 216.67 rpm, 3.6 strokes per second.",
-    "Erratum 4: the greatest speed is not at 90 deg but at 88.212 deg.",
-    "Erratum 5: the speed curve is not a sine: it has a second harmonic of about half of eccentricity / rod.",
-    "Erratum 6: an eccentric disc of 5 mm, bored 1.5 mm off centre for a 2 mm shaft, leaves a wall of 2.5 - 1.5 - 1 = 0 mm. A "
-    "printable one is larger, with a strap round it; the motion does not change.",
-)
+_FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
 
 
 class Geometry(Record):
@@ -64,10 +48,16 @@ class Geometry(Record):
 
 
 class Motor(Record):
-    """What drives the disc; boss_diameter is the collar by which the motor sits in the body."""
+    """What drives the disc; boss_diameter: of the collar by which it sits in the body, diameter, length: of its can.
+
+    shaft_length: of its shaft over its face, a finding where it is too short.
+    """
 
     speed_rpm: Annotated[float, Field(gt=0, le=1e6)]
     boss_diameter: Length = 6.0
+    diameter: Length = 21.0
+    length: Length = 25.0
+    shaft_length: Length | None = None
 
 
 class Parts(Record):
@@ -82,17 +72,8 @@ class Parts(Record):
     wire_diameter: Length = 1.5
     rail_width: Length = 6.0
     cover_length: Length = 10.0
-    screw_diameter: Length = 2.2
+    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = "M2"
     body_thickness: Length = 5.0
-
-
-class Masses(Record):
-    """What moves, for forces; the rod's centre of mass from the disc's centre, and its inertia about it."""
-
-    rod_g: Mass
-    rod_centre: Annotated[float, Field(ge=-1e6, le=1e6)]
-    rod_inertia_g_mm2: Annotated[float, Field(ge=0, le=1e12)]
-    slider_g: Mass
 
 
 class Limits(Record):
@@ -113,22 +94,26 @@ class EccentricDrive(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        p, nozzle, slide = self.making, self.print.nozzle, self.print.slide_clearance
-        checks = [
-            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.strap_wall >= nozzle, "parts.strap_wall", p.strap_wall, f"at least the nozzle, {nozzle:g} mm"),
+        p, motor, slide = self.making, self.motor, self.print.slide_clearance
+        nozzle = f"at least the nozzle, {self.print.nozzle:g} mm"
+        thin = [("limits.min_wall", self.allowed.min_wall)]
+        thin += [(f"parts.{key}", getattr(p, key)) for key in ("strap_wall", "flange", "rod_thickness", "body_thickness")]
+        checks = [(value >= self.print.nozzle, path, value, nozzle) for path, value in thin]
+        room, floor = p.slider_thickness + slide, p.slider_thickness - self.print.nozzle
+        screw, shaft = SCREWS[p.screw].clearance, self.geometry.shaft_diameter
+        checks += [
+            (p.flange < room, "parts.flange", p.flange, f"less than {room:g} mm, so that it clears the body"),
             (
-                p.flange < p.slider_thickness + slide,
-                "parts.flange",
-                p.flange,
-                f"less than {p.slider_thickness + slide:g} mm, so that it clears the body",
+                p.wire_diameter <= floor, "parts.wire_diameter", p.wire_diameter,
+                f"at most {floor:g} mm, so that a floor as thick as the nozzle stays in the slider",
             ),
-            (p.wire_diameter < p.slider_thickness, "parts.wire_diameter", p.wire_diameter, "less than slider_thickness"),
             (p.pin_diameter < p.slider_width, "parts.pin_diameter", p.pin_diameter, "less than slider_width"),
             (p.wire_diameter < p.slider_width, "parts.wire_diameter", p.wire_diameter, "less than slider_width"),
-            (p.screw_diameter < p.rail_width, "parts.screw_diameter", p.screw_diameter, "less than rail_width"),
-            (p.screw_diameter < p.cover_length, "parts.screw_diameter", p.screw_diameter, "less than cover_length"),
-        ]
+            (screw < p.rail_width, "parts.rail_width", p.rail_width, f"more than the screw's hole, {screw:g} mm"),
+            (screw < p.cover_length, "parts.cover_length", p.cover_length, f"more than the screw's hole, {screw:g} mm"),
+            (motor.boss_diameter > shaft, "motor.boss_diameter", motor.boss_diameter, f"more than its shaft, {shaft:g} mm"),
+            (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
+        ]  # fmt: skip
         return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -194,7 +179,7 @@ class EccentricDrive(Mechanism):
         return rod_end + 1 + self.making.cover_length - (start + self.making.slider_width / 2)
 
     def parts(self) -> Sequence[Part]:
-        """Body with guide rails, slider, disc with flange, rod with strap, keeper washer, cover and pin: from below."""
+        """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin."""
         return self._parts
 
     @cached_property
@@ -221,7 +206,9 @@ class EccentricDrive(Mechanism):
             "rod", "Connecting rod with strap", (Layer(Region(outline, eyes), 0.0, p.rod_thickness),),
             centres=(0j, complex(g.rod)), min_wall=wall,
         )  # fmt: skip
-        return self._body(), self._slider(pin_hole), disc, rod, washer, self._cover(), self._pin()
+        return (
+            self._body(), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(), self._motor_bar()
+        )
 
     def _check_sizes(self) -> None:
         """Raise DesignError where the disc has no wall, the strap meets the guide, or rod and slider cannot be made."""
@@ -234,6 +221,12 @@ class EccentricDrive(Mechanism):
                 f"D/2 - e - d/2 must reach it: geometry.eccentric_diameter of {works:g} mm or more works",
             )  # fmt: skip
         self.linkage  # noqa: B018  refuses what does not close, before roots of negative numbers are taken
+        seat = self._inner[0] - (self.motor.boss_diameter + self.print.press_clearance) / 2
+        if seat < need:
+            raise DesignError(
+                "wall between the motor's seat and the guide", seat, need, "mm", "body",
+                "use a longer rod or a motor with a smaller boss_diameter",
+            )  # fmt: skip
         room = self._inner[0] - self._strap_radius - g.eccentricity
         if room < self.print.slide_clearance:
             raise DesignError(
@@ -241,23 +234,66 @@ class EccentricDrive(Mechanism):
                 "the flange would meet the slider: use a longer rod or a smaller disc",
             )  # fmt: skip
 
+    @cached_property
+    def _screw(self) -> Screw:
+        return SCREWS[self.making.screw]
+
+    @cached_property
+    def _rim(self) -> float:
+        """Radius of the material round a screw's hole, mm."""
+        return self._screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + _FACETS)
+
+    @cached_property
+    def _head(self) -> tuple[float, float, complex]:
+        """Of the slider's head, always outside the guide: its begin and length along x, and its upper screw, mm."""
+        p, screw = self.making, self._screw
+        aside = p.wire_diameter / 2 + self.allowed.min_wall + _FACETS + screw.clearance / 2
+        length = 2 * max(screw.head / 2 + 1, self._rim + 0.2)  # 0.2: the clamp is so much shorter at both ends
+        return self._slider_front + 1, length, complex(self._slider_front + 1 + length / 2, aside)
+
     def _slider(self, pin_hole: float) -> Part:
-        """Block on the guide: pin hole at the origin, a hole and a groove along x for the needle's wire."""
-        p, front = self.making, self._slider_front
-        half, groove = p.slider_width / 2, p.wire_diameter / 2
+        """Block on the guide: pin hole at the origin, along x a groove for the needle's wire, two screws for its clamp."""
+        p, (neck, length, screw) = self.making, self._head
+        half, groove, front = p.slider_width / 2, p.wire_diameter / 2, neck + length
+        wide = max(half, screw.imag + self._rim)
         hook = self._inner[1] - self._outermost + 1 + p.wire_diameter
-        outer = [complex(-half, -half), complex(front, -half), complex(front, half), complex(-half, half)]
-        slot = [complex(front, -groove), complex(hook, -groove), complex(hook, groove), complex(front, groove)]
-        pin = circle(0j, pin_hole / 2)
-        floor = p.slider_thickness - p.wire_diameter
+        rear = [complex(-half, half), complex(-half, -half)]
+        shoulder = [complex(neck, -half), complex(neck, -wide)] if wide > half else []
+        under = [*rear, *shoulder, complex(front, -wide)]
+        over = [z.conjugate() for z in reversed(under[2:])]
+
+        def slot(end: float) -> list[complex]:
+            return [complex(end, -groove), complex(hook, -groove), complex(hook, groove), complex(end, groove)]
+
+        shank = polygon([*rear, complex(neck, -half), *slot(neck), complex(neck, half)])
+        holes = {"pin": circle(0j, pin_hole / 2)}
+        screws = {f"clamp screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate((screw.conjugate(), screw), 1)}
+        wall, floor = self.allowed.min_wall, p.slider_thickness - p.wire_diameter
+        proud = p.slider_thickness - p.wire_diameter / 4
+        layers = (
+            Layer(plate("slider", polygon([*under, *over]), holes | screws, wall), 0.0, floor),
+            Layer(plate("slider", polygon([*under, *slot(front), *over]), holes | screws, wall), floor, proud),
+            Layer(plate("slider", shank, holes, wall), proud, p.slider_thickness),
+        )
         return Part(
-            "slider", "Needle holder",
-            (
-                Layer(Region(polygon(outer), (pin,)), 0.0, floor),
-                Layer(Region(polygon([*outer[:2], *slot, *outer[2:]]), (pin,)), floor, p.slider_thickness),
-            ),
-            centres=(0j,), notes=("the needle's wire lies in the groove, held by the cover",), min_wall=self.allowed.min_wall,
+            "slider", "Needle holder", layers, centres=(0j, screw.conjugate(), screw), min_wall=wall,
+            notes=("the needle's wire lies in the groove", "clamp, screws and nuts hold it at the head"),
         )  # fmt: skip
+
+    def _clamp(self) -> Part:
+        """Plate over the wire at the slider's head; its origin is its middle."""
+        p, (_, length, screw) = self.making, self._head
+        x, y = length / 2 - 0.2, max(p.slider_width / 2, screw.imag + self._rim)
+        return self._bored("clamp", "Wire clamp", (x, y), screw.imag)
+
+    def _bored(self, name: str, title: str, half: tuple[float, float], screw: float) -> Part:
+        """A rectangular plate of half sizes (x, y), as thick as the rod, with two screws at x = 0, y = +-screw."""
+        x, y = half
+        outer = polygon([complex(-x, -y), complex(x, -y), complex(x, y), complex(-x, y)])
+        places = (-1j * screw, 1j * screw)
+        holes = {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(places, 1)}
+        layer = Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, self.making.rod_thickness)
+        return Part(name, title, (layer,), centres=places, min_wall=self.allowed.min_wall)
 
     def _pin(self) -> Part:
         """Pin with a head, printed head down, put in from above."""
@@ -278,35 +314,82 @@ class EccentricDrive(Mechanism):
         return start, end, (p.slider_width + self.print.slide_clearance + p.rail_width) / 2
 
     def _cover(self) -> Part:
-        p = self.making
         middle = self._rail[2]
-        x, y = p.cover_length / 2, middle + p.rail_width / 2
-        outer = polygon([complex(-x, -y), complex(x, -y), complex(x, y), complex(-x, y)])
-        screws = tuple(circle(1j * side * middle, p.screw_diameter / 2) for side in (-1, 1))
-        layer = Layer(Region(outer, screws), 0.0, p.rod_thickness)
-        return Part("cover", "Guide cover", (layer,), centres=(-1j * middle, 1j * middle), min_wall=self.allowed.min_wall)
+        return self._bored("cover", "Guide cover", (self.making.cover_length / 2, middle + self.making.rail_width / 2), middle)
+
+    @cached_property
+    def _motor_screw(self) -> float:
+        """Distance of the motor's two long screws from its shaft, beside its can and beside what turns, mm."""
+        beside = self.motor.diameter / 2 + self._screw.clearance / 2
+        return max(beside, self.geometry.eccentricity + self._strap_radius + self._screw.head / 2) + 1
+
+    def _motor_bar(self) -> Part:
+        """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
+        p = self.making
+        boss = (self.motor.boss_diameter + self.print.slide_clearance) / 2
+        screws = (-1j * self._motor_screw, 1j * self._motor_screw)
+        holes = {"boss": circle(0j, boss)} | {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(screws, 1)}
+        wall = max(p.strap_wall, self.allowed.min_wall + _FACETS)
+        outer = hull([(screws[0], self._rim), (0j, boss + wall), (screws[1], self._rim)])
+        layer = Layer(plate("motor-bar", outer, holes, self.allowed.min_wall), 0.0, p.body_thickness)
+        note = "behind the motor; two long screws draw both to the body"
+        return Part("motor-bar", "Motor bar", (layer,), centres=(0j, *screws), notes=(note,), min_wall=self.allowed.min_wall)
 
     def _body(self) -> Part:
-        """Plate with the motor's seat at the origin and the two rails of the guide."""
-        g, p, slide = self.geometry, self.making, self.print.slide_clearance
+        """Plate with the motor's seat at the origin, the two rails of the guide, and a mounting hole in every corner."""
+        g, p, slide, screw = self.geometry, self.making, self.print.slide_clearance, self._screw
         start, end, middle = self._rail
-        seat = (self.motor.boss_diameter + self.print.press_clearance) / 2
-        top, bottom = g.offset + middle + p.rail_width / 2, g.offset - middle - p.rail_width / 2
-        top, bottom, left = max(top, seat + 3), min(bottom, -seat - 3), -seat - 3
-        r = 2.0
-        plate = hull([(complex(x, y), r) for x in (left + r, end - r) for y in (bottom + r, top - r)])
-        screws = [complex(end - p.cover_length / 2, g.offset + side * middle) for side in (-1, 1)]
+        seat, corner = (self.motor.boss_diameter + self.print.press_clearance) / 2, max(screw.head / 2 + 1, self._rim)
+        beside, outside = self._motor_screw + self._rim, middle + p.rail_width / 2 + 2 * corner
+        top, bottom = max(g.offset + outside, beside), min(g.offset - outside, -beside)
+        left = -self.motor.diameter / 2 - 2 * corner
+        mounts = [complex(x, y) for x in (left + corner, end - corner) for y in (bottom + corner, top - corner)]
+        cover = [complex(end - p.cover_length / 2, g.offset + side * middle) for side in (-1, 1)]
+        motor = [side * 1j * self._motor_screw for side in (-1, 1)]
+        screws = [*cover, *motor, *mounts]
+        kinds = ("cover", cover), ("motor", motor), ("mounting", mounts)
+        names = [f"screw {k} of the {kind}" for kind, places in kinds for k in range(1, len(places) + 1)]
+        holes = {"motor's seat": circle(0j, seat)}
+        holes |= {name: circle(z, screw.clearance / 2) for name, z in zip(names, screws, strict=True)}
+        region = plate("body", hull([(z, corner) for z in mounts]), holes, self.allowed.min_wall)
+        layers = [Layer(region, 0.0, p.body_thickness)]
         height = p.body_thickness + p.slider_thickness + slide
-        holes = (circle(0j, seat), *(circle(z, p.screw_diameter / 2) for z in screws))
-        layers = [Layer(Region(plate, holes), 0.0, p.body_thickness)]
-        for side, screw in zip((-1, 1), screws, strict=True):
+        for side, place in zip((-1, 1), cover, strict=True):
             y0, y1 = sorted(g.offset + side * (middle + s * p.rail_width / 2) for s in (-1, 1))
-            bar = [complex(start, y0), complex(end - r, y0), complex(end - r, y1), complex(start, y1)]
-            layers.append(Layer(Region(polygon(bar), (circle(screw, p.screw_diameter / 2),)), p.body_thickness, height))
+            bar = polygon([complex(start, y0), complex(end, y0), complex(end, y1), complex(start, y1)])
+            rail = plate("rail", bar, {"screw": circle(place, screw.clearance / 2)}, self.allowed.min_wall)
+            layers.append(Layer(rail, p.body_thickness, height))
         return Part(
             "body", "Body plate with guide", tuple(layers), centres=(0j, *screws),
-            notes=("the motor's collar sits in the hole at the origin, from below",), min_wall=self.allowed.min_wall,
+            notes=("the motor's collar sits in the hole at the origin, from below", "the corners' holes are for mounting"),
+            min_wall=self.allowed.min_wall,
         )  # fmt: skip
+
+    @cached_property
+    def shaft_length(self) -> float:
+        """How far the motor's shaft must reach over its face, to the upper side of the keeper washer, mm."""
+        p, slide = self.making, self.print.slide_clearance
+        return p.body_thickness + p.slider_thickness + 3 * slide + p.rod_thickness + p.flange
+
+    def bought(self) -> Sequence[Bought]:
+        """Motor, screws, nuts and the needle's wire."""
+        g, p, m, slide = self.geometry, self.making, self.motor, self.print.slide_clearance
+        through = (
+            ("screw of the cover", p.body_thickness + p.slider_thickness + slide + p.rod_thickness),
+            ("screw of the motor", 2 * p.body_thickness + m.length),
+            ("screw of the wire clamp", p.slider_thickness + p.rod_thickness),
+        )
+        motor = (
+            f"{m.speed_rpm:g} rpm, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, collar {m.boss_diameter:g}, "
+            f"can {m.diameter:g} x {m.length:g}"
+        )
+        return (
+            Bought("motor", "", motor, 1),
+            *(fastener(name, p.screw, reach, 2) for name, reach in through),
+            Bought("nut", "ISO 4032", p.screw, 6),
+            Bought("screw for mounting", self._screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
+            Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}", 1),
+        )
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
@@ -329,7 +412,9 @@ class EccentricDrive(Mechanism):
             "slider": [Pose(flat, pin, z=bed)],
             "pin": [Pose(flat, pin, flipped=True, z=bed)],
             "cover": [Pose(flat, still + cover, z=bed + p.slider_thickness + slide)],
+            "clamp": [Pose(flat, pin + self._head[2].real, z=bed + p.slider_thickness)],
             "body": [Pose(flat, still)],
+            "motor-bar": [Pose(flat, still, z=-self.motor.length - bed)],
         }
 
     def contacts(self) -> Sequence[Contact]:
@@ -368,95 +453,19 @@ class EccentricDrive(Mechanism):
         worst = math.degrees(math.acos(reach))
         where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
         message = "90 deg less the rod's greatest tilt; a longer rod enlarges it"
-        return [at_least("TRANSMISSION_ANGLE", worst, self.allowed.transmission_angle_deg, "deg", where, message)]
-
-    @cached_property
-    def _peak(self) -> tuple[float, float]:
-        """Crank angle, rad, and size, mm/rad, of the greatest speed; the first of equal ones."""
-
-        def slope(theta: Floats, order: int) -> Floats:
-            return self.motion(theta, 2) if order == 0 else np.full(theta.shape, np.nan)
-
-        found = zeros(slope)
-        speeds = np.abs(self.motion(found, 1))
-        k = int(np.argmax(speeds > speeds.max() * (1 - 1e-12)))
-        return float(found[k]), float(speeds[k])
+        found = [at_least("TRANSMISSION_ANGLE", worst, self.allowed.transmission_angle_deg, "deg", where, message)]
+        if self.motor.shaft_length is not None:
+            message = "over the motor's face, up to the keeper washer; thinner parts need less"
+            found.append(at_least("SHAFT_LENGTH", self.motor.shaft_length, self.shaft_length, "mm", "motor", message))
+        return found
 
     def study(self) -> Study:
         """Stroke, peak speed and its angle, harmonics, travel; the published table where the lengths are the paper's."""
         g = self.geometry
-        degrees = np.linspace(0, 360, 1441)
-        theta = np.radians(degrees)
-        speed = self.motor.speed_rpm * math.tau / 60
-        at, top = self._peak
-        x_in = self._inner[0] + self.making.slider_width / 2
-        wave = np.abs(np.fft.rfft(self.motion(np.linspace(0, math.tau, 4096, endpoint=False), 1)))
         numbers = {
-            "stroke_mm": self._outermost - x_in,
-            "motor_speed_rad_s": speed,
-            "strokes_per_second": self.motor.speed_rpm / 60,
-            "peak_speed_mm_s": top * speed,
-            "peak_speed_angle_deg": math.degrees(at),
-            "peak_speed_over_e_w": top / g.eccentricity,
-            "acceleration_outermost_mm_s2": float(self.motion(np.zeros(1), 2)[0]) * speed**2,
-            "second_harmonic_share": float(wave[2] / wave[1]),
+            "stroke_mm": self._outermost - self._inner[0] - self.making.slider_width / 2,
+            "motor_shaft_length_mm": self.shaft_length,
             "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self._bore / 2,
         }
-        label = "crank angle, deg"
-        plots = [
-            Plot(title, label, unit, [("exact", degrees, self.motion(theta, order) * speed**order * 1e-3)])
-            for order, title, unit in ((1, "Slider speed", "m/s"), (2, "Slider acceleration", "m/s²"))
-        ]
-        turn = theta[::120]
-        units = (1.0, speed, speed**2 * 1e-3)
-        rows = np.column_stack([degrees[::120], *(_clean(self.motion(turn, k) * unit) for k, unit in enumerate(units))])
-        columns = ("crank angle, deg", "travel, mm", "speed, mm/s", "acceleration, m/s²")
-        tables = [Table("Travel from the outermost place, at the motor's speed", columns, rows.tolist())]
-        notes: tuple[str, ...] = ()
-        if (g.eccentricity, g.rod, g.offset) == _PAPER:
-            numbers |= {"paper_speed_rad_s": _PAPER_SPEED, "paper_peak_speed_mm_s": top * _PAPER_SPEED}
-            tables.append(self._published())
-            source = "Source: Sviridov, Vladimirov, Chusovitin, study of the crank-slider mechanism of a tattoo machine."
-            notes = (source, *_ERRATA)
-        if self.masses is not None:
-            forces = self._forces(theta, speed, self.masses)
-            peaks = {f"peak_force_{name}_N": float(np.max(np.abs(force))) for name, force in forces.reactions.items()}
-            numbers |= {**peaks, "peak_torque_N_m": float(np.max(np.abs(forces.torque)))}
-            plots += [
-                Plot("Joint forces", label, "N", [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()]),
-                Plot("Driving torque", label, "N m", [("torque", degrees, forces.torque)]),
-            ]
-        return Study(numbers, plots, tables, (), notes)
-
-    def _published(self) -> Table:
-        """The paper's table beside exact values at the paper's speed; v3 positive towards the shaft, as printed."""
-        theta = np.radians([row[0] for row in _PUBLISHED])
-        at: dict[str, Jet] = self.linkage.solve(theta, 1)
-        rod = at["P"] - at["E"]
-        tilt, rate = np.degrees(np.angle(rod[0])), np.imag(rod[1] / rod[0]) * _PAPER_SPEED
-        exact = zip(*(_clean(values) for values in (self.motion(theta, 1) * _PAPER_SPEED, tilt, rate)), strict=True)
-        rows = [
-            [angle, v, x, round((v / x - 1) * 100, 9) + 0.0 if x else 0.0, phi, y, dphi, z]
-            for (angle, v, phi, dphi), (x, y, z) in zip(_PUBLISHED, exact, strict=True)
-        ]
-        columns = (
-            "crank angle, deg", "published v3, mm/s", "exact v3, mm/s", "v3 off by, %", "published phi2, deg",
-            "exact phi2, deg", "published phi2', rad/s", "exact phi2', rad/s",
-        )  # fmt: skip
-        return Table(f"Published table and exact values at {_PAPER_SPEED:g} rad/s", columns, rows)
-
-    def _forces(self, theta: Floats, speed: float, masses: Masses) -> dynamics.Forces:
-        """Joint forces and torque of the running drive; the disc counts as balanced."""
-        bodies = {
-            "disc": dynamics.Body("O", "E", 0.0),
-            "rod": dynamics.Body("E", "P", masses.rod_g * 1e-3, masses.rod_centre, masses.rod_inertia_g_mm2 * 1e-9),
-            "slider": dynamics.Body("P", "P", masses.slider_g * 1e-3),
-        }
-        pins = [dynamics.Pin("O", "disc"), dynamics.Pin("E", "rod", "disc"), dynamics.Pin("P", "slider", "rod")]
-        guide = [dynamics.Slide("P", "slider", 0.0)]
-        return dynamics.kinetostatics(self.linkage.solve(theta, 2), bodies, pins, guide, "disc", speed)
-
-
-def _clean(values: Floats) -> list[float]:
-    """Values of a table, rounding noise beside its greatest made zero."""
-    return [float(v) for v in np.where(np.abs(values) < 1e-13 * np.max(np.abs(values)), 0.0, values)]
+        found = study(self.linkage, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses)
+        return replace(found, numbers={**numbers, **found.numbers})

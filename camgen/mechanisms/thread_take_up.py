@@ -7,6 +7,8 @@
      B------- D
                                The output crank turns on a disc ("pivot") about C, since the input shaft, 9 mm away,
   N                            must pass through its bearing: so all is carried by one frame and open to the front.
+                               Pins, finger and guides have heads: nothing lifts off, and the thread, laid round finger
+                               and guides, does not slip off them. The frame is screwed on from behind.
 
 The output is the feed L = |M - D| + |D - N|, mm.   [Semin, Korneenko, Kirillov, Mikheeva; see camgen.feed]
 """
@@ -24,14 +26,15 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.feed import TakeUp
-from camgen.feed_study import Consumption, Masses, study
+from camgen.feed_study import Consumption, Masses, pin_strength, study
 from camgen.findings import Finding, at_least, at_most
 from camgen.landmarks import refuse_open
 from camgen.linkages import Floats, Points, direction, four_bar, transmission_extremes
 from camgen.mechanism import Contact, Eye, Mechanism, Pin, Pose, Sketch, Study, Traced
-from camgen.outlines import Region, circle
-from camgen.parts import Layer, Part, clearance, hull, rod
+from camgen.outlines import Contour, Region, circle
+from camgen.parts import Layer, Part, clearance, d_bore, hull, rod
 from camgen.spec import Length, Record, validate
+from camgen.standards import Bought
 from camgen.synthesis import Variable, Wish, search
 from camgen.tolerances import SAME_POINT
 
@@ -39,6 +42,7 @@ Disc = tuple[complex, float]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = tuple[Coordinate, Coordinate]
 
+_HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
 
 
@@ -79,7 +83,10 @@ class Parts(Record):
     wall: Length = 1.2
     shaft_diameter: Length = 6.0
     shaft_length: Length = 12.0
-    pin_diameter: Length = 3.0
+    shaft_flat: Length = 0.5
+    pin_diameter: Length = 3.5
+    pins: Literal["printed", "steel"] = "printed"
+    mount_diameter: Length = 2.5
     finger_diameter: Length = 2.0
     guide_diameter: Length = 2.0
     thread_height: Length = 6.0
@@ -107,10 +114,23 @@ class ThreadTakeUp(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        nozzle, found = self.print.nozzle, []
-        for path, value in (("parts.wall", self.making.wall), ("limits.min_wall", self.allowed.min_wall)):
-            if value < nozzle:
-                found.append(Fault(path, f"{value:g}", f"at least the nozzle, {nozzle:g} mm"))
+        p, nozzle, found = self.making, self.print.nozzle, []
+        room = p.shaft_length - p.thickness - self.print.slide_clearance
+        checks = (
+            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (p.thickness >= nozzle, "parts.thickness", p.thickness, f"at least the nozzle, {nozzle:g} mm"),
+            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
+            (p.thread_height >= nozzle, "parts.thread_height", p.thread_height, f"at least the nozzle, {nozzle:g} mm"),
+            (
+                0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
+                "between a twentieth and half of shaft_diameter, so that it turns the crank",
+            ),
+            (
+                room > 0, "parts.shaft_length", p.shaft_length,
+                f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play",
+            ),
+        )  # fmt: skip
+        found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
         if self.masses is not None and self.motor is None:
             found.append(Fault("motor.speed_rpm", "", "missing: a number > 0, since [masses] ask for the forces"))
         if self.consumption is not None:
@@ -180,33 +200,75 @@ class ThreadTakeUp(Mechanism):
         bell = ((0j, turning), (complex(g.coupler), turning), (eye, finger))
         posts = tuple((z, guide) for z in self.take_up.guides)
         plate = ((0j, shaft + slide / 2), *((c + tilt * z, r) for z, r in dowels), *posts)
+        mounts = tuple((z, p.mount_diameter / 2) for z in self._mounts(c, self.take_up.guides))
         return {
-            "frame": ((*hubs(*posts), (c, self._bearing)), plate),
+            "frame": ((*hubs(*posts, *mounts), (c, self._bearing)), (*plate, *mounts)),
             "pivot": (((0j, self._bearing),), ((back, shaft + slide / 2), *dowels)),
             "input-crank": (hubs(*crank), crank),
             "output-crank": (hubs(*output), output),
             "bell-crank": (hubs(*bell), bell),
         }
 
+    def _mounts(self, pivot: complex, guides: Sequence[complex]) -> tuple[complex, ...]:
+        """Where the frame is screwed on: beyond each guide, and beyond the pivot on the side away from both."""
+        p = self.making
+        away = [guide - pivot for guide in guides]
+        middle = sum(z / abs(z) for z in away if z)
+        sides = [*away, -middle if abs(middle) > SAME_POINT else 1j * away[0]]
+        past = p.wall + p.mount_diameter / 2
+        reach = [*(abs(z) + (p.guide_diameter + self.print.press_clearance) / 2 for z in away), self._bearing]
+        return tuple(pivot + z / abs(z) * (r + past) for z, r in zip(sides, reach, strict=True) if z)
+
     def parts(self) -> Sequence[Part]:
-        """Five flat parts, and the round ones: shaft, pins, dowels, finger and guides."""
-        p, level = self.making, self._level
-        top = 4 * level - self.print.slide_clearance
+        """Five flat parts, and the round ones: shaft with its collar, pins, dowels, finger and guides."""
+        p, level, slide = self.making, self._level, self.print.slide_clearance
         flat = [
-            self._flat("frame", "Frame with the guides", p.thickness, ("shaft at the origin; the far holes take the guides",)),
+            self._flat("frame", "Frame with the guides", p.thickness, (
+                "shaft at the origin; the guides are pressed in", "the outermost holes are for screws from behind",
+            )),
             self._flat("pivot", "Pivot of the output crank", level, ("two dowels hold it on the frame; the shaft passes it",)),
             self._flat("output-crank", "Output crank", p.thickness, ("its ring turns on the pivot; pin B is pressed in",)),
             self._flat("input-crank", "Input crank", p.thickness, ("pressed on the shaft; pin A is pressed in",)),
             self._flat("bell-crank", "Bell crank with the eye", p.thickness, ("turns on pins A and B; finger pressed in",)),
-        ]
+        ]  # fmt: skip
+        flat_side = self._shaft(0.0)
+        collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
+        length = p.shaft_length + 2 * level + p.thickness
+        glued = "pressed and glued in"
         return (
             *flat,
-            rod("shaft", "Input shaft", p.shaft_diameter, p.shaft_length + 2 * level + p.thickness),
-            rod("pin-a", "Pin A", p.pin_diameter, level + p.thickness),
-            rod("pin-b", "Pin B", p.pin_diameter, 2 * level + p.thickness),
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2),
-            rod("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height),
-            rod("guide", "Guide", p.guide_diameter, top + p.thread_height, 2),
+            Part("shaft", "Input shaft", (Layer(Region(flat_side), 0.0, length),), centres=(0j,), notes=(glued,)),
+            Part(
+                "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
+                notes=("pressed and glued on the shaft below the frame",), min_wall=self.allowed.min_wall,
+            ),
+            self._headed("pin-a", "Pin A", p.pin_diameter, 2 * level, (f"{p.pins}; {glued}",)),
+            self._headed("pin-b", "Pin B", p.pin_diameter, 3 * level, (f"{p.pins}; {glued}",)),
+            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (glued,)),
+            self._headed("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height, (glued,)),
+            self._headed("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, (glued,), 2),
+        )  # fmt: skip
+
+    def _shaft(self, fit: float) -> Contour:
+        """Outline of the input shaft, a circle with a flat, or of its hole."""
+        return d_bore(self.making.shaft_diameter + fit, self.making.shaft_flat)
+
+    def _headed(self, name: str, title: str, diameter: float, length: float, notes: tuple[str, ...], count: int = 1) -> Part:
+        """A round pin so long below its head, printed head down."""
+        head = Layer(Region(circle(0j, diameter / 2 + _HEAD)), 0.0, _HEAD)
+        shank = Layer(Region(circle(0j, diameter / 2)), _HEAD, _HEAD + length)
+        return Part(name, title, (head, shank), count, centres=(0j,), notes=notes, cut=1)
+
+    def bought(self) -> Sequence[Bought]:
+        """Motor, screws for mounting, and pins that are not printed."""
+        p = self.making
+        drive = "" if self.motor is None else f"{self.motor.speed_rpm:g} rpm, "
+        screw = f"for a core hole of {p.mount_diameter:g}, {p.thickness:g} deep"
+        steel = Bought("pins A and B", "", f"turned of steel as drawn, diameter {p.pin_diameter:g}", 2)
+        return (
+            Bought("drive", "", f"{drive}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep", 1),
+            Bought("screw of the frame, from behind", "", screw, 3),
+            *((steel,) if p.pins == "steel" else ()),
         )
 
     def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
@@ -220,7 +282,10 @@ class ThreadTakeUp(Mechanism):
                 f"wall of {name}", wall, self.allowed.min_wall, "mm", f"the holes of {sizes}",
                 "they meet: use longer links, a smaller shaft_diameter, pin_diameter or frame",
             )  # fmt: skip
-        region = Region(hull(hubs), tuple(circle(centre, radius) for centre, radius in holes))
+        contours = [circle(centre, radius) for centre, radius in holes]
+        if name == "input-crank":
+            contours[0] = self._shaft(self.print.press_clearance)
+        region = Region(hull(hubs), tuple(contours))
         bore = None if name in ("frame", "pivot") else 2 * holes[0][1]  # of what turns
         return Part(
             name, title, (Layer(region, 0.0, thickness),), 1, (), tuple(centre for centre, _ in holes), notes, bore,
@@ -245,11 +310,12 @@ class ThreadTakeUp(Mechanism):
             "input-crank": [Pose(theta, still, z=2 * level)],
             "bell-crank": [Pose(coupler, a, z=3 * level)],
             "shaft": [Pose(theta, still, z=-p.shaft_length)],
-            "pin-a": [Pose(theta, a, z=2 * level)],
-            "pin-b": [Pose(output, b, z=level)],
+            "collar": [Pose(theta, still, z=-level)],
+            "pin-a": [Pose(theta, a, True, 2 * level)],
+            "pin-b": [Pose(output, b, True, level)],
             "dowel": [Pose(zero, still + place) for place in dowels],
-            "finger": [Pose(coupler, d, z=3 * level)],
-            "guide": [Pose(zero, still + guide) for guide in self.take_up.guides],
+            "finger": [Pose(coupler, d, True, 3 * level)],
+            "guide": [Pose(zero, still + guide, True) for guide in self.take_up.guides],
             "eye path": [Pose(zero, still)],
         }
 
@@ -305,6 +371,10 @@ class ThreadTakeUp(Mechanism):
             )
             for name, (gap, theta) in self._gaps(t, _TURN).items()
         ]  # fmt: skip
+        if self.masses is not None and self.motor is not None:
+            p = self.making
+            levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
+            findings += pin_strength(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers)
         if self.consumption is not None:
             findings += self.consumption.findings(t, self.allowed.excess)
         figures = self._figures(t)
@@ -339,7 +409,7 @@ class ThreadTakeUp(Mechanism):
                 "input crank": clearance(bands["input-crank"], local(guide, 0j, crank)),
                 "output crank": clearance(bands["output-crank"], local(guide, at["C"][0], output)),
                 "bell crank": clearance(bell, local(guide, a, coupler)),
-                "finger": np.abs(d - guide) - p.finger_diameter / 2,
+                "finger": np.abs(d - guide) - p.finger_diameter / 2 - 2 * _HEAD,  # head beside head
             }
             nearest = min(moving, key=lambda body: float(np.min(moving[body])))
             found[f"guide {name} and the {nearest}"] = least(moving[nearest], radius)
@@ -385,6 +455,7 @@ class ThreadTakeUp(Mechanism):
             raise SpecError([Fault("wanted", "", "missing: at least one of feed_range, let_down_ratio, dwell_deg")])
         g, (width, height) = self.geometry, self.print.bed
         theta, rim = _TURN[::4], self.making.guide_diameter / 2 + self.making.wall
+        mount = self.making.mount_diameter / 2 + self.making.wall
         base = self.take_up
 
         def take_up(x: Floats) -> TakeUp:
@@ -397,7 +468,8 @@ class ThreadTakeUp(Mechanism):
             t = take_up(x)
             gaps = [gap for gap, _ in self._gaps(t, theta).values()]
             pivot = t.frame * cmath.exp(1j * t.tilt)
-            hubs = ((pivot, self._bearing), *((guide, rim) for guide in t.guides))
+            mounts = ((z, mount) for z in self._mounts(pivot, t.guides))
+            hubs = ((pivot, self._bearing), *((guide, rim) for guide in t.guides), *mounts)
             corners = np.array([centre + side * r for centre, r in hubs for side in (1 + 1j, -1 - 1j)])
             spare = (width - float(np.ptp(corners.real)), height - float(np.ptp(corners.imag)))
             # 0.1 mm beyond the limit, since a search looks at fewer angles than the check
