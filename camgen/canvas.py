@@ -20,6 +20,7 @@ from camgen.motion import TURN, Floats
 from camgen.program import uniform_swing
 
 MEASURED_SPREAD = 2 / 25  # 2 mm in 25 mm on the running machine [Sentyakov et al., Vestnik TGTU 2018, 24(4), p. 704]
+STRIPS = 400  # of the width, so that the least share that can be told is a quarter of a percent
 BAND = 0.1  # thickness may differ by this share (same source, p. 698)
 
 
@@ -61,7 +62,7 @@ def time_below(levels: Floats, theta: Floats, s: Floats) -> Floats:
     return np.asarray((total + weight[np.searchsorted(rests, levels, side="right")]) / (theta[-1] - theta[0]))
 
 
-def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = 100) -> Canvas:
+def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = STRIPS) -> Canvas:
     """Canvas laid by a motion: s, (n,) rad at cam angles theta, (n,) rad, over one whole turn, both ends included.
 
     A flat collector needs |s| below pi/2: ValueError otherwise.
@@ -90,7 +91,7 @@ class BlendChoice:
     share_flat: Floats
 
 
-def blend_choice(swing: float, arm: SwingingArm, blends: Sequence[float], strips: int = 400) -> BlendChoice:
+def blend_choice(swing: float, arm: SwingingArm, blends: Sequence[float], strips: int = STRIPS) -> BlendChoice:
     """Undercut, peak acceleration and canvas against the reversal blend; raises DesignError as DiscCam does.
 
     swing: rad peak to peak; blends: rad, 0..pi. All from the closed forms of program and profile.

@@ -170,8 +170,11 @@ def compensated(part: Part, fit: Compensation) -> Part:
     """The part whose print is the one given: holes larger, outline smaller, a chamfer at the foot, then scaled up.
 
     Scaling is about the datum and in the plane alone; heights stay. The bore, centres and engraving follow. Raises
-    DesignError where an outline or a wall vanishes, or the chamfer is as high as the lowest layer.
+    DesignError where an outline or a wall vanishes, the chamfer is as high as the lowest layer, or the part is crossed: its
+    walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
+    if part.crossed is not None:
+        raise DesignError("print fits of a crossed part", 1, 0, "", part.name, "leave them 0, and let the slicer compensate")
     if not -0.5 < fit.shrinkage < 0.5:
         raise DesignError("shrinkage", fit.shrinkage, 0.5, "", part.name, "a share such as 0.003")
     scale = 1 / (1 - fit.shrinkage)

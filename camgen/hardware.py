@@ -19,14 +19,14 @@ import numpy as np
 
 from camgen.distances import point_to_ring, thinnest_wall
 from camgen.errors import DesignError
-from camgen.outlines import Arc, Contour, Line, Points, Region, circle, kidney
+from camgen.outlines import Arc, Contour, Line, Points, Region, circle, kidney, polygon
 from camgen.parts import Layer, Part, hull
 from camgen.sampling import facet_contour
-from camgen.standards import MotorFace
+from camgen.standards import MotorFace, Screw
 
 _FACETS = 0.01  # mm, on which walls are measured; they are judged again on the written files
 _HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
-_HEAD_DEPTH = 0.2  # mm, by which a screw's head lies below the surface
+_HEAD_DEPTH = 0.2  # mm, by which a screw's head or a nut lies below the surface
 _TAPER = 1 / 20  # slope of a collet's side: 2.9 deg, self-locking from a friction of 0.05
 _TAPER_STEP = 0.05  # mm, radius of one step of a taper: less than a printer resolves
 
@@ -90,7 +90,8 @@ class Base:
 
     axle, axle_flange: diameter of both axles and of their flanges under the plate; slide_at: radius of the slot about the
     pivot, on its far side; swing: peak to peak; end_room: way left at both ends of the slot; slide: fit; wall: around
-    every hole; window: save material between motor and pivot, where there is room.
+    every hole; window: save material between motor and pivot, where there is room; mount: four screws that hold the base on
+    its stand, beside motor, axles and their flanges.
     """
 
     motor: MotorFace
@@ -104,6 +105,22 @@ class Base:
     slide: float
     end_room: float = 1.0
     window: bool = True
+    mount: Screw | None = None
+
+    @property
+    def mounts(self) -> tuple[complex, ...]:
+        """Places of the screws that hold the base, beside the motor and the pivot."""
+        if self.mount is None:
+            return ()
+        flanges = self.slide_at * math.sin(min(self.swing / 2, math.pi / 2)) + self.axle_flange / 2
+        y = max(self.motor.half, flanges) + self.mount.head / 2 + _HEAD_ROOM
+        return tuple(complex(x, side * y) for x in (0.0, self.pivot) for side in (1, -1))
+
+    @property
+    def sunk(self) -> list[tuple[complex, Screw]]:
+        """Screws whose heads lie in pockets: place and kind."""
+        found = [(z, self.motor.screw) for z in self.motor.screws]
+        return found + [(z, self.mount) for z in self.mounts if self.mount]
 
     @property
     def slot(self) -> Contour:
@@ -113,8 +130,8 @@ class Base:
 
     @property
     def pocket_depth(self) -> float:
-        """Depth of the pockets that let the motor's screws lie below the surface, mm."""
-        return self.motor.screw.height + _HEAD_DEPTH
+        """Depth of the pockets that let the screws' heads lie below the surface, mm."""
+        return max(screw.height for _, screw in self.sunk) + _HEAD_DEPTH
 
     def part(self, min_wall: float) -> Part:
         """The plate, motor below; its origin is the motor's shaft. Two layers: the upper one has the pockets."""
@@ -123,7 +140,7 @@ class Base:
         if floor < min_wall:
             raise DesignError(
                 "thickness of the base", self.thickness, self.pocket_depth + min_wall, "mm",
-                f"under the heads of the {motor.screw.thread} screws", "use a thicker base or a motor with smaller screws",
+                "under the heads of the screws", "use a thicker base or smaller screws",
             )  # fmt: skip
         room = self.pivot - self.axle_flange / 2 - motor.half
         if room < 0:
@@ -137,18 +154,20 @@ class Base:
             raise DesignError(
                 "arc slot", math.degrees(2 * half), 360, "deg", "base", "its ends meet: use a smaller swing or a larger slide_at"
             )
-        head = (motor.screw.head + _HEAD_ROOM) / 2
+        sunk = {
+            f"screw {k}": (z, screw.clearance / 2, (screw.head + _HEAD_ROOM) / 2) for k, (z, screw) in enumerate(self.sunk, 1)
+        }
         # discs along the slot, so close that the chords between them take no more than 0.1 mm of its wall
         count = max(1, math.ceil(half / math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall)))))
         along = self.pivot + self.slide_at * np.exp(1j * np.linspace(-half, half, 2 * count + 1))
         discs = [(complex(z), radius + wall + 0.1) for z in along]
-        discs += [(z, head + wall) for z in motor.screws]
+        discs += [(z, head + wall) for z, _, head in sunk.values()]
         discs += [(0j, (motor.boss + self.slide) / 2 + wall), (complex(self.pivot), radius + wall)]
         outer = hull(discs)
         fixed = {"boss": circle(0j, (motor.boss + self.slide) / 2), "axle": circle(complex(self.pivot), radius), "slot": slot}
-        screws = {f"screw {k + 1}": circle(z, motor.screw.clearance / 2) for k, z in enumerate(motor.screws)}
-        pockets = {f"screw {k + 1}": circle(z, head) for k, z in enumerate(motor.screws)}
-        opening = self._window(facet_contour(outer, _FACETS), head, radius)
+        screws = {name: circle(z, through) for name, (z, through, _) in sunk.items()}
+        pockets = {name: circle(z, head) for name, (z, _, head) in sunk.items()}
+        opening = self._window(facet_contour(outer, _FACETS), (motor.screw.head + _HEAD_ROOM) / 2, radius)
         if opening:
             fixed["window"] = opening
         return Part(
@@ -157,8 +176,8 @@ class Base:
                 Layer(plate("base", outer, fixed | screws, min_wall), 0.0, floor),
                 Layer(plate("base", outer, fixed | pockets, min_wall), floor, self.thickness),
             ),
-            centres=(0j, complex(self.pivot), *motor.screws),
-            notes=(f"pockets {2 * head:g} x {self.pocket_depth:g} for the motor's screws, this side up",),
+            centres=(0j, complex(self.pivot), *(z for z, _ in self.sunk)),
+            notes=(f"pockets {self.pocket_depth:g} deep for the screws' heads, this side up",),
             bore=motor.boss + self.slide, min_wall=min_wall,
         )  # fmt: skip
 
@@ -192,6 +211,8 @@ class Frame:
     inside: what turns beside the plate never comes right of its real part nor below its imaginary part, room included.
     axle: hole of both axles; slide_at: second axle on the line of centres, beyond the pivot; screw: clearance hole of the
     nozzle's two screws, `spacing` apart at slide_at; pin: hole of two pins between the axles, 0: none. Holes have their fits.
+    nut: across the flats of the pockets of the nozzle's nuts, 0: none, and the nuts' height. Of a pair each plate takes half a
+    nut on its upper side, so that it is caught between both; a single plate takes it whole from below.
     """
 
     tip: complex
@@ -206,6 +227,7 @@ class Frame:
     thickness: float
     wall: float
     seat: float = 0.0
+    nut: tuple[float, float] = (0.0, 0.0)
 
     @property
     def pins(self) -> tuple[complex, ...]:
@@ -258,12 +280,32 @@ class Frame:
             outer = self.outline
         except ValueError as error:
             raise DesignError("arm of the frame", self.arm, 0, "mm", str(error), "use a wider arm or a smaller wall") from None
-        region = plate("frame", outer, holes, min_wall)
+        layers, cut = [Layer(plate("frame", outer, holes, min_wall), 0.0, self.thickness)], 0
+        flats, height = self.nut
+        if flats:
+            depth = height / count + _HEAD_DEPTH / 2
+            if self.thickness - depth < min_wall:
+                raise DesignError(
+                    "thickness of the frame", self.thickness, depth + min_wall, "mm", "at the pockets of the nozzle's nuts",
+                    "use a thicker frame (parts.thickness) or a smaller nozzle.screw",
+                )  # fmt: skip
+            pockets = {f"nozzle screw {k + 1}": _hexagon(z, flats) for k, z in enumerate((tail, tail.conjugate()))}
+            pocketed = plate("frame", outer, holes | pockets, min_wall)
+            split = self.thickness - depth if count == 2 else depth
+            lower, upper = (layers[0].region, pocketed) if count == 2 else (pocketed, layers[0].region)
+            layers, cut = [Layer(lower, 0.0, split), Layer(upper, split, self.thickness)], 0 if count == 2 else 1
         centres = (0j, complex(self.slide_at), tail, tail.conjugate(), *self.pins, *((self.tip,) if self.seat else ()))
         both = ("two alike: turn one over about the line of both axles (y to -y)",) if count == 2 else ()
+        if flats:
+            both = (*both, f"pockets {flats:g} across flats for the nozzle's nuts, {depth:g} deep")
         return Part(
-            "frame", "Frame plate", (Layer(region, 0.0, self.thickness),), count, (), centres, both, self.axle, min_wall
+            "frame", "Frame plate", tuple(layers), count, (), centres, both, self.axle, min_wall, cut
         )  # fmt: skip
+
+
+def _hexagon(centre: complex, flats: float) -> Contour:
+    """Pocket of a nut, two of its corners along x."""
+    return polygon([centre + cmath.rect(flats / math.sqrt(3), math.tau * k / 6) for k in range(6)])
 
 
 def swept_box(rims: Points) -> complex:

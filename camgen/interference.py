@@ -409,11 +409,11 @@ def interference(clearances: Sequence[Clearance], needed: float) -> list[Finding
     for c in _worst(apart):
         seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {-c.gap:.4f} mm or more"
         remark = f"{len(apart)} pair(s) must stay apart; {seen}, the gap stated holds between the samples too"
-        findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c), remark))
+        findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap"), remark))
     for c in _worst(touching):
         seen = f"overlap seen {max(0.0, -c.gap):.4f} mm"
         remark = f"{len(touching)} pair(s) touch by intent; {seen}, what is stated bounds it between the samples too"
-        findings.append(at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", _place(c), remark))
+        findings.append(at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", _place(c, "overlap"), remark))
     return findings
 
 
@@ -423,8 +423,8 @@ def _worst(judged: Sequence[tuple[float, Clearance]]) -> list[Clearance]:
     return [c for margin, c in ordered if not margin >= 0] or [c for _, c in ordered[:1]]
 
 
-def _place(c: Clearance) -> str:
-    return f"{c.a} and {c.b}, cam angle {math.degrees(c.theta):.3f} deg"
+def _place(c: Clearance, what: str) -> str:
+    return f"{c.a} and {c.b}: {what}, cam angle {math.degrees(c.theta):.3f} deg"
 
 
 # ---- a plate ready to print ------------------------------------------------------------------------------------------

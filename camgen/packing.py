@@ -24,6 +24,7 @@ from camgen.solids import Mesh
 from camgen.standards import DENSITY as DENSITY
 
 _UNIT = 0.001  # mm in which rectangles are packed
+_SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numbers are rounded
 
 # The rule of print time. A bead as wide as the nozzle and half as high, laid at this speed, gives the volumetric flow;
 # parts are printed solid; each layer of each copy costs as much again for travel, retraction and slow outer walls.
@@ -90,21 +91,27 @@ def _fits(f: Footprint, bed: tuple[float, float]) -> bool:
     return min(f.width, f.height) <= min(bed) and max(f.width, f.height) <= max(bed)
 
 
-def bed_fit(name: str, count: int, vertices: Floats, bed: tuple[float, float]) -> tuple[Footprint, Finding]:
-    """Footprint of a part's vertices, (n, 3) mm, and BED_FIT: how far it stands out over the bed at its best."""
+def bed_fit(
+    name: str, count: int, vertices: Floats, bed: tuple[float, float], height: float = math.inf
+) -> tuple[Footprint, Finding]:
+    """Footprint of a part's vertices, (n, 3) mm, and BED_FIT: how far it stands out over the bed, or its height, at its best."""
     f = footprint(vertices[:, 0] + 1j * vertices[:, 1], bed)
-    beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), 0.0)
-    remark = f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, the bed is {bed[0]:g} x {bed[1]:g} mm"
+    tall = float(np.ptp(vertices[:, 2]))
+    beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), tall - height, 0.0)
+    room = f"{bed[0]:g} x {bed[1]:g} mm" + (f", {height:g} mm high" if math.isfinite(height) else "")
+    remark = f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high, the bed is {room}"
     return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
 
 
 def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float) -> Layout:
     """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
 
-    meshes: by part name, in the part's frame. A part that fits no bed is left out, and its finding says by how much.
+    meshes: by part name, in the part's frame. A part that fits no bed is left out, and its finding says by how much. The bed's
+    rim is kept free as wide as the gap, for a brim, unless a part needs it.
     """
     import rectpack
 
+    whole, gap = bed, gap + _SPARE
     prints: dict[str, Footprint] = {}
     findings, copies = [], []
     for part in parts:
@@ -113,6 +120,9 @@ def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float
         findings.append(finding)
         copies += [(part.name, k + 1) for k in range(part.count)] if finding.ok else []
 
+    inner = (bed[0] - 2 * gap, bed[1] - 2 * gap)
+    if min(inner) > 0 and all(_fits(prints[name], inner) for name, _ in copies):
+        bed = inner
     packer = rectpack.newPacker(rotation=True)  # the largest area first
     packer.add_bin(*(math.floor((side + gap) / _UNIT) for side in bed), count=float("inf"))
     sizes = [_cell(prints[name], bed, gap) for name, _ in copies]
@@ -125,7 +135,7 @@ def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float
     laid = []
     for plate in sorted(cells):
         far = [low + size for _, low, size in cells[plate]]
-        middle = (complex(*bed) - complex(max(z.real for z in far), max(z.imag for z in far)) * _UNIT + gap * (1 + 1j)) / 2
+        middle = (complex(*whole) - complex(max(z.real for z in far), max(z.imag for z in far)) * _UNIT + gap * (1 + 1j)) / 2
         spots = []
         for k, low, size in sorted(cells[plate], key=lambda cell: cell[0]):
             name, copy = copies[k]

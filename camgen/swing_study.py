@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.canvas import BAND, MEASURED_SPREAD, blend_choice, canvas
+from camgen.canvas import BAND, MEASURED_SPREAD, STRIPS, blend_choice, canvas
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.follower_dynamics import Contact, Load, arm_contact, kicks, lift_of, lift_off, pair_contact
@@ -16,8 +16,9 @@ from camgen.followers import DiscCam
 from camgen.mechanism import Plot, Study, Table
 from camgen.outlines import Floats
 
-_BLENDS = (0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
-_MIDDLE = 0.9  # share of the width over which the spread is stated besides the whole
+_BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
+_MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
+_JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
 _SAMPLES = 1441
 
 
@@ -30,19 +31,19 @@ def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
         if not np.all(np.isfinite(s)):
             continue
         for name, flat in (("round", False), ("flat", True)):
-            laid = canvas(theta, s, flat)
-            share, whole, middle = (100 * x for x in (laid.share, laid.spread(), laid.spread(_MIDDLE)))
+            laid = canvas(theta, s, flat, _JET)
+            share, middle = 100 * canvas(theta, s, flat, STRIPS).share, 100 * laid.spread(_MIDDLE)
             numbers[f"canvas_share_{name}_{kind}_percent"] = share
-            rows.append((f"{name} collector, from {kind.upper()}", share, whole, middle))
+            rows.append((f"{name} collector, from {kind.upper()}", share, middle))
             series.append((f"{name}, {kind.upper()}", laid.place, laid.thickness))
     if not series:
         return Study()
-    rows.append(("measured on the running machine (source)", "", 100 * MEASURED_SPREAD, ""))
+    rows.append(("measured on the running machine (source)", "", 100 * MEASURED_SPREAD))
     ends = np.array([-1.0, 1.0])
     kept = series[-2:]  # the kinds differ by less than a line's width
     bounds = [(f"{sign} {BAND:.0%}", ends, np.full(2, 1 + float(f"{sign}{BAND}"))) for sign in "+-"]
     plot = Plot("Canvas over the width", "place, share of half the width", "thickness / median", [*kept, *bounds])
-    columns = ("canvas", f"width within {BAND:.0%}, %", "spread of all, %", f"spread of the middle {_MIDDLE:.0%}, %")
+    columns = ("canvas", f"width within {BAND:.0%}, %", f"spread of the middle {_MIDDLE:.0%}, %")
     return Study(numbers, [plot], [Table("Thickness of the canvas, from the recovered motion", columns, rows)])
 
 
@@ -97,8 +98,8 @@ def forces(cam: DiscCam, load: Load, speed: float, friction: float, pair: bool) 
     return Forces(theta, lift, effort, Contact(force, torque), kick)
 
 
-def force_study(found: Forces, load: Load, speed: float, pair: bool) -> Study:
-    """Curves and figures of the forces; with force closure also the spring that keeps contact."""
+def force_study(found: Forces, load: Load, speed: float, lever: float | None) -> Study:
+    """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
     degrees = np.degrees(found.theta)
     force, torque = found.contact.force, found.contact.torque
     numbers = {
@@ -113,25 +114,36 @@ def force_study(found: Forces, load: Load, speed: float, pair: bool) -> Study:
             f"A sharp reversal gives the follower a kick of {found.kick:.3g} N m s; the curves of force and torque leave it "
             "out. A reversal_blend_deg spreads it."
         )
-    if not pair:
-        numbers["spring_preload_needed_n_m"] = load.preload_needed(found.lift, speed)
-        numbers["spring_rate_needed_n_m_per_rad"] = load.rate_needed(found.lift, speed)
+    if lever is not None:
+        preload, rate = load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)
+        numbers |= {
+            "spring_preload_needed_n_m": preload, "spring_rate_needed_n_m_per_rad": rate,
+            "spring_force_needed_n": preload / lever * 1e3, "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
+        }  # fmt: skip
+        notes.append(
+            f"Either suffices, the other as given: a straight spring on a lever of {lever:g} mm that pulls with "
+            f"{preload / lever * 1e3:.3g} N where the tip is nearest to the shaft, or one of {rate / lever**2 * 1e3:.3g} N/mm."
+        )
     label = "cam angle, deg"
     plots = [
         Plot("Contact force", label, "N", [("tip on cam", degrees, _drawn(force))]),
         Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, _drawn(torque))]),
     ]
-    return Study(numbers, plots, notes=notes)
+    return Study(numbers, plots if np.any(found.effort) else (), notes=notes)
 
 
 def _drawn(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, math.nan)
 
 
-def keeps_contact(found: Forces) -> Finding:
+def keeps_contact(found: Forces, load: Load, speed: float) -> Finding:
     """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
     force = np.where(np.isnan(found.contact.force), math.inf, found.contact.force)
-    remedy = "use a stronger spring (rate or preload), less inertia or a longer reversal_blend_deg"
+    preload, rate = load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)
+    remedy = (
+        f"a spring.preload of {preload:.4g} N m or a spring.rate of {rate:.4g} N m/rad keeps it; "
+        "less inertia or a longer reversal_blend_deg lowers them"
+    )
     if found.kick:
         force = force.copy()
         force[len(force) // 2] = -math.inf

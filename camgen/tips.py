@@ -87,31 +87,35 @@ class RoundTip(Follower):
         """Trace point in the ground, (n,) complex."""
 
     @abstractmethod
+    def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
+        """Trace point in the cam's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
+
     def pitch(self, theta: Any, motion: Motion, order: int) -> Points:
-        """Trace point in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
+        """The one of that order."""
+        return self.pitches(theta, motion, order)[order]
 
     def envelope(self, theta: Any, motion: Motion, order: int) -> Points:
         """Parallel curve at the tip's radius to the right of the pitch curve; the right is the cam's inside."""
         rho = self.tip_radius
         if rho == 0:
             return self.pitch(theta, motion, order)
-        d1 = self.pitch(theta, motion, 1)
+        d0, d1, *more = self.pitches(theta, motion, order + 1)
         speed = np.abs(d1)
         if order == 0:
-            return np.asarray(self.pitch(theta, motion, 0) - 1j * rho * d1 / speed)
-        d2 = self.pitch(theta, motion, 2)
+            return np.asarray(d0 - 1j * rho * d1 / speed)
+        d2 = more[0]
         cross = np.imag(np.conj(d1) * d2)
         room = 1 + rho * cross / speed**3
         if order == 1:
             return np.asarray(d1 * room)
-        d3 = self.pitch(theta, motion, 3)
+        d3 = more[1]
         dot = np.real(np.conj(d1) * d2)
         room_slope = rho * (np.imag(np.conj(d1) * d3) / speed**3 - 3 * cross * dot / speed**5)
         return np.asarray(d2 * room + d1 * room_slope)
 
     def bending(self, theta: Any, motion: Motion) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
-        d1, d2 = self.pitch(theta, motion, 1), self.pitch(theta, motion, 2)
+        _, d1, d2 = self.pitches(theta, motion, 2)
         return np.asarray(-np.imag(np.conj(d1) * d2) / np.abs(d1) ** 3)
 
     def room(self, theta: Any, motion: Motion) -> Floats:
@@ -151,20 +155,21 @@ class SwingingArm(RoundTip):
         """Trace point in the ground, (n,) complex."""
         return self.pivot + self.arm * np.exp(1j * np.asarray(s))
 
-    def pitch(self, theta: Any, motion: Motion, order: int) -> Points:
-        """Trace point in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
+    def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
+        """Trace point in the cam's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
         theta = np.asarray(theta, float)
-        centre = (-1j) ** order * self.pivot * np.exp(-1j * theta)
-        arm = self.arm * np.exp(1j * (motion(theta, 0) - theta))
-        if order == 0:
-            return np.asarray(centre + arm)
-        q1 = motion(theta, 1) - 1
-        if order == 1:
-            return np.asarray(centre + 1j * q1 * arm)
-        q2 = motion(theta, 2)
-        if order == 2:
-            return np.asarray(centre + (1j * q2 - q1**2) * arm)
-        return np.asarray(centre + (1j * motion(theta, 3) - 3 * q1 * q2 - 1j * q1**3) * arm)
+        centre = self.pivot * np.exp(-1j * theta)
+        s = [motion(theta, k) for k in range(order + 1)]
+        arm = self.arm * np.exp(1j * (s[0] - theta))
+        found = [centre + arm]
+        if order > 0:
+            q1 = s[1] - 1
+            found.append(-1j * centre + 1j * q1 * arm)
+        if order > 1:
+            found.append(-centre + (1j * s[2] - q1**2) * arm)
+        if order > 2:
+            found.append(1j * centre + (1j * s[3] - 3 * q1 * s[2] - 1j * q1**3) * arm)
+        return found
 
     def velocity(self, s: Any, point: Any = 0) -> Points:
         """Motion of the trace point, length |arm|."""
@@ -197,13 +202,14 @@ class SlidingTip(RoundTip):
         """Trace point in the ground, (n,) complex."""
         return self.start + self.along * np.asarray(s)
 
-    def pitch(self, theta: Any, motion: Motion, order: int) -> Points:
-        """Trace point in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
+    def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
+        """Trace point in the cam's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
         theta = np.asarray(theta, float)
-        place = (-1j) ** order * self.trace(motion(theta, 0))
-        for k in range(1, order + 1):  # Leibniz' rule on trace * exp(-i theta)
-            place = place + math.comb(order, k) * (-1j) ** (order - k) * self.along * motion(theta, k)
-        return np.asarray(place * np.exp(-1j * theta))
+        turn = np.exp(-1j * theta)
+        place = [self.trace(motion(theta, 0)), *(self.along * motion(theta, k) for k in range(1, order + 1))]
+        # Leibniz' rule on place * exp(-i theta)
+        terms = ([math.comb(n, k) * (-1j) ** (n - k) * place[k] for k in range(n + 1)] for n in range(order + 1))
+        return [np.asarray(sum(each) * turn) for each in terms]
 
     def velocity(self, s: Any, point: Any = 0) -> Points:
         """The slide's direction."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,12 @@ def test_compensated_part() -> None:
 def test_fits_that_leave_no_material(fit: Compensation, quantity: str) -> None:
     with pytest.raises(DesignError, match=quantity):
         compensated(bush(), fit)
+
+
+def test_a_crossed_part_has_no_fits() -> None:
+    crossed = replace(bush(), crossed=Region(circle(2.5j, 2.5)))
+    with pytest.raises(DesignError, match="crossed part"):
+        compensated(crossed, Compensation(hole=0.1))
 
 
 def test_undone_bush_is_the_bush() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from camgen.outlines import Contour, Points, circle, polygon
 from camgen.program import uniform_swing
 from camgen.sampling import facet_contour
 from camgen.solids import solid
-from camgen.standards import BEARINGS, MOTOR_FACES, SCREWS, flange
+from camgen.standards import BEARINGS, MOTOR_FACES, SCREWS, dowel, flange
 
 SWING, TIP = math.radians(30), complex(-60, -30)
 CORNER = 1 - math.pi / 4  # area that rounding a right angle with radius 1 takes
@@ -40,9 +41,9 @@ def rims() -> Points:
     return (rim * np.exp(1j * theta) - 60) * np.exp(-1j * cam.reachable(theta))
 
 
-def frame(box: complex = complex(-17.5, -30.1), **changes: float) -> Frame:
+def frame(box: complex = complex(-17.5, -30.1), **changes: Any) -> Frame:
     whole = Frame(TIP, 3.0, box + complex(1, -1), 10.0, 6.0, 24.0, 3.4, 20.0, 3.0, 6.0, 3.0)
-    return replace(whole, **changes)  # type: ignore[arg-type]
+    return replace(whole, **changes)
 
 
 BASE = Base(MOTOR_FACES["nema-17"], 60.0, 6.0, 12.0, 24.0, SWING, 6.0, 3.0, 0.2)
@@ -139,6 +140,19 @@ def test_base_refuses(changes: dict[str, float], said: str) -> None:
         replace(BASE, **changes).part(0.8)  # type: ignore[arg-type]
 
 
+def test_base_on_its_stand() -> None:
+    """Four more holes, symmetrical, off the motor's body and the way of both axles' flanges; heads below the surface."""
+    held = replace(BASE, mount=SCREWS["M4"])
+    part = held.part(0.8)
+    assert [len(layer.region.holes) for layer in part.layers] == [12, 12]
+    assert sum(held.mounts).imag == 0 and len(set(held.mounts)) == 4
+    for z in held.mounts:
+        assert abs(z.imag) - SCREWS["M4"].head / 2 > held.motor.half
+        swept = 60 + 24 * np.exp(1j * np.linspace(-SWING / 2, SWING / 2, 99))
+        assert min(abs(z - 60), *np.abs(z - swept)) > 6 + SCREWS["M4"].head / 2
+    assert part.layers[1].z1 - part.layers[1].z0 == pytest.approx(SCREWS["M4"].height + 0.2)
+
+
 # ---- frame -----------------------------------------------------------------------------------------------------------
 
 
@@ -174,6 +188,22 @@ def test_frame_in_the_way_is_seen(rims: Points) -> None:
 def test_frame_refuses(changes: dict[str, float], said: str) -> None:
     with pytest.raises(DesignError, match=said):
         frame(**changes).part(0.8)
+
+
+def test_nuts_lie_between_both_frames_or_below_one() -> None:
+    nut = (5.7, 2.4)
+    pair, single = frame(nut=nut).part(0.8), frame(nut=nut).part(0.8, 1)
+    hexagon = 5.7**2 * math.sqrt(3) / 2
+    assert [(x.z0, x.z1) for x in pair.layers] == [(0, pytest.approx(4.7)), (pytest.approx(4.7), 6)]
+    assert [(x.z0, x.z1) for x in single.layers] == [(0, pytest.approx(2.5)), (pytest.approx(2.5), 6)]
+    for part, pocket in ((pair, 1), (single, 0)):
+        areas = [[abs(hole.area) for hole in layer.region.holes] for layer in part.layers]
+        assert sum(area == pytest.approx(hexagon) for area in areas[pocket]) == 2
+        assert part.cut == 1 - pocket and not any(area == pytest.approx(hexagon) for area in areas[part.cut])
+    with pytest.raises(DesignError, match="thickness of the frame"):
+        frame(nut=nut, thickness=2.0).part(0.8)
+    with pytest.raises(DesignError, match="wall of the frame"):
+        frame(nut=(12.0, 2.4)).part(0.8)
 
 
 def test_frame_with_a_seat_and_with_a_knife_edge() -> None:
@@ -264,6 +294,19 @@ def test_screws_and_bearings_are_plausible() -> None:
         assert 1.09 * nominal <= screw.clearance <= 1.21 * nominal
         assert screw.clearance + 1 < screw.head <= 2 * nominal and 0.5 * nominal <= screw.height <= nominal
     for name, bearing in BEARINGS.items():
-        assert bearing.bore == float(name[-1]) and bearing.bore < bearing.outside and bearing.width < bearing.outside
+        # the last figure of 6xx is the bore; MRxyz: outside xy (or x), bore z
+        series = bearing.bore == float(name[-1]) and (name[:2] != "MR" or bearing.outside == float(name[2:-1]))
+        assert series and bearing.bore < bearing.outside and bearing.width < bearing.outside
+
+
+def test_lengths_that_are_sold() -> None:
+    assert SCREWS["M3"].length(2.15) == 6  # 3.85 of the 4.5 mm that a NEMA 17 motor has
+    assert SCREWS["M2"].length(0.5) == 0
+    assert dowel(6.0, 12.2) == 12 and dowel(6.0, 11.9) == 0 and dowel(3.0, 13.9) == 12 and dowel(3.3, 50) == 0
+    for thread, screw in SCREWS.items():
+        assert 1.5 * screw.nominal < screw.flats <= 2 * screw.nominal and 0.75 * screw.nominal < screw.nut < screw.nominal, thread
+
+
+def test_plain_flange() -> None:
     plain = flange(30.0, 50.0, 3, "M4")
     assert np.allclose(np.abs(plain.screws), 25) and abs(sum(plain.screws)) < 1e-12

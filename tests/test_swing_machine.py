@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen import pipeline
+from camgen import making, pipeline
+from camgen import spec as specs
 from camgen.errors import DesignError, SpecError
 from camgen.export import Placed, placing, write_3mf
 from camgen.mechanism import Mechanism
@@ -24,6 +25,7 @@ from camgen.sweep import sweep
 
 SPEC = Path(__file__).parent.parent / "specs" / "uniform-swing.toml"
 NAME = "uniform-swing"
+FORCED = ("geometry.closure='force'", "geometry.reversal_blend_deg=20", "spring.preload=0.01")
 COARSE = ("accuracy.chord_tolerance=0.01", "limits.speed_ripple=0.1")  # for speed
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -34,9 +36,9 @@ def machine(*settings: str) -> Mechanism:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The starter spec, all kinds of files; never changed."""
+    """The starter spec, all kinds of files, coarse for speed; never changed."""
     out = tmp_path_factory.mktemp("machine")
-    report = pipeline.build(SPEC, out, frozenset(pipeline.KINDS))
+    report = pipeline.build(SPEC, out, frozenset({"dxf", "stl", "3mf"}), COARSE)
     assert [f for f in report.findings if not f.ok] == []
     return out / NAME
 
@@ -84,7 +86,7 @@ def test_parts_list(made: Path) -> None:
 
 def test_heavier_plastic() -> None:
     def mass(*settings: str) -> float:
-        return float(str(pipeline.parts_table(machine(*settings)).rows[0][5]))
+        return float(str(making.parts_table(machine(*settings)).rows[0][5]))
 
     assert mass("material.name='PETG'") == pytest.approx(mass() * 1.27 / 1.24)
     assert mass("material.density=2.48") == pytest.approx(2 * mass())
@@ -98,6 +100,44 @@ def test_stacking_heights() -> None:
     assert heights["frame", False] == pytest.approx(middle - 6) and heights["frame", True] == pytest.approx(middle)
     assert heights["cam", False] == pytest.approx(middle - 6.2) and heights["cam", True] == pytest.approx(middle + 0.2)
     assert heights["cam-spacer", False] == pytest.approx(middle - 0.2)
+
+
+def test_tips_that_are_bought_lie_beside_the_frames() -> None:
+    """Base 4, gap 0.6, cam 6, 0.2, two frames of 6, 0.2, cam 6; each tip reaches its cam from its frame, and no farther."""
+    assembly = machine("frame.tip='MR63'").assembly()
+    assert assembly is not None
+    heights = {(m.part, m.flipped): m.z for m in assembly.mounts}
+    assert [heights["cam", False], heights["frame", False], heights["frame", True], heights["cam", True]] == pytest.approx(
+        [4.6, 10.8, 16.8, 23.0]
+    )
+    tips = {s.name: s.discs for s in assembly.stand_ins if s.name.startswith("tip")}
+    (pin, ring), (other, other_ring) = tips["tip-1"], tips["tip-2"]
+    assert pin == (complex(-60, -30), 1.5, pytest.approx(4.8), pytest.approx(16.8))
+    assert ring == (complex(-60, -30), 3.0, pytest.approx(6.35), pytest.approx(8.85))
+    assert other[0] == complex(-60, 30) and other[2:] == (pytest.approx(16.8), pytest.approx(28.8))
+    assert other_ring[2:] == (pytest.approx(24.75), pytest.approx(27.25))
+
+
+def test_what_is_bought_for_a_tip_and_the_order_of_assembly() -> None:
+    things = {thing.name: thing for thing in machine("frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8").bought()}
+    assert (things["bearing of the tip"].size, things["bearing of the tip"].count) == ("623, 3 x 10 x 4", 2)
+    assert things["dowel pin of the tip"].size == "3 m6 x 16" and things["dowel pin of the tip"].standard == "ISO 2338"
+    assert "bearing of the tip" not in {thing.name for thing in machine("frame.tip='pin'").bought()}
+
+    def order(*settings: str) -> list[str]:
+        table = next(t for t in machine(*settings).study().tables if t.title.startswith("Assembly"))
+        return [str(row[1]) for row in table.rows if "cam" in str(row[1]) or "frame" in str(row[1])]
+
+    assert order() == ["cam", "frame plate", "second frame plate", "spacer, second cam"]
+    assert order("frame.tip='pin'", *FORCED) == ["frame plate", "cam"]
+
+
+def test_axles_have_end_float() -> None:
+    """Flange, base, washer and frames take less than the axle has above its flange."""
+    parts = {part.name: part for part in machine("print.slide_clearance=0.3").parts()}
+    axle, frame = parts["axle"], parts["frame"]
+    taken = parts["base"].thickness + parts["axle-washer"].thickness + 2 * frame.thickness
+    assert axle.thickness - 2.0 - taken == pytest.approx(0.3)
 
 
 def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
@@ -129,25 +169,21 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
 @pytest.mark.parametrize(
     "settings",
     [
-        ("geometry.closure='force'",),
-        ("parts.pin_diameter=0",),
-        ("parts.shaft='keyway'",),
-        ("geometry.tip_radius=0",),
-        ("geometry.reversal_blend_deg=20",),
-        ("print.bed=[120,120]",),
-        ("base.motor='flange'", "base.screws=3"),
-        ("base.motor='nema-11'", "geometry.swing_deg=20", "parts.thickness=5"),
+        FORCED,
+        ("parts.pin_diameter=0", "parts.shaft='d-flat'", "base.motor='flange'", "base.screws=3"),
+        ("parts.shaft='keyway'", "geometry.tip_radius=0", "base.mount='none'"),
+        ("base.motor='nema-11'", "geometry.swing_deg=20", "parts.thickness=5", "base.mount='M4'"),
+        ("frame.tip='pin'", "print.slide_clearance=0.3", "collet.length=8"),
+        ("frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8", *FORCED),
+        ("frame.tip='MR63'", "print.bed=[125,70]"),
     ],
 )
 def test_other_machines_work_too(tmp_path: Path, settings: tuple[str, ...]) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), [*settings, *COARSE])
     assert [f for f in report.findings if not f.ok] == []
-
-
-def test_a_small_bed_takes_several_plates(tmp_path: Path) -> None:
-    assert pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), ["print.bed=[125,70]", *COARSE]).ok
     plates = sorted(path.name for path in (tmp_path / NAME).glob("*-plate*.3mf"))
-    assert len(plates) > 1 and f"{NAME}-plate-2.3mf" in plates
+    several = "print.bed=[125,70]" in settings
+    assert (len(plates) > 1) == several and plates[0] == f"{NAME}-plate{'-2' if several else ''}.3mf"
 
 
 # ---- seen to fail ----------------------------------------------------------------------------------------------------
@@ -156,8 +192,8 @@ def test_a_small_bed_takes_several_plates(tmp_path: Path) -> None:
 def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
     """Assembly file of a machine in which one copy is turned (rad) or shifted, or parts are those of another machine."""
     parts = {part.name: part for part in mechanism.parts()}
-    meshes: dict[str, Mesh] = {name: solid(part, 0.001) for name, part in parts.items()}
-    meshes |= {name: solid(part, 0.001) for name, part in changes.get("other", {}).items()}
+    tolerance = mechanism.accuracy.chord_tolerance
+    meshes: dict[str, Mesh] = {name: solid(part, tolerance) for name, part in (parts | changes.get("other", {})).items()}
     items = []
     for part, poses in mechanism.poses(np.zeros(1)).items():
         for k, pose in enumerate(poses):
@@ -175,7 +211,7 @@ def swept(path: Path, mechanism: Mechanism) -> list[str]:
 
 
 def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
-    whole, path = machine(), tmp_path / "x.3mf"
+    whole, path = machine(*COARSE), tmp_path / "x.3mf"
     assembled(path, whole)
     assert swept(path, whole) == []
     assembled(path, whole, frame_1=(math.radians(1.0), 0j, 0.0))
@@ -185,8 +221,8 @@ def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
 
 
 def test_an_axle_that_meets_the_end_of_its_slot(tmp_path: Path) -> None:
-    whole, path = machine(), tmp_path / "x.3mf"
-    short = {part.name: part for part in machine("geometry.swing_deg=25").parts()}
+    whole, path = machine(*COARSE), tmp_path / "x.3mf"
+    short = {part.name: part for part in machine("geometry.swing_deg=25", *COARSE).parts()}
     assembled(path, whole, other={"base": short["base"]})
     failed = swept(path, whole)
     assert len(failed) == 1 and failed[0].startswith("INTERFERENCE base-1 and axle-2")
@@ -210,9 +246,16 @@ def edited(folder: Path, part: str, change: Any) -> None:
 
 
 def test_a_frame_whose_tip_is_drawn_back(folder: Path) -> None:
-    """0.02 mm away from the cam nothing overlaps, but the contact no longer drives the frame as asked."""
-    edited(folder, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.05, z - 0.02j, z))
-    assert failing(folder) == {("TIP_MOTION", f"{NAME}-frame.stl")}
+    """0.06 mm away from the cam nothing overlaps, but the contact no longer drives the frame as asked."""
+    edited(folder, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.05, z - 0.06j, z))
+    assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(folder)
+
+
+def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
+    """The roller is judged about the hole that is in the file."""
+    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["frame.tip='pin'", *COARSE]).ok
+    edited(tmp_path / NAME, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.2, z - 0.05j, z))
+    assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(tmp_path / NAME)
 
 
 def test_a_plate_that_lost_its_copies(folder: Path) -> None:
@@ -235,7 +278,7 @@ FITS = ("print.hole_compensation=0.1", "print.profile_compensation=0.06", "print
 
 
 def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: Path) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl", "3mf"}), FITS)
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*FITS, *COARSE])
     assert [f for f in report.findings if not f.ok] == []
     here = tmp_path / NAME
     assert (here / f"{NAME}-cam.dxf").read_bytes() == (made / f"{NAME}-cam.dxf").read_bytes()
@@ -244,14 +287,14 @@ def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: P
     def bore(vertices: np.ndarray) -> float:
         return float(np.min(np.hypot(vertices[:, 0], vertices[:, 1])))
 
-    assert bore(sent) == pytest.approx((2.5 + 0.1) / 0.996, abs=2e-3) and bore(drawn) == pytest.approx(2.5, abs=2e-3)
+    assert bore(sent) == pytest.approx((2.5 + 0.1) / 0.996, abs=0.011) and bore(drawn) == pytest.approx(2.5, abs=0.011)
     far = [float(np.max(np.hypot(v[:, 0], v[:, 1]))) for v in (sent, drawn)]
-    assert far[0] == pytest.approx((far[1] - 0.06) / 0.996, abs=0.01)
+    assert far[0] == pytest.approx((far[1] - 0.06) / 0.996, abs=0.03)
 
 
 @pytest.mark.parametrize("setting", FITS)
 def test_files_with_fits_judged_without_them_fail(tmp_path: Path, setting: str) -> None:
-    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["parts.make='cams'", setting]).ok
+    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["parts.make='cams'", setting, *COARSE]).ok
     folder = tmp_path / NAME
     key, value = setting.removeprefix("print.").split("=")
     spec = folder / "spec.toml"
@@ -271,11 +314,17 @@ def lift_off(*settings: str) -> list[bool]:
 
 def test_lift_off() -> None:
     force = ("geometry.closure='force'", "nozzle.inertia_kg_m2=0.001")
-    assert lift_off(force[0]) == lift_off(force[1]) == []
-    assert lift_off(*force, "spring.preload=100") == [False]  # a sharp reversal, whatever the spring
+    assert lift_off(force[1]) == []  # a pair needs no spring
+    assert lift_off(force[0]) == lift_off(*force, "spring.preload=100") == [False]  # a sharp reversal, whatever the spring
+    assert lift_off(force[0], "geometry.reversal_blend_deg=20") == [False]  # no spring
     blend = (*force, "geometry.reversal_blend_deg=20")
     needed = machine(*blend).study().numbers["spring_preload_needed_n_m"]
     assert lift_off(*blend, f"spring.preload={needed * 0.98}") == [False]
+    numbers = machine(*blend, "spring.lever=40").study().numbers
+    assert numbers["spring_force_needed_n"] * 0.040 == pytest.approx(needed)
+    # a spring of c N/m on a lever a turns with c a^2 N m/rad
+    rate = numbers["spring_rate_needed_n_mm"] * 1000 * 0.040**2
+    assert rate == pytest.approx(numbers["spring_rate_needed_n_m_per_rad"])
     assert lift_off(*blend, f"spring.preload={needed * 1.02}") == [True]
 
 
@@ -306,7 +355,11 @@ def test_torque_is_that_of_the_load() -> None:
         (["collet.slit=3.5"], "finger of the collet"),
         (["collet.wall=4"], "gap beside the collet's sleeve"),
         (["parts.pin_diameter=9"], "."),
-        (["geometry.arm_offset=60"], "."),
+        (["geometry.arm_offset=60"], "reach of the cam"),
+        (["geometry.arm_offset=1e6"], "reach of the cam"),
+        (["frame.tip='MR85'", "geometry.tip_radius=4", "parts.thickness=4"], "dowel pin of the tip"),
+        (["frame.tip='MR63'", "parts.thickness=3", "parts.wall=9"], "."),
+        (["nozzle.screw='M6'", "parts.thickness=3"], "."),
         (["geometry.pivot_distance=20", "geometry.arm_offset=10"], "."),
     ],
 )
@@ -319,6 +372,17 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
 @pytest.mark.parametrize(
     ("settings", "path"),
     [
+        (["parts.pin_diameter=0"], "parts.pin_diameter"),
+        (["parts.pin_diameter=0.3"], "parts.pin_diameter"),
+        (["frame.axle=0.001"], "frame.axle"),
+        (["frame.flange_thickness=0.3"], "frame.flange_thickness"),
+        (["collet.flange=0.1"], "collet.flange"),
+        (["collet.slit=0.3"], "collet.slit"),
+        (["frame.tip='pin'", "geometry.tip_radius=3.2"], "geometry.tip_radius"),
+        (["frame.tip='623'"], "geometry.tip_radius"),
+        (["frame.tip='6000'"], "frame.tip"),
+        (["base.mount='M7'"], "base.mount"),
+        (["spring.lever=0"], "spring.lever"),
         (["print.slide_clearance=0"], "print.slide_clearance"),
         (["base.gap=0.1"], "base.gap"),
         (["print.press_clearance=3"], "print.press_clearance"),
@@ -352,6 +416,32 @@ def test_faults_of_the_new_keys(settings: list[str], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         machine(*settings)
     assert path in {fault.path for fault in caught.value.faults}
+
+
+def _keys() -> list[str]:
+    """Every key of the spec."""
+    text = specs.dump(machine())
+    found, table = [], ""
+    for line in text.splitlines():
+        if line.startswith("["):
+            table = line.strip("[]") + "."
+        elif " = " in line:
+            found.append(table + line.split(" = ")[0])
+    return [key for key in found if key not in ("mechanism", "name")]
+
+
+@pytest.mark.parametrize("key", _keys())
+def test_no_value_of_any_key_does_harm(key: str) -> None:
+    """Each is refused with its path or a reason, or makes parts of finite, positive volume."""
+    for value in ("0", "-1", "1e-9", "0.001", "0.3", "1e3", "1e6", "1e300", "nan", "inf", "true", "'x'", "[]", "[1]", "{}"):
+        try:
+            parts = machine(f"{key}={value}").parts()
+        except SpecError as error:
+            assert all(fault.path and fault.expected for fault in error.faults), (key, value)
+        except DesignError as error:
+            assert error.remedy or error.where, (key, value)
+        else:
+            assert all(0 < part.volume < math.inf for part in parts), (key, value)
 
 
 @pytest.mark.parametrize("setting", ["print.profile_compensation=2", "print.elephant_foot=1", "print.hole_compensation=2"])

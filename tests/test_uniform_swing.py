@@ -227,7 +227,7 @@ from bench_hard_cases import USUAL, outcome  # noqa: E402
         ({"swing": 53.0}, "kept"),
         ({"swing": 80.0}, "refused"),
         ({"H/L": 0.0}, "refused"),
-        ({"H/L": 3.0}, "told: INTERFERENCE"),
+        ({"H/L": 3.0}, "kept"),
         ({"tip/L": 0.0}, "kept"),
         ({"tip/L": 0.2}, "kept"),
         ({"tip/L": 0.25}, "refused: tip_radius"),
@@ -240,3 +240,4 @@ from bench_hard_cases import USUAL, outcome  # noqa: E402
 def test_hard_cases_keep_their_tolerance_or_are_refused(tmp_path: Path, changes: dict[str, float], ends: str) -> None:
     fine, said = outcome(USUAL | changes, tmp_path)
     assert fine and said.startswith(ends)
+    assert ("told: INTERFERENCE" in said) == (changes.get("H/L") == 3.0)  # the cam sweeps over the follower's axle

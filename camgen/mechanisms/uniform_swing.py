@@ -35,6 +35,7 @@ from camgen.program import uniform_swing
 from camgen.sampling import facet_contour
 from camgen.spec import Length, Record
 from camgen.standards import DENSITY, Bought
+from camgen.swing_list import bought, steps
 from camgen.swing_machine import (
     BaseTable,
     ColletTable,
@@ -144,8 +145,9 @@ class UniformSwing(Mechanism):
             ),
         ]
         if p.make == "machine":
-            clearances = self.print.slide_clearance, self.print.press_clearance
-            checks += machine_faults(*clearances, p.pin_diameter, self.allowed.min_wall, self.base, self.frame)
+            sizes = self.geometry.tip_radius, self.print.slide_clearance, self.print.press_clearance, p.pin_diameter
+            joined = p.shaft == "plain" and self.geometry.closure == "conjugate"
+            checks += machine_faults(*sizes, self.allowed.min_wall, nozzle, joined, self.base, self.frame, self.collet)
         return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -183,11 +185,18 @@ class UniformSwing(Mechanism):
 
     @cached_property
     def _machine(self) -> SwingMachine:
-        p, fits = self.making, self.print
+        p, fits, g = self.making, self.print, self.geometry
+        reach = float(np.max(np.abs(self.cam.pitch(np.linspace(0, math.tau, 721))))) - g.tip_radius
+        if reach >= g.pivot_distance:
+            raise DesignError(
+                "reach of the cam", reach, g.pivot_distance, "mm", "the follower's pivot, which it would sweep over",
+                "use a smaller arm_offset or swing_deg",
+            )  # fmt: skip
+        flat = p.flat_depth if p.shaft == "d-flat" else 0.0
         return SwingMachine(
-            self.cam, self._cam_part, p.bore, p.pin_diameter, math.radians(self.geometry.swing_deg),
-            self.geometry.closure == "conjugate", p.shaft == "plain", p.wall, fits.slide_clearance, fits.press_clearance,
-            self.allowed.min_wall, self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle,
+            self.cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
+            p.shaft == "plain", flat, p.wall, fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
+            self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle,
         )  # fmt: skip
 
     def assembly(self) -> Assembly | None:
@@ -195,8 +204,8 @@ class UniformSwing(Mechanism):
         return self._machine.assembly(self.reachable) if self.making.make == "machine" else None
 
     def bought(self) -> Sequence[Bought]:
-        """Motor and screws of the whole machine."""
-        return self._machine.bought() if self.making.make == "machine" else ()
+        """Motor, screws and other bought parts of the whole machine."""
+        return bought(self._machine) if self.making.make == "machine" else ()
 
     @cached_property
     def _cam_part(self) -> Part:
@@ -301,6 +310,7 @@ class UniformSwing(Mechanism):
             "tip", "cam", follower.pivot, follower.arm, follower.tip_radius, follower.leaves, steepest,
             self.allowed.speed_ripple, math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg),
             tip_part="frame" if self.making.make == "machine" else None,
+            seat=self._machine.tip_hole if self.making.make == "machine" else 0.0,
         )  # fmt: skip
         if self.geometry.closure == "force":
             return (first,)
@@ -362,7 +372,7 @@ class UniformSwing(Mechanism):
         )
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
-            findings.append(keeps_contact(loaded))
+            findings.append(keeps_contact(loaded, self._load, self._speed))
         return findings
 
     @property
@@ -380,8 +390,8 @@ class UniformSwing(Mechanism):
 
     @cached_property
     def _forces(self) -> Forces | None:
-        """Forces over the turn, where the spec gives the nozzle's inertia."""
-        if not self.nozzle.inertia_kg_m2:
+        """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
+        if not self._load.inertia:
             return None
         return forces(self.cam, self._load, self._speed, self.nozzle.friction, self.geometry.closure == "conjugate")
 
@@ -419,9 +429,8 @@ class UniformSwing(Mechanism):
         if self.making.make == "machine":
             numbers["shaft_length_mm"] = self._machine.shaft_length
         degrees = np.degrees(theta)
-        loaded = (
-            force_study(self._forces, self._load, self._speed, g.closure == "conjugate") if self._forces else Study()
-        )
+        lever = self.spring.lever if g.closure == "force" else None
+        loaded = force_study(self._forces, self._load, self._speed, lever) if self._forces else Study()
         undercut = Table(
             "Undercut of the exact profile",
             ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
@@ -441,7 +450,7 @@ class UniformSwing(Mechanism):
                     [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
                 ),
             ),
-            tables=(undercut,) if cam.undercuts else (),
+            tables=(*((undercut,) if cam.undercuts else ()), *((steps(self._machine),) if self.making.make == "machine" else ())),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),
         )
@@ -470,6 +479,8 @@ class UniformSwing(Mechanism):
                 "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
                 "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
             )
+        if self.geometry.closure == "force" and not self._forces:
+            notes.append("Whether the spring keeps the tip on the cam is not judged: give nozzle.inertia_kg_m2.")
         if self.making.make == "machine":
             notes.append(self._machine.shaft_note)
         return tuple(notes)
