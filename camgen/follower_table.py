@@ -1,6 +1,6 @@
 """A follower as a user tells it to `camgen motion`: a table, or one line, that places it over an outline.
 
-    oscillating   a round tip on an arm; s is the arm's angle, rad inside, ccw positive
+    oscillating   a round tip or a flat face on an arm; s is the arm's angle, rad inside, ccw positive
     translating   a round tip or a flat face on a slide; s is its way along the slide's direction, mm
 """
 
@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, cast
 from pydantic import Field
 
 from camgen import spec as specs
-from camgen.contact_faces import SlideFace
+from camgen.contact_faces import ArmFace, SlideFace
 from camgen.contact_tips import ArmTip, Form, SlideTip
 from camgen.errors import Fault, SpecError
 from camgen.rings import Ring
@@ -25,21 +25,26 @@ Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Degrees = Annotated[float, Field(ge=-360, le=360)]
 Point = tuple[Coordinate, Coordinate]
 
-# Keys that only one motion has: needed, allowed.
+# Keys that not every follower has, by motion and by whether it is flat: needed, allowed.
 _KEYS = {
-    "oscillating": (("pivot", "arm"), ("at_deg", "leaves")),
-    "translating": ((), ("direction_deg", "offset", "at")),
+    ("oscillating", False): (("pivot", "arm"), ("at_deg", "leaves")),
+    ("oscillating", True): (("pivot",), ("at_deg", "leaves", "face_offset")),
+    ("translating", False): ((), ("direction_deg", "offset", "at")),
+    ("translating", True): ((), ("direction_deg", "at")),
 }
 
 
 class FollowerTable(Record):
     """A follower, and how the outline is mounted under it.
 
-    centre: the cam's shaft in the file; flipped: the outline is turned over about Oy through the shaft, then by turned_deg.
-    Oscillating: pivot, the arm's axle, from the shaft; at_deg: direction of the arm, axle to tip, from which its angle is
-    counted, ccw from Ox; leaves: sense of turning, +1 is ccw, that takes the tip off the cam. One of both tells the arm's
-    side. Translating: direction_deg, the way out, ccw from Ox; offset: of the tip's line from the shaft, mm, positive to the
-    left of the way out; at: distance from the shaft, along the way out, from which the tip's centre or the face is counted.
+    contour: on which of the file's closed contours it rides, by size, 1 the largest; inside: it comes to it from within, as
+    to the outer wall of a groove. centre: the cam's shaft in the file; flipped: the outline is turned over about Oy through
+    the shaft, then by turned_deg. Oscillating: pivot, the arm's axle, from the shaft; at_deg: direction of the arm (axle to
+    tip), or of a face's normal (away from the shaft), from which its angle is counted, ccw from Ox; leaves: sense of turning,
+    +1 is ccw, that takes it away from the shaft. One of both tells the arm's side. face_offset: how far the face lies ahead
+    of the pivot along its normal, mm. Translating: direction_deg, the way out, ccw from Ox; offset: of the tip's line from
+    the shaft, mm, positive to the right of the way out; at: distance from the shaft, along the way out, from which the tip's
+    centre or the face is counted.
     """
 
     motion: Literal["oscillating", "translating"]
@@ -49,29 +54,30 @@ class FollowerTable(Record):
     arm: Length | None = None
     at_deg: Degrees | None = None
     leaves: Literal[-1, 1] | None = None
+    face_offset: Coordinate | None = None
     direction_deg: Degrees | None = None
     offset: Coordinate | None = None
     at: Coordinate | None = None
+    contour: Annotated[int, Field(ge=1, le=1000)] = 1
+    inside: bool = False
     centre: Point = (0.0, 0.0)
     flipped: bool = False
     turned_deg: Degrees = 0.0
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        needed, allowed = _KEYS[self.motion]
-        takes = ", ".join((*needed, *allowed))
+        needed, allowed = _KEYS[self.motion, self.shape == "flat"]
+        what = f"a flat '{self.motion}'" if self.shape == "flat" else f"'{self.motion}'"
+        takes = f"nothing here: {what} takes {', '.join((*needed, *allowed))}"
         own = {key for keys in _KEYS.values() for group in keys for key in group}
-        found = [Fault(key, "", f"nothing here: '{self.motion}' takes {takes}")
-                 for key in sorted(own - {*needed, *allowed}) if getattr(self, key) is not None]  # fmt: skip
-        found += [Fault(key, "", f"missing: '{self.motion}' needs it") for key in needed if getattr(self, key) is None]
+        found = [Fault(key, "", takes) for key in sorted(own - {*needed, *allowed}) if getattr(self, key) is not None]
+        found += [Fault(key, "", f"missing: {what} needs it") for key in needed if getattr(self, key) is None]
         if self.shape == "roller" and self.radius is None:
             found.append(Fault("radius", "", "missing: a roller or round tip needs it; shape=knife has none"))
         if self.shape != "roller" and self.radius is not None:
             found.append(Fault("radius", f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none"))
-        if self.shape == "flat" and self.motion == "oscillating":
-            found.append(Fault("shape", "'flat'", "'roller' or 'knife' for motion 'oscillating'"))
-        if self.shape == "flat" and self.offset is not None:
-            found.append(Fault("offset", f"{self.offset:g}", "nothing here: a face is as wide as it needs to be"))
+        if self.shape == "flat" and self.inside:
+            found.append(Fault("inside", "true", "false: a face cannot touch a wall from within"))
         if self.pivot is None or found:
             return found
         if not abs(complex(*self.pivot)) > 0:
@@ -113,22 +119,24 @@ class FollowerTable(Record):
 
     @property
     def reference(self) -> complex:
-        """The follower at s = 0, mm: the arm, or the tip's centre or the face's middle from the shaft."""
+        """The follower at s = 0, mm: the arm (a unit normal for its face), or from the shaft the tip's centre or the face."""
         if self.motion == "translating":
-            return self.direction * complex(self.at or 0.0, self.offset or 0.0)
+            return self.direction * complex(self.at or 0.0, -(self.offset or 0.0))
         unit = -1j * self.sense * self.axle / abs(self.axle)  # square to the line of shaft and axle where none is given
         if self.at_deg is not None:
             unit = complex(math.cos(math.radians(self.at_deg)), math.sin(math.radians(self.at_deg)))
-        return (self.arm or 0.0) * unit
+        return (self.arm or 1.0) * unit
 
     @property
     def form(self) -> Form:
         """The same for `contact`."""
-        if self.motion == "oscillating":
-            return ArmTip(self.axle, self.reference, self.radius or 0.0, self.sense)
+        if self.shape == "flat" and self.motion == "oscillating":
+            return ArmFace(self.axle, self.reference, self.face_offset or 0.0, self.sense)
         if self.shape == "flat":
             return SlideFace(self.reference, self.direction, 1)
-        return SlideTip(self.reference, self.direction, self.radius or 0.0, 1)
+        if self.motion == "oscillating":
+            return ArmTip(self.axle, self.reference, self.radius or 0.0, self.sense, self.inside)
+        return SlideTip(self.reference, self.direction, self.radius or 0.0, 1, self.inside)
 
     @property
     def unit(self) -> tuple[str, float]:
@@ -136,12 +144,13 @@ class FollowerTable(Record):
         return ("mm", 1.0) if self.motion == "translating" else ("deg", math.degrees(1))
 
     def mounted(self, ring: Ring) -> Ring:
-        """The outline as it turns at theta = 0: shaft at the origin."""
+        """The outline as it turns at theta = 0: shaft at the origin, the material on the left."""
         ring = ring.moved(shift=-complex(*self.centre))
         if self.flipped:
             ring = ring.moved(-1, mirror=True).counter_clockwise()
         turn = math.radians(self.turned_deg)
-        return ring.moved(complex(math.cos(turn), math.sin(turn))) if turn else ring
+        ring = ring.moved(complex(math.cos(turn), math.sin(turn))) if turn else ring
+        return ring.reversed() if self.inside else ring
 
 
 def read_follower(text: str, option: str = "--follower") -> FollowerTable:
@@ -167,10 +176,14 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
     found = [Fault(f"{name} {key}", "", "missing: where both tips are at one moment") for name, f in named if not f.anchored]
     if first.pivot != second.pivot:
         found.append(Fault("--second-follower pivot", f"{second.axle:g}", "that of --follower: both tips are on one follower"))
-    if first.motion == "translating" and abs(second.direction + first.direction) > 1e-9:
-        found.append(Fault("--second-follower direction_deg", "", "the direction opposite to that of --follower"))
-    if first.motion == "oscillating" and not found and first.sense == second.sense:
-        found.append(Fault("--second-follower leaves", f"{second.sense:+d}", f"{-first.sense:+d}, opposite to --follower"))
+    if first.inside and second.inside:
+        found.append(Fault("--second-follower inside", "true", "false for one of both: a groove has an inner wall, too"))
+    same = first.inside != second.inside  # in a groove both walls are met on one line
+    wanted, which = (1, "that of") if same else (-1, "opposite to that of")
+    if first.motion == "translating" and abs(second.direction - wanted * first.direction) > 1e-9:
+        found.append(Fault("--second-follower direction_deg", "", f"a direction {which} --follower"))
+    if first.motion == "oscillating" and not found and second.sense != wanted * first.sense:
+        found.append(Fault("--second-follower leaves", f"{second.sense:+d}", f"{wanted * first.sense:+d}, {which} --follower"))
     return found
 
 

@@ -118,17 +118,20 @@ class DiscCam(Generic[F]):
         away = self.follower.leaves * self.follower.velocity(self.program(theta), self.profile(theta) * turn)
         return np.asarray(np.abs(np.angle(away * np.conj(self.follower.normal(theta, self.program) * turn))))
 
-    def groove(self) -> Contour:
+    def groove(self, clearance: float = 0.0) -> Contour:
         """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.
+
+        clearance: by how much the groove is wider than the tip, mm; the inner wall stays where it is.
 
         Raises DesignError where the speed jumps or the tip does not fit the pitch curve's hollows.
         """
         tip: Any = self.tip
-        other = DiscCam(self.program, replace(tip, tip_radius=-tip.tip_radius))
+        away = tip.tip_radius + clearance
+        other = DiscCam(self.program, replace(tip, tip_radius=-away))
         place, bend = self.greatest(lambda theta: -self.curvature(theta))
-        if bend * self.tip.tip_radius >= 1:
+        if bend * away >= 1:
             raise DesignError(
-                "radius of the pitch curve's hollow", 1 / bend, self.tip.tip_radius, "mm",
+                "radius of the pitch curve's hollow", 1 / bend, away, "mm",
                 f"cam angle {math.degrees(place):.3f} deg", "the groove's outer wall is undercut there: use a smaller tip",
             )  # fmt: skip
         pieces = [whole.reversed() for whole, _ in reversed(other._stretches())]

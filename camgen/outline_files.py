@@ -26,6 +26,7 @@ from camgen.tolerances import CHAIN_GAP, CURVE_CHORDS, SAME_POINT
 ENDINGS = (".dxf", ".stl", ".3mf")
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
 _LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+_BEYOND = 1e12  # mm, and bulge: what no drawing means
 _NESTED = 16  # blocks within blocks
 _MILLIMETRES, _UNITLESS = 4, 0
 # $INSUNITS of a DXF: name and mm.
@@ -69,11 +70,11 @@ class _Chain:
         return len(self.bulges) == 1 and not self.bulges.any()
 
 
-def read_outline(path: Path, height: float | None = None, layer: str | None = None) -> Outline:
+def read_outline(path: Path, height: float | None = None, layer: str | None = None, contour: int = 1) -> Outline:
     """The largest closed contour of a DXF (of one layer, if named), or of a mesh's section at height, mm (half way up).
 
-    Other units than millimetres are turned into them, with a finding. FileError where the file cannot be read, is empty,
-    too large, or not what its ending says.
+    contour: 2 for the second largest, and so on. Other units than millimetres are turned into them, with a finding.
+    FileError where the file cannot be read, is empty, too large, or not what its ending says.
     """
     kind = path.suffix.lower()
     if kind not in ENDINGS:
@@ -89,8 +90,20 @@ def read_outline(path: Path, height: float | None = None, layer: str | None = No
     found = _looks_like(content)
     if found not in (kind, ""):
         raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
-    outline = _from_dxf(path, content, layer) if kind == ".dxf" else _from_mesh(path, kind, height)
+    outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
     return _judged(path, outline)
+
+
+def _picked(path: Path, rings: Sequence[Ring], contour: int) -> Ring:
+    """The contour of that rank by size."""
+    if contour > len(rings):
+        raise FileError(path, f"holds {len(rings)} closed contour(s): there is no contour={contour}")
+    return sorted(rings, key=lambda ring: -abs(ring.area))[contour - 1]
+
+
+def _rank(contour: int, of: int) -> str:
+    which = "the largest" if contour == 1 else f"number {contour} by size"
+    return f"{which} of {of} closed contour(s) is the outline"
 
 
 def _looks_like(content: bytes) -> str:
@@ -142,7 +155,7 @@ def _crossing(ring: Ring) -> str:
 # ---- DXF -------------------------------------------------------------------------------------------------------------
 
 
-def _from_dxf(path: Path, content: bytes, layer: str | None) -> Outline:
+def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int) -> Outline:
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
 
@@ -152,11 +165,15 @@ def _from_dxf(path: Path, content: bytes, layer: str | None) -> Outline:
         drawing = readfile(str(path))
     except (DXFError, OSError, UnicodeDecodeError, ValueError, TypeError, IndexError, KeyError, AttributeError) as error:
         raise FileError(path, f"not a valid DXF file: {error}") from None
-    code = int(drawing.header.get("$INSUNITS", _UNITLESS))
+    # the library makes up metres where the header says nothing
+    code = int(drawing.header.get("$INSUNITS", _UNITLESS)) if b"$INSUNITS" in content else _UNITLESS
     unit, scale = _DXF_UNITS.get(code, ("no unit", 1.0) if code == _UNITLESS else (f"unit number {code}", math.nan))
     if math.isnan(scale):
         raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
-    entities = [e for e in _exploded(drawing.modelspace()) if layer is None or str(e.dxf.layer).lower() == layer.lower()]
+    try:
+        entities = [e for e in _exploded(drawing.modelspace()) if layer is None or str(e.dxf.layer).lower() == layer.lower()]
+    except DXFError as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
     if layer is not None and not entities:
         known = sorted({str(e.dxf.layer) for e in drawing.modelspace()})
         raise FileError(path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}")
@@ -165,8 +182,9 @@ def _from_dxf(path: Path, content: bytes, layer: str | None) -> Outline:
         chain = _chain(entity, CURVE_CHORDS / scale)
         if chain is None:
             passed[entity.dxftype()] += 1
-        elif not (np.isfinite(chain.points).all() and np.isfinite(chain.bulges).all()):
-            raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has a coordinate that is not finite")
+        elif not (np.all(np.abs(chain.points) * scale < _BEYOND) and np.all(np.abs(chain.bulges) < _BEYOND)):
+            what = "a coordinate that is not finite, or as good as infinite"
+            raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has {what}")
         else:
             chains.append(_Chain(chain.points * scale, chain.bulges, chain.closed))
     others = ", ".join(f"{count} {kind}" for kind, count in sorted(passed.items()))
@@ -179,20 +197,25 @@ def _from_dxf(path: Path, content: bytes, layer: str | None) -> Outline:
         f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",
     )  # fmt: skip
     rings, loose = _joined(chains)
+    if not rings and not loose:
+        raise FileError(path, "holds no outline: all that is drawn has no size")
     biggest = max(rings, key=lambda ring: abs(ring.area), default=None)
     size = max(np.ptp(biggest.points.real), np.ptp(biggest.points.imag)) if biggest else 0.0
     wide = [chain for chain in loose if chain.size >= size and not (biggest and chain.straight)]
     gap, remark = _gap(wide)
     closed = at_most(
         "DXF_CLOSED", gap, 0, "mm", path.name,
-        remark or f"the largest of {len(rings)} closed contour(s) is the outline"
+        remark or _rank(contour, len(rings))
         + (f"; {len(loose)} open line(s) within it left out" if loose else "") + (f"; {others} passed over" if others else ""),
     )  # fmt: skip
+    if wide:
+        return Outline(None, (units, closed), "")
+    picked = _picked(path, rings, contour)
     curves = sum(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
-    said = f"{len(biggest.points) if biggest else 0} edges" + (
+    said = f"{len(picked.points)} edges" + (
         f", splines and ellipses as chords within {CURVE_CHORDS:g} mm" if curves else ", lines and arcs as they are"
     )
-    return Outline(None if wide else biggest, (units, closed), said)
+    return Outline(picked, (units, closed), said)
 
 
 def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
@@ -212,7 +235,8 @@ def _chain(entity: Any, tolerance: float) -> _Chain | None:
         return _Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
     if kind in ("SPLINE", "ELLIPSE"):
         try:
-            points = _plane(entity.flattening(tolerance))
+            points = _periodic(entity, tolerance) if kind == "SPLINE" and entity.control_points else None
+            points = _plane(entity.flattening(tolerance)) if points is None else points
         except (ValueError, ZeroDivisionError, IndexError):
             return None
         return _open_or_closed(points, np.zeros(len(points) - 1)) if len(points) > 1 else None
@@ -230,7 +254,7 @@ def _chain(entity: Any, tolerance: float) -> _Chain | None:
         rows = np.array(entity.get_points("xyb"), float).reshape(-1, 3)
         points, bulges = _round(rows, entity.closed)
     else:
-        if not entity.is_2d_polyline:
+        if not (entity.is_2d_polyline or entity.is_3d_polyline):
             return None
         rows = np.array([(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices], float)
         points, bulges = _round(rows.reshape(-1, 3), entity.is_closed)
@@ -239,6 +263,39 @@ def _chain(entity: Any, tolerance: float) -> _Chain | None:
     if dxf.extrusion.z < 0:  # drawn from below: mirrored in the y axis
         points, bulges = -np.conj(points), -bulges
     return _open_or_closed(points, bulges)
+
+
+def _periodic(entity: Any, tolerance: float) -> Points | None:
+    """Chords of a spline whose knots are not clamped at its ends, as those of closed ones; None of any other.
+
+    It is drawn from knot p to knot n alone, p its degree and n the number of its control points.
+    """
+    knots, degree = np.array(entity.knots, float), int(entity.dxf.degree)
+    points = np.array(entity.control_points, float)
+    if len(knots) != len(points) + degree + 1 or np.any(np.diff(knots) < 0):
+        raise ValueError("a knot vector that does not fit")
+    begin, end = knots[degree], knots[-1 - degree]
+    if not end > begin or (knots[0] == begin and knots[-1] == end):
+        return None
+    from scipy.interpolate import BSpline
+
+    weights = np.array(entity.weights, float) if len(entity.weights) else np.ones(len(points))
+    curve = BSpline(knots, np.column_stack([points[:, :2] * weights[:, None], weights]), degree)
+
+    def at(t: Floats) -> Points:
+        x, y, w = curve(t).T
+        return np.asarray((x + 1j * y) / w)
+
+    t = np.unique(np.clip(knots, begin, end))
+    t = np.unique(np.concatenate([t[:-1] + share * np.diff(t) for share in (0, 0.25, 0.5, 0.75)] + [t[-1:]]))
+    while len(t) < _MOST_POINTS:
+        z, step = at(t), np.diff(t)
+        off = [np.abs(at(t[:-1] + share * step) - z[:-1] - share * np.diff(z)) for share in (0.25, 0.5, 0.75)]
+        far = np.flatnonzero(~(np.max(off, axis=0) <= tolerance))
+        if not len(far):
+            break
+        t = np.sort(np.concatenate([t, t[far] + step[far] / 2]))
+    return at(t)
 
 
 def _plane(points: Iterable[Any]) -> Points:
@@ -320,7 +377,7 @@ def _gap(loose: Sequence[_Chain]) -> tuple[float, str]:
 # ---- meshes ----------------------------------------------------------------------------------------------------------
 
 
-def _from_mesh(path: Path, kind: str, height: float | None) -> Outline:
+def _from_mesh(path: Path, kind: str, height: float | None, contour: int) -> Outline:
     findings = []
     if kind == ".3mf":
         package = read_3mf(path, strict=False)
@@ -346,5 +403,6 @@ def _from_mesh(path: Path, kind: str, height: float | None) -> Outline:
         return Outline(None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), "")
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")
-    ring = max(rings, key=lambda ring: abs(ring.area))
-    return Outline(ring, tuple(findings), f"section at z = {z:g} mm, {len(ring.points)} edges")
+    ring = _picked(path, rings, contour)
+    said = f"section at z = {z:g} mm, {len(ring.points)} edges; {_rank(contour, len(rings))}"
+    return Outline(ring, tuple(findings), said)

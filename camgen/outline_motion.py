@@ -41,7 +41,8 @@ class Recovered:
     """A follower's motion over one turn, each (n,): cam angle, displacement, low-passed derivatives to it, pressure angle.
 
     Displacement (rad or mm) and pressure angle (rad) are nan where the tip does not rest on the outline; the derivatives
-    then are nan throughout. start: displacement from which s is counted.
+    then are nan throughout. start: displacement from which s is counted; lever: the least way, mm per unit of s, by which
+    the follower moves off the contact's tangent.
     """
 
     theta: Floats
@@ -50,6 +51,7 @@ class Recovered:
     acceleration: Floats
     pressure_angle: Floats
     start: float
+    lever: float
 
 
 def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS, samples: int = _SAMPLES) -> Recovered:
@@ -58,20 +60,29 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS, sam
     DesignError where the follower does not fit the outline: the shaft outside, the pivot inside, or nowhere in reach.
     """
     ring = follower.mounted(ring)
+    near, far = (float(bound(np.abs(ring.samples()))) for bound in (np.min, np.max))
     if not ring.encloses(0j):
-        near = float(np.min(np.abs(ring.points)))
-        remedy = "give the shaft's place in the file as centre=X/Y"
-        raise DesignError("distance of the shaft (0, 0) from the outline", near, 0.0, "mm", "outside of it", remedy)
+        remedy = "give the shaft's place in the file as centre=X/Y, or take another contour=2"
+        raise DesignError("distance of the shaft (0, 0) from the outline", near, 0.0, "mm", "its outside", remedy)
+    if follower.motion == "oscillating" and not follower.inside and abs(follower.axle) < near:
+        remedy = "the outline runs round the follower's axle: move the pivot out"
+        raise DesignError("distance of the pivot from the shaft", abs(follower.axle), near, "mm", "the whole turn", remedy)
     theta: Floats = np.linspace(0, math.tau, samples, endpoint=False)
     touch = contact(ring, follower.form).touch(theta)
     if np.isnan(touch.angle).all():
-        near, far = (float(bound(np.abs(ring.points))) for bound in (np.min, np.max))
-        remedy = "no position rests the tip on the outline: check pivot, arm and leaves, or offset"
-        raise DesignError("the outline's largest radius", far, near, "mm", "the least one is the limit", remedy)
+        remedy = f"it never touches the outline, {near:.6g} to {far:.6g} mm from the shaft: check pivot, arm, leaves or offset"
+        slides = follower.motion == "translating"
+        reach = abs(follower.offset or 0.0) if slides else abs(abs(follower.axle) - (follower.arm or 0.0))
+        limit = far + (follower.radius or 0.0)
+        raise DesignError("the follower's least distance from the shaft", reach, limit, "mm", "the whole turn", remedy)
     s = touch.angle
     start = 0.0 if follower.anchored else float((np.nanmin if follower.sense > 0 else np.nanmax)(s))
     speed, acceleration = (low_passed(s, order, harmonics) for order in (1, 2))
-    return Recovered(theta, s - start, speed, acceleration, touch.pressure_angle, start)
+    if follower.motion == "oscillating" and follower.shape == "flat":
+        lever = float(np.nanmin(np.abs(touch.place)))
+    else:
+        lever = (follower.arm or 1.0) * math.cos(float(np.nanmax(np.abs(touch.pressure_angle))))
+    return Recovered(theta, s - start, speed, acceleration, touch.pressure_angle, start, lever)
 
 
 def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
@@ -112,12 +123,15 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
         raise SpecError(faults, "command line")
     if request.second is not None and other is None:
         raise SpecError([Fault("--second", str(request.second), "--second-follower, the tip that rides on it")])
-    progress(f"reading {path.name}")
-    outlines = [read_outline(path, request.height, request.layer)]
-    if request.second is not None:
-        progress(f"reading {request.second.name}")
-        outlines.append(read_outline(request.second, request.height, request.layer))
-    findings = [finding for outline in outlines for finding in outline.findings]
+    # what is rolled on: file and contour, one or two
+    wanted = {(path, follower.contour): None}
+    if other is not None:
+        wanted[request.second or path, other.contour] = None
+    outlines = []
+    for file, contour in wanted:
+        progress(f"reading {file.name}")
+        outlines.append(read_outline(file, request.height, request.layer, contour))
+    findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
     rings = [outline.ring for outline in outlines if outline.ring is not None]
     name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
     report = Report(f"{name}-motion", "motion of an outline", findings)
@@ -128,9 +142,10 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
         pair = None
         if other is not None:
             limit = recover(rings[-1], other, request.harmonics).s
-            # on a slide the second tip's way out is the first one's way in
-            pair = -limit - found.s if follower.motion == "translating" else follower.sense * (limit - found.s)
-        remarks = [f"{p.name}: {o.remark}" for p, o in zip((path, request.second or path), outlines, strict=False)]
+            if follower.motion == "translating" and follower.inside == other.inside:
+                limit = -limit  # the second tip's way out is the first one's way in
+            pair = (-1 if follower.inside else 1) * follower.sense * (limit - found.s)
+        remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in zip(wanted, outlines, strict=True)]
         report, columns = _report(report, path, follower, rings[0], found, pair, request.harmonics, remarks)
     with Staged(out / report.name) as folder:
         if columns:
@@ -197,7 +212,8 @@ def _report(
 def _counted(follower: FollowerTable, found: Recovered) -> str:
     """From where s is counted, in words."""
     if follower.motion == "oscillating":
-        way = "The arm's angle is counter-clockwise positive, "
+        what = "face's normal" if follower.shape == "flat" else "arm"
+        way = f"The angle of the {what} is counter-clockwise positive, "
         from_ = math.degrees(np.angle(follower.reference) + found.start)
     else:
         way = "The follower's way is positive outwards, "
@@ -218,7 +234,7 @@ def _extremes(found: Recovered, ring: Ring, follower: FollowerTable) -> dict[str
         "radius_min_mm": float(edge.min()),
         "radius_max_mm": float(edge.max()),
         "outline_length_mm": ring.length,
-        "outline_area_mm2": ring.area,
+        "outline_area_mm2": abs(ring.area),
     }
 
 
@@ -242,9 +258,8 @@ def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable
     """Whether the pair leaves room for both tips everywhere, but for what facets and decimals feign."""
     least = int(np.nanargmin(play))
     name, scale = follower.unit
-    lever = (follower.arm or 1.0) * math.cos(float(np.nanmax(np.abs(found.pressure_angle))))
     return at_most(
-        "INTERFERENCE", max(0.0, -play[least]) * scale, _OVERLAP / max(lever, 1e-9) * scale, name,
+        "INTERFERENCE", max(0.0, -play[least]) * scale, _OVERLAP / max(found.lever, 1e-9) * scale, name,
         f"{where}, cam angle {math.degrees(found.theta[least]):.3f} deg",
         f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
     )  # fmt: skip
@@ -260,6 +275,9 @@ def _animation(ring: Ring, follower: FollowerTable, found: Recovered) -> Animati
     size = 0.6 * float(np.max(np.abs(held.points)))
     if follower.motion == "oscillating":
         pose, strokes = Pose(s, still + follower.axle), [np.array([0, at])]
+        if follower.shape == "flat":
+            reach = -1j * follower.sense * np.array([0, abs(follower.axle) + 1.5 * size])
+            strokes = [at * ((follower.face_offset or 0.0) + reach)]
     else:
         pose = Pose(np.zeros(len(theta)), np.asarray(follower.direction * s, complex))
         strokes = [np.array([at, at + size * follower.direction])]

@@ -31,17 +31,26 @@ from camgen.spec import Data, Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
 MATCHED = "matched"
-# Laws with parameters: their keys.
+# Laws with parameters: their keys, and what they are.
 FAMILIES = {
     "modified-sine": ("constant_velocity",),
     "fourier": ("sines", "cosines"),
     "polynomial": ("conditions",),
     "table": ("points", "file", "source", "rest"),
 }
+ABOUT = {
+    "modified-sine": "a share 0 to 1 of the span at constant velocity in its middle",
+    "fourier": "acceleration: sines of 2 pi u, 4 pi u, ..., cosines of pi u, 3 pi u, ...",
+    "polynomial": "conditions [u, order, value], as many as coefficients; from 0 at u = 0 to 1 at u = 1",
+    "table": "C2 spline through points [angle, displacement], or through a file's; rest = false: not from rest to rest",
+    MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
+}
+NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
 _NEEDED = {"fourier": ("sines", "cosines"), "polynomial": ("conditions",), "table": ("points", "file")}  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
 
 Terms = Annotated[tuple[float, ...], Field(max_length=50)]
+Condition = tuple[Annotated[float, Field(ge=0, le=1)], Annotated[int, Field(ge=0, le=20)], float]  # u, order, value
 
 
 class LawChoice(Record):
@@ -51,7 +60,7 @@ class LawChoice(Record):
     constant_velocity: float | None = None
     sines: Terms | None = None
     cosines: Terms | None = None
-    conditions: Annotated[tuple[tuple[float, Annotated[int, Field(ge=0, le=20)], float], ...], Field(max_length=20)] | None = None
+    conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = None
     points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = None
     file: str | None = None
     source: str | None = None
@@ -85,7 +94,7 @@ def law_of(choice: str | LawChoice) -> Law:
     chosen = LawChoice(name=choice) if isinstance(choice, str) else choice
     name, given = chosen.name, chosen.parameters
     if name not in LAWS and name not in FAMILIES:
-        raise SpecError([unknown("name" if given else "", name, [*LAWS, *FAMILIES, MATCHED])])
+        raise SpecError([unknown("name" if given else "", name, NAMES)])
     allowed = FAMILIES.get(name, ())
     takes = f"nothing here: '{name}' takes {', '.join(allowed) or 'no parameters'}"
     faults = [Fault(key, "", takes) for key in given if key not in allowed]
@@ -170,7 +179,7 @@ def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
     if table.kind == "dwell":
         return UNIFORM
     if table.law is None:
-        faults.append(Fault(path, "", f"missing: one of {', '.join([*LAWS, *FAMILIES, MATCHED])}"))
+        faults.append(Fault(path, "", f"missing: one of {', '.join(NAMES)}"))
         return None
     if table.law.name == MATCHED:
         faults += [Fault(f"{path}.{key}", "", f"nothing here: '{MATCHED}' takes no parameters") for key in table.law.parameters]
@@ -180,13 +189,17 @@ def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
     except SpecError as error:
         faults += [Fault(f"{path}.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
         return None
-    if table.law.points is not None:
-        s = np.array(table.law.points)[:, 1]
-        wrong = np.flatnonzero(np.diff(s) * (s[-1] - s[0]) < 0) + 1
-        way = "rises" if s[-1] > s[0] else "falls"
-        faults += [Fault(f"{path}.points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}") for k in wrong]
-        return None if len(wrong) else law
-    return law
+    wrong = turning_rows(table.law)
+    faults += [Fault(f"{path}.{fault.path}", fault.value, fault.expected) for fault in wrong]
+    return None if wrong else law
+
+
+def turning_rows(choice: LawChoice) -> list[Fault]:
+    """The rows of a law's table at which it turns back; paths below the law's."""
+    s = np.array([row[1] for row in choice.points or ()])
+    wrong = np.flatnonzero(np.diff(s) * (s[-1:] - s[:1]) < 0) + 1
+    way = "rises" if len(s) and s[-1] > s[0] else "falls"
+    return [Fault(f"points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}") for k in wrong]
 
 
 def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Sequence[Law | None]) -> list[Segment]:
@@ -264,15 +277,16 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
     return tuple(points)
 
 
-def with_tables(data: Data, folder: Path, key: str = "segment") -> Data:
-    """Copy of a spec's tables in which each `law.file`, seen from the folder, is replaced by its points and its name.
+def with_tables(data: Data, folder: Path) -> Data:
+    """Copy of a spec's tables in which each law's `file`, seen from the folder, is replaced by its points and its name.
 
-    So the resolved spec needs no other file. What is no such table is left for `validate` to find.
+    So the resolved spec needs no other file. Laws are those of [[segment]] and of [geometry]; what is no such table is left
+    for `validate` to find.
     """
     data = copy.deepcopy(data)
-    segments: Any = data.get(key)
-    for segment in segments if isinstance(segments, list) else ():
-        law = segment.get("law") if isinstance(segment, dict) else None
+    segments: Any = data.get("segment")
+    for table in (data.get("geometry"), *(segments if isinstance(segments, list) else ())):
+        law = table.get("law") if isinstance(table, dict) else None
         if isinstance(law, dict) and isinstance(law.get("file"), str) and "points" not in law:
             name = law.pop("file")
             law["points"] = [list(point) for point in read_points(folder / name)]

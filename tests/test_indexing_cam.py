@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from camgen import pipeline
-from camgen.errors import DesignError, SpecError
+from camgen.errors import DesignError, FileError, SpecError
 from camgen.mechanisms.indexing_cam import IndexingCam
 from camgen.motion import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
-from camgen.spec import dump, read, validate
+from camgen.spec import dump, read, schema, validate
 from camgen.unloader import CrankSpring
 
 REFERENCE = tomllib.loads((Path(__file__).parent / "reference" / "indexing-cam.toml").read_text())
@@ -258,6 +258,27 @@ def test_the_resolved_spec_is_the_spec() -> None:
     assert table.rows[0][1] < table.rows[1][1] and table.rows[0][2] > table.rows[1][2]  # type: ignore[operator]
 
 
+def test_the_law_for_a_spring_becomes_a_spec() -> None:
+    """For the spring of MR-13 and a large weight MR-13 comes back, nearly; with a small one its peak is lower."""
+    peaks = []
+    for weight in (1e4, 1.0):
+        start = design(synthesis={"weights": [10.0, weight]}, load__friction_n_m=0.0)
+        found = start.designed()
+        assert found.unloader.torque == "table" and found.geometry.law.name == "fourier"
+        a = np.linspace(0, 1, 200)
+        assert start._spring is not None and found._spring is not None
+        size = float(np.max(np.abs(start._spring(a))))
+        assert found._spring(a) == pytest.approx(start._spring(a), abs=1e-3 * size)
+        peaks.append(found.law.c_a)
+        table = next(t for t in start.study().tables if t.title.startswith("Laws for this spring"))
+        assert found.law.c_a == pytest.approx(table.rows[-1][1], rel=1e-6)
+        if weight == 1e4:
+            assert found.study().numbers["residual_share_percent"] < 1
+    assert peaks[0] == pytest.approx(6.15007, abs=0.02) and peaks[1] < peaks[0]
+    with pytest.raises(SpecError, match="weights"):
+        design().designed()
+
+
 # ---- bad input -------------------------------------------------------------------------------------------------------
 
 
@@ -300,9 +321,26 @@ def test_an_unloader_has_the_keys_of_its_kind(unloader: dict[str, Any], paths: l
 
 def test_a_law_that_runs_backwards_is_refused() -> None:
     points = [[0, 0], [1, 0.5], [2, 0.3], [3, 1.0]]
-    assert faults(geometry__law={"name": "table", "points": points}) == ["geometry.law"]
-    assert faults(geometry__law={"name": "table", "file": "law.csv"}) == ["geometry.law"]
+    assert faults(geometry__law={"name": "table", "points": points}) == ["geometry.law.points.2"]
     assert faults(synthesis={"weights": [1.0]}, unloader={"torque": "none"}) == ["synthesis"]
+
+
+def test_a_law_from_a_file(tmp_path: Path) -> None:
+    """The cycloidal law as a table beside the spec; the resolved spec holds its points and needs no other file."""
+    u = np.linspace(0, 1, 201)
+    rows = [f"{x},{x - math.sin(math.tau * x) / math.tau}" for x in u]
+    (tmp_path / "law.csv").write_text("\n".join(["share,share", *rows]))
+    text = STARTER.read_text().replace('law = "mr-13"', 'law = { name = "table", file = "law.csv" }')
+    (tmp_path / "t.toml").write_text(text)
+    report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}))
+    assert [f.code for f in report.findings if not f.ok] == []
+    by_name = design(geometry__law="cycloidal")
+    theta = np.linspace(0, math.tau, 500)
+    (tmp_path / "law.csv").unlink()
+    made = pipeline.read_mechanism(tmp_path / "out" / "indexing-cam" / "spec.toml")
+    assert made.motion(theta) == pytest.approx(by_name.motion(theta), abs=1e-8)
+    with pytest.raises(FileError, match=r"law\.csv"):
+        pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}))
 
 
 @pytest.mark.parametrize(
@@ -319,3 +357,10 @@ def test_designs_that_do_not_exist(keys: dict[str, Any], quantity: str) -> None:
         cam = design(**keys)
         cam.limits()
         cam.parts()
+
+
+def test_the_starter_describes_every_key() -> None:
+    text = STARTER.read_text()
+    tables = schema(IndexingCam)["$defs"]
+    own = {"Arm", "Geometry", "Limits", "LoadTable", "Motor", "Parts", "SynthesisTable", "UnloaderTable", "LawChoice"}
+    assert {key for table in own for key in tables[table]["properties"] if key not in text} == set()

@@ -65,8 +65,8 @@ def test_translating_roller_on_a_disc_is_a_slider_crank(tmp_path: Path, offset: 
     ring = read_outline(disc(tmp_path / "disc.dxf")).ring
     assert ring is not None
     found = recover(ring, read_follower(f"translating,radius=6,offset={offset},at=0,direction_deg=0"))
-    # roller centre (y, offset) at a + r from the disc's centre; with the way out along Ox, left is +Oy
-    x, y = E * np.cos(found.theta), E * np.sin(found.theta)
+    # with the way out along Ox the right is -Oy: roller centre (s, -offset) at a + r from the disc's centre
+    x, y, offset = E * np.cos(found.theta), E * np.sin(found.theta), -offset
     assert found.s == pytest.approx(x + np.sqrt((A + R) ** 2 - (offset - y) ** 2), abs=1e-9)
     slope = (offset - y) * x / np.sqrt((A + R) ** 2 - (offset - y) ** 2) - y
     assert found.speed == pytest.approx(slope, abs=1e-4)
@@ -80,6 +80,23 @@ def test_flat_face_on_a_disc_is_harmonic(tmp_path: Path) -> None:
     assert found.speed == pytest.approx(E * np.cos(found.theta), abs=1e-4)
     assert found.acceleration == pytest.approx(-E * np.sin(found.theta), abs=1e-4)
     assert np.max(np.abs(found.pressure_angle)) < 1e-9
+
+
+@pytest.mark.parametrize("leaves", [1, -1])
+@pytest.mark.parametrize("ahead", [0.0, 4.0, -3.0])
+def test_swinging_face_on_a_disc(tmp_path: Path, leaves: int, ahead: float) -> None:
+    """The disc's far side stands on the face: Re(conj(n) (c - P)) + A = ahead, n = exp(i s)."""
+    ring = read_outline(disc(tmp_path / "disc.dxf")).ring
+    assert ring is not None
+    at = -leaves * 100
+    found = recover(ring, read_follower(f"oscillating,shape=flat,pivot=80/0,face_offset={ahead},at_deg={at}"))
+    spoke = E * np.exp(1j * found.theta) - 80
+    wanted = np.angle(spoke) + leaves * np.arccos((ahead - A) / np.abs(spoke)) - np.radians(at)
+    assert found.s == pytest.approx((wanted + math.pi) % math.tau - math.pi, abs=1e-9)
+    foot = np.sqrt(np.abs(spoke) ** 2 - (ahead - A) ** 2)
+    assert found.lever == pytest.approx(foot.min(), abs=1e-3)
+    free = recover(ring, read_follower(f"oscillating,shape=flat,pivot=80/0,face_offset={ahead},leaves={leaves}"))
+    assert np.ptp(free.s) == pytest.approx(np.ptp(found.s), abs=1e-9)
 
 
 def four_bar(theta: Any, leaves: int) -> Any:
@@ -134,6 +151,22 @@ def by_spline(space: Any) -> None:
     space.add_spline([(E + A * math.cos(t), A * math.sin(t), 0) for t in angles])
 
 
+def by_periodic_spline(space: Any) -> None:
+    """A closed spline as CAD programs write it: knots not clamped, its first control points repeated at its end.
+
+    A uniform cubic B-spline has its own radius at control points of radius r: r (2 + cos(2 pi / n)) / 3 at its knots.
+    """
+    n = 200
+    radius = A * 3 / (2 + math.cos(math.tau / n))
+    points = [(E + radius * math.cos(t), radius * math.sin(t), 0) for t in np.arange(n) * math.tau / n]
+    space.add_spline(degree=3).set_closed(points)
+
+
+def by_space_polyline(space: Any) -> None:
+    z = E + A * np.exp(1j * np.linspace(0, math.tau, 2001))[:-1]
+    space.add_polyline3d([(p.real, p.imag, 0) for p in z], close=True)
+
+
 def by_lines(space: Any) -> None:
     z = E + A * np.exp(1j * np.linspace(0, math.tau, 2001))
     for k in np.random.default_rng(3).permutation(2000):
@@ -154,7 +187,8 @@ def with_clutter(space: Any) -> None:
     "draw, within",
     [
         (by_arcs, 1e-9), (by_half_polyline, 1e-9), (by_mirrored, 1e-9), (by_old_polyline, 1e-9), (by_block, 1e-9),
-        (by_ellipse, 3e-6), (by_spline, 1e-5), (by_lines, 3e-6), (with_clutter, 1e-9),
+        (by_ellipse, 3e-6), (by_spline, 1e-5), (by_lines, 3e-6),
+        (by_periodic_spline, 5e-6), (by_space_polyline, 3e-6), (with_clutter, 1e-9),
     ],
 )  # fmt: skip
 def test_however_it_is_drawn_the_motion_is_the_same(tmp_path: Path, draw: Draw, within: float) -> None:
@@ -297,6 +331,50 @@ def test_our_own_conjugate_cam(tmp_path: Path, starter: Path, capsys: pytest.Cap
     assert np.degrees(s[::5]) == pytest.approx(np.array(rows[:-1]), abs=1e-9)
 
 
+def grooved(space: Any) -> None:
+    """A plate with a bore and a groove 2 R + 0.3 wide between two circles about (E, 0)."""
+    for centre, radius in ((0, 70), (E, A + 2 * R + 0.3), (E, A), (0, 4)):
+        space.add_circle((centre, 0), radius)
+
+
+def test_both_walls_of_a_groove_and_its_lash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = drawing(tmp_path / "plate.dxf", grooved)
+    inner = "translating,radius=6,direction_deg=0,at=0,contour=3"
+    outer = inner.replace("contour=3", "contour=2,inside=true")
+    theta = np.linspace(0, math.tau, 7200, endpoint=False)
+    x, y = E * np.cos(theta), E * np.sin(theta)
+    low, high = (x + np.sqrt((A + R + more) ** 2 - y**2) for more in (0.0, 0.3))
+    for text, wanted in ((inner, low), (outer, high)):
+        follower = read_follower(text)
+        ring = read_outline(path, contour=follower.contour).ring
+        assert ring is not None and recover(ring, follower).s == pytest.approx(wanted, abs=1e-9)
+    for first, second in ((inner, outer), (outer, inner)):
+        code, report, _ = run(capsys, path, "--follower", first, "--second-follower", second, "-o", tmp_path)
+        assert code == 0 and codes(report)["INTERFERENCE"]
+        assert report["numbers"]["lash_min_mm"] == pytest.approx(np.min(high - low), abs=1e-9)
+        assert report["numbers"]["lash_max_mm"] == pytest.approx(np.max(high - low), abs=1e-9)
+    code, report, _ = run(capsys, path, "--follower", inner, "--second-follower", outer.replace("6", "6.5"), "-o", tmp_path)
+    assert code == 1 and not codes(report)["INTERFERENCE"]
+    with pytest.raises(FileError, match="holds 4 closed contour"):
+        read_outline(path, contour=5)
+
+
+def test_our_own_groove_on_an_arm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Walls of a disc cam's two plates; lash as the build judged it."""
+    spec = Path(__file__).parent.parent / "specs" / "disc-cam.toml"
+    follower = "geometry.follower={motion='oscillating',shape='roller',radius=5,pivot_distance=90,arm=70}"
+    settings = ['geometry.closure="groove"', "parts.hub_height=0", "limits.pressure_angle_deg=45", follower]
+    built = pipeline.build(spec, tmp_path, frozenset({"dxf"}), settings)
+    files = [tmp_path / "disc-cam" / f"disc-cam-{wall}.dxf" for wall in ("inner", "outer")]
+    at = math.degrees(math.acos((90**2 + 70**2 - 30**2) / (2 * 90 * 70)))
+    inner = f"oscillating,pivot=90/0,arm=70,radius=5,at_deg={180 + at!r}"
+    arguments = ("--second", files[1], "--second-follower", inner + ",contour=2,inside=true", "-o", tmp_path)
+    code, report, _ = run(capsys, files[0], "--follower", inner, *arguments)
+    assert code == 0
+    assert report["numbers"]["swing_deg"] == pytest.approx(built.numbers["swing_recovered_dxf_deg"], abs=1e-3)
+    assert report["numbers"]["lash_max_deg"] == pytest.approx(built.numbers["lash_dxf_deg"], abs=1e-3)
+
+
 # ---- what is written -----------------------------------------------------------------------------------------------------
 
 
@@ -341,8 +419,13 @@ def test_other_units_are_told_and_converted(
 
 
 def test_a_drawing_without_units_is_taken_as_millimetres(tmp_path: Path) -> None:
-    outline = read_outline(drawing(tmp_path / "r12.dxf", by_arcs, None, "R12"))
-    assert outline.findings[0].ok and "names no unit" in outline.findings[0].message
+    drawing(tmp_path / "r12.dxf", by_arcs, None, "R12")
+    rows = ["0", "SECTION", "2", "ENTITIES", "0", "CIRCLE", "8", "0", "10", "5.0", "20", "0.0", "30", "0.0", "40", "20.0"]
+    (tmp_path / "bare.dxf").write_text("\n".join([*rows, "0", "ENDSEC", "0", "EOF", ""]))
+    for name in ("r12", "bare"):
+        outline = read_outline(tmp_path / f"{name}.dxf")
+        assert outline.findings[0].ok and "names no unit" in outline.findings[0].message
+        assert outline.ring is not None and outline.ring.area == pytest.approx(math.pi * A**2)
 
 
 @pytest.mark.parametrize("gap, is_open", [(0.004, False), (0.05, True), (3.0, True)])
@@ -423,8 +506,15 @@ def test_outlines_that_are_huge_or_tiny(tmp_path: Path, radius: float, said: str
 
 
 def test_a_drawing_of_nothing_and_of_text(tmp_path: Path) -> None:
-    for draw in (lambda space: None, lambda space: space.add_text("cam")):
+    for draw in (lambda space: None, lambda space: space.add_text("cam"), lambda space: space.add_circle((3, 3), 0)):
         with pytest.raises(FileError, match="holds no outline"):
+            read_outline(drawing(tmp_path / "d.dxf", draw))
+    for draw, said in (
+        (lambda space: space.add_blockref("none", (0, 0)), "block definition"),
+        (lambda space: space.add_circle((math.nan, 0), 3), "not finite"),
+        (lambda space: space.add_lwpolyline([(1e300, 0), (0, 1e300), (3, 3)], close=True), "as good as infinite"),
+    ):
+        with pytest.raises(FileError, match=said):
             read_outline(drawing(tmp_path / "d.dxf", draw))
     with pytest.raises(FileError, match="No such file"):
         read_outline(tmp_path / "none.dxf")
@@ -438,7 +528,9 @@ def test_a_drawing_of_nothing_and_of_text(tmp_path: Path) -> None:
     [
         ("oscilating,pivot=1/0,arm=1,radius=1", ["motion"]), ("oscillating", ["arm", "pivot", "radius"]),
         ("oscillating,pivot=60/0,arm=55,radius=6", ["leaves"]), (LEVER + ",at_deg=150", ["leaves"]),
-        (LEVER + ",shape=flat", ["radius", "shape"]), (LEVER.replace("60/0", "0/0"), ["pivot"]),
+        (LEVER + ",shape=flat", ["arm", "radius"]), ("oscillating,shape=flat", ["pivot"]),
+        ("oscillating,shape=flat,pivot=60/0,inside=true", ["inside"]), (LEVER + ",face_offset=3", ["face_offset"]),
+        (LEVER + ",contour=0", ["contour"]), (LEVER + ",inside=2", ["inside"]), (LEVER.replace("60/0", "0/0"), ["pivot"]),
         (LEVER + ",arm=3", ["--follower arm"]),
         (LEVER.replace("55", "-55"), ["arm"]), (LEVER.replace("60/0", "60"), ["pivot"]), (LEVER + ",tip=3", ["tip"]),
         (LEVER + ",offset=3", ["offset"]), (LEVER.replace("radius=6", "radius=nan"), ["radius"]), (LEVER + ",x", ["--follower"]),
@@ -460,6 +552,7 @@ def test_each_wrong_key_of_a_follower_is_named(text: str, paths: list[str]) -> N
         ("translating,radius=6,at=3", "motion"), (LEVER.replace("leaves=+1", "at_deg=155,pivo=1/1"), "pivo"),
         ("oscillating,pivot=61/0,arm=55,radius=6,at_deg=155", "pivot"), (LEVER, "at_deg"),
         ("oscillating,pivot=60/0,arm=55,radius=6,at_deg=-155", "leaves"),
+        ("oscillating,pivot=60/0,arm=55,radius=6,at_deg=155,inside=true", "leaves"),
     ],
 )  # fmt: skip
 def test_a_pair_must_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str], second: str, path: str) -> None:
@@ -478,6 +571,10 @@ def test_followers_that_miss_the_outline(tmp_path: Path, capsys: pytest.CaptureF
     path = disc(tmp_path / "d.dxf")
     code, _, err = run(capsys, path, "--follower", LEVER.replace("55", "10"), "-o", tmp_path)
     assert code == 3 and "check pivot, arm" in err
+    code, _, err = run(capsys, path, "--follower", "translating,radius=3,offset=100", "-o", tmp_path)
+    assert code == 3 and "least distance from the shaft is 100 mm" in err
+    code, _, err = run(capsys, path, "--follower", "oscillating,pivot=10/0,arm=30,leaves=1,radius=1", "-o", tmp_path)
+    assert code == 3 and "move the pivot out" in err
     code, report, _ = run(capsys, path, "--follower", "translating,radius=1,offset=18", "-o", tmp_path)
     assert code == 1 and codes(report)["CONTACT"] is False
     held = next(f["measured"] for f in report["findings"] if f["code"] == "CONTACT")

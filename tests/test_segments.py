@@ -12,9 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgen.cli import main
 from camgen.errors import FileError, SpecError
 from camgen.motion import LAWS, modified_sine
-from camgen.segments import FAMILIES, LawChoice, SegmentTable, law_of, program, program_faults, read_points, with_tables
+from camgen.segments import ABOUT, FAMILIES, LawChoice, SegmentTable, law_of, program, program_faults, read_points, with_tables
 from camgen.spec import Spec, dump, validate
 
 
@@ -241,3 +242,14 @@ def test_data_that_is_no_table_is_left_for_validation() -> None:
     for value in (3, "x", [1, 2], {"a": 1}, [{"law": 3}], [{"law": {"file": 3}}]):
         assert with_tables({"segment": value}, Path(".")) == {"segment": value}
     assert with_tables({}, Path(".")) == {}
+
+
+def test_the_list_names_every_law(capsys: pytest.CaptureFixture[str]) -> None:
+    """With peaks where they have them, and the keys of those that take parameters."""
+    with pytest.raises(SystemExit):
+        main(["list"])
+    told = capsys.readouterr().out
+    rows = {line.split()[0]: line for line in told[told.index("Laws of motion") :].splitlines() if line.startswith("  ")}
+    assert {*LAWS, *ABOUT} == set(rows) and set(FAMILIES) < set(ABOUT)
+    assert all(f"{law.c_a:.4f}" in told for law in LAWS.values())
+    assert all(key in told for keys in FAMILIES.values() for key in keys)

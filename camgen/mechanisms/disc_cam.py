@@ -71,6 +71,7 @@ class Limits(Record):
     pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
     least_radius: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    lash: Annotated[float, Field(ge=0, le=1e6)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     continuous: Annotated[int, Field(ge=-1, le=3)] = 2
     min_wall: Length = 0.8
@@ -88,6 +89,7 @@ class DiscCamDrive(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         g, f, p = self.geometry, self.geometry.follower, self.making
+        round_hub = 2 * (p.hole()[1] + self.allowed.min_wall) if not p.misfits() else 0.0
         slides, flat, roller = f.motion == "translating", f.shape == "flat", f.shape == "roller"
         found = []
         for key, belongs, needed, what in (
@@ -105,9 +107,8 @@ class DiscCamDrive(Mechanism):
                 found.append(Fault(f"geometry.follower.{key}", f"{value:g}", f"nothing here: {what}"))
         checks = [
             (g.closure != "groove" or roller, "geometry.closure", g.closure, "force or conjugate: only rollers run in grooves"),
-            (p.shaft != "d-flat" or p.flat_depth < p.bore, "parts.flat_depth", p.flat_depth, f"less than the bore, {p.bore:g}"),
-            (p.shaft != "keyway" or p.key_width < p.bore, "parts.key_width", p.key_width, f"less than the bore, {p.bore:g} mm"),
-            (not p.hub_height or p.hub_diameter > p.bore, "parts.hub_diameter", p.hub_diameter, f"over the bore, {p.bore:g} mm"),
+            (not p.hub_height or p.hub_diameter >= round_hub, "parts.hub_diameter", p.hub_diameter,
+             f"at least {round_hub:g} mm: the bore and limits.min_wall round it"),
             (not p.hub_height or g.closure != "groove", "parts.hub_height", p.hub_height, "0: a groove's plates have no hub"),
             (p.pin_diameter < p.rim, "parts.pin_diameter", p.pin_diameter, f"less than the rim, {p.rim:g} mm"),
             (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
@@ -116,7 +117,7 @@ class DiscCamDrive(Mechanism):
         for fine, path, value, expected in checks:
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
-        found += program_faults(self.segment)
+        found += [*p.misfits(), *program_faults(self.segment)]
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -238,9 +239,10 @@ class DiscCamDrive(Mechanism):
 
     @cached_property
     def _parts(self) -> tuple[Part, ...]:
-        outlines = [cam.outline for cam in self.cams]
-        wall = self.cam.groove() if self.geometry.closure == "groove" else None
-        return disc_parts(self.making, outlines, wall, self.allowed.min_wall)
+        outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
+        wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
+        roller = 2 * (self.geometry.follower.radius or 0.0)
+        return disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """The plates turning about O, one above the other; the follower."""
@@ -268,14 +270,16 @@ class DiscCamDrive(Mechanism):
         follower, f, limits = cam.follower, self.geometry.follower, self.allowed
         k = 0 if inside else self.cams.index(cam)
         common = partial(
-            Rolling, part, part, pressure_angle=math.radians(self._pressure[k]), speed_ripple=limits.speed_ripple, lash=0.0,
-            undercut=limits.undercut / self._unit[1], inside=inside, leaves=follower.leaves,
+            Rolling, part, part, pressure_angle=math.radians(self._pressure[k]), speed_ripple=limits.speed_ripple,
+            lash=limits.lash / self._unit[1], undercut=limits.undercut / self._unit[1], inside=inside, leaves=follower.leaves,
+            reachable=self.program if inside else cam.reachable,
         )  # fmt: skip
+        wider = self.print.slide_clearance if inside else 0.0
         match follower:
             case SwingingArm(pivot, arm, radius, _):
-                return common(pivot=pivot, arm=arm, tip_radius=radius)
+                return common(pivot=pivot, arm=arm, tip_radius=radius + wider)
             case SlidingTip(start, along, radius, _):
-                return common(pivot=start, arm=along, tip_radius=radius, slides=True)
+                return common(pivot=start, arm=along, tip_radius=radius + wider, slides=True)
             case SlidingFace(start, along, leaves):
                 half = f.face_width and f.face_width / 2
                 reach = (-half, half) if half else None
@@ -402,13 +406,13 @@ class DiscCamDrive(Mechanism):
         pressure = Plot("Pressure angle", label, "deg", [(name, degrees, y) for name, y in zip(who, steep, strict=True)])
         radius = np.clip(self.cam.radius(theta), -10 * self.base_radius, 10 * self.base_radius)
         curvature = Plot("Radius of curvature", label, "mm", [("profile, cut off at 10 base radii", degrees, radius)])
-        z = self.cam.profile(theta)
+        z = np.where(self.cam.reachable(theta) == self.program(theta), self.cam.profile(theta), np.nan)  # less what is cut off
         coloured = [
             (f"{a:g} to {b:g} deg", z.real, np.where((steep[0] >= a) & (steep[0] <= b), z.imag, np.nan))
             for a, b in pairwise(_BANDS)
             if np.any((steep[0] >= a) & (steep[0] <= b))
         ]
-        return (*svaj, pressure, curvature, Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured))
+        return (*svaj, pressure, curvature, Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True))
 
     def _table(self) -> Table:
         unit, scale = self._unit

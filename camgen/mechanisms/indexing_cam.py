@@ -17,28 +17,28 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
-from camgen.distances import point_to_ring, thinnest_wall
+from camgen.disc_parts import ShaftHole, Thickness, holes_in
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.followers import DiscCam, SwingingArm
 from camgen.indexing_study import IndexingStudy
 from camgen.mechanism import Mechanism, Pose, Rolling, Sketch, Study
 from camgen.motion import Law
-from camgen.outlines import Contour, Floats, Points, Region, circle
-from camgen.parts import Layer, Part, d_bore, keyed_bore, windows
+from camgen.outlines import Floats, Points, Region
+from camgen.parts import Layer, Part, windows
 from camgen.program import Program, Segment
 from camgen.sampling import facet_contour
-from camgen.segments import MATCHED, NamedLaw, backwards, law_of
-from camgen.spec import Length, Record
-from camgen.spring_law import characteristic
+from camgen.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
+from camgen.spec import Length, Record, validate
+from camgen.spring_law import characteristic, trade_off
 from camgen.unloader import CrankSpring, Load, SpringTorque, antisymmetric, law_torque
 
-_LAYOUT_TOLERANCE = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+_SPRING_POINTS = 101  # of a table that stands for a spring
 Span = Annotated[float, Field(ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -117,10 +117,10 @@ class SynthesisTable(Record):
     cosines: Annotated[int, Field(ge=0, le=3)] = 1
 
 
-class Parts(Record):
+class Parts(ShaftHole):
     """The cams as bodies."""
 
-    thickness: Length = 8.0
+    thickness: Thickness = 8.0
     bore: Length = 12.0
     shaft: Literal["plain", "keyway", "d-flat"] = "keyway"
     key_width: Length = 4.0
@@ -138,6 +138,7 @@ class Limits(Record):
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
     undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
@@ -158,15 +159,12 @@ class IndexingCam(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         g, p, u, nozzle = self.geometry, self.making, self.unloader, self.print.nozzle
-        bore = f"less than the bore, {p.bore:g} mm"
         spans = math.fsum((g.rise_deg, g.dwell_deg, self._return_deg))
         checks = [
             (spans <= 360, "geometry.dwell_deg", g.dwell_deg,
              f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}"),
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.shaft != "d-flat" or p.flat_depth < p.bore, "parts.flat_depth", p.flat_depth, bore),
-            (p.shaft != "keyway" or p.key_width < p.bore, "parts.key_width", p.key_width, bore),
             (g.closure == "force" or not self.load.closing_n_m, "load.closing_n_m", self.load.closing_n_m,
              'nothing here: closure "conjugate" needs no spring'),
             (u.crank is None or u.guide is None or u.guide > u.crank, "unloader.guide", u.guide or 0.0,
@@ -187,19 +185,36 @@ class IndexingCam(Mechanism):
                 found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
-        return [*found, *self._law_faults()]
+        return [*found, *p.misfits(), *self._law_faults()]
 
     def _law_faults(self) -> Sequence[Fault]:
         choice = self.geometry.law
-        if choice.name == MATCHED or choice.file is not None:
-            what = f"law '{MATCHED}'" if choice.name == MATCHED else "a file"
-            return [Fault("geometry.law", what, "a law by name, or with its points or coefficients in this spec")]
+        if choice.name == MATCHED:
+            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
         try:
             law = law_of(choice)
         except SpecError as error:
             return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        turning = turning_rows(choice)
+        if turning:
+            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
         fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
         return [] if fault is None else [fault]
+
+    def designed(self) -> Self:
+        """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
+        as a table. SpecError without [synthesis].
+        """
+        wanted, spring = self.synthesis, self._spring
+        if wanted is None or spring is None:
+            raise SpecError([Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")])
+        found = trade_off(spring, wanted.weights, wanted.sines, wanted.cosines)[-1]
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        data["geometry"]["law"] = {"name": "fourier", "sines": list(found.sines), "cosines": list(found.cosines)}
+        if self.unloader.torque == "law":
+            a = 0.5 * np.linspace(0, 1, _SPRING_POINTS) ** 2  # the torque starts as the root of the position
+            data["unloader"] = {"torque": "table", "points": np.column_stack([a, spring(a)]).tolist()}
+        return validate(type(self), data)
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -232,7 +247,7 @@ class IndexingCam(Mechanism):
 
     @cached_property
     def cams(self) -> Mapping[str, DiscCam]:
-        """The cam engine for each cam by its part's name, the return cam first; DesignError where there is no such follower."""
+        """The cam engine for each cam by its part's name; DesignError where there is no such follower."""
         f = self.geometry.follower
         reach, far = self.geometry.base_radius + f.roller_radius, f.pivot_distance
         inner, _ = self._opening(reach, "geometry.base_radius", "the inner dwell")
@@ -247,7 +262,7 @@ class IndexingCam(Mechanism):
         if self.geometry.closure == "force":
             return {"cam": DiscCam(self.program, first)}
         second = SwingingArm(pivot, f.arm * cmath.exp(1j * (math.pi - outer)), f.roller_radius, leaves=-1)
-        return {"return-cam": DiscCam(self.program, second), "cam": DiscCam(self.program, first)}
+        return {"cam": DiscCam(self.program, first), "return-cam": DiscCam(self.program, second)}
 
     def _opening(self, radius: float, quantity: str, where: str) -> tuple[float, float]:
         """Angle OAC and the distance OC for a roller centre so far from the shaft."""
@@ -277,46 +292,13 @@ class IndexingCam(Mechanism):
         return [self._part(name, cam) for name, cam in self.cams.items()]
 
     def _part(self, name: str, cam: DiscCam) -> Part:
-        p, outline = self.making, cam.outline
-        rim = facet_contour(outline, _LAYOUT_TOLERANCE)
-        bore, reach = self._bore()
-        room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
-        if reach >= room:
-            raise DesignError(
-                "parts.bore", p.bore, 2 * room, "mm", f"the nearest side of the {name}",
-                "the bore leaves the cam: use a smaller one, or a larger base_radius",
-            )  # fmt: skip
-        holes = [bore, *windows(rim, reach, p.windows, p.wall)]
-        wall = thinnest_wall(rim, [facet_contour(hole, _LAYOUT_TOLERANCE) for hole in holes])
-        if not wall > 0:
-            raise DesignError(
-                "wall", wall, self.allowed.min_wall, "mm", f"between the holes and the edge of the {name}",
-                "holes meet or leave the cam: use a smaller bore, key or wall",
-            )  # fmt: skip
+        p = self.making
+        holes = holes_in(p, name, cam.outline, lambda rim, reach: windows(rim, reach, p.windows, p.wall))
         title = "Return cam" if name == "return-cam" else "Indexing cam"
         return Part(
-            name, title, (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),),
-            centres=(0j,), notes=self._part_notes(), bore=p.bore, min_wall=self.allowed.min_wall,
+            name, title, (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
+            centres=(0j,), notes=p.notes(), bore=p.bore, min_wall=self.allowed.min_wall,
         )  # fmt: skip
-
-    def _part_notes(self) -> tuple[str, ...]:
-        p = self.making
-        notes = ["turns counter-clockwise as drawn; the rise begins at theta = 0, as drawn"]
-        if p.shaft == "keyway":
-            key = f"keyway on +Y {p.key_width:g} wide, its floor {p.key_depth:g} above the bore"
-            notes.insert(0, f"hole A: bore {p.bore:g}, {key}")
-        elif p.shaft == "d-flat":
-            notes.insert(0, f"hole A: bore {p.bore:g}, flat on +Y {p.flat_depth:g} below its top")
-        return tuple(notes)
-
-    def _bore(self) -> tuple[Contour, float]:
-        """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
-        p = self.making
-        if p.shaft == "keyway":
-            return keyed_bore(p.bore, p.key_width, p.key_depth), math.hypot(p.key_width / 2, p.bore / 2 + p.key_depth)
-        if p.shaft == "d-flat":
-            return d_bore(p.bore, p.flat_depth), p.bore / 2
-        return circle(0j, p.bore / 2), p.bore / 2
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
@@ -343,7 +325,7 @@ class IndexingCam(Mechanism):
             Rolling(
                 "roller" if name == "cam" else "return roller", name, cam.follower.pivot, cam.follower.arm,
                 cam.follower.tip_radius, cam.follower.leaves, math.radians(self._pressure[name]), self.allowed.speed_ripple,
-                0.0, math.radians(self.allowed.undercut_deg),
+                math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg), reachable=cam.reachable,
             )
             for name, cam in self.cams.items()
         ]  # fmt: skip
