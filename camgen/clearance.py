@@ -37,7 +37,8 @@ _FRACTIONS = 129  # of a chord, at which the begin of an overlap is looked up
 _ROUNDS = 16  # of halving; a bulge falls to a quarter each time
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _GOLDEN_STEPS = 60
-_ANGLES = 361  # at which the distance is drawn
+_ANGLES = 1441  # at which the distance is drawn and tabled: every quarter degree, both ends
+_DIGITS = 6  # of a distance, mm: coordinates in the files have no more
 
 Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 Way = Callable[[Floats], Points]
@@ -161,7 +162,8 @@ def signed_distances(a: Sequence[Points], b: Sequence[Points], shifts: Points) -
     """Signed distance of the bodies of outlines a and b at each shift of b, (n,) mm."""
     import shapely
 
-    moving = [shapely.polygons([np.column_stack([z.real, z.imag]) for z in ring + shifts[:, None]]) for ring in b]
+    places = [ring + shifts[:, None] for ring in b]
+    moving = [shapely.polygons(np.stack([z.real, z.imag], axis=-1)) for z in places]
     distance: Floats = np.min([shapely.distance(body, other) for other in moving for body in _polygons(a)], axis=0)
     hit = distance <= 0
     if hit.any():
@@ -274,7 +276,7 @@ def judge_clearance(
             curve = np.minimum(curve, signed_distances(a, b, way(turn)))
         else:
             findings.append(_finding(pair, least, slack, where))
-            numbers[f"clearance_{pair.name.lower().replace('/', '_')}_{kind}_mm"] = least.distance
+            numbers[f"clearance_{pair.name.lower().replace('/', '_')}_{kind}_mm"] = round(least.distance, _DIGITS) + 0.0
             curves.append((pair.name, np.degrees(turn), curve))
     return Cleared(tuple(findings), numbers, tuple(curves))
 
@@ -301,6 +303,6 @@ def _finding(pair: Apart, least: Least, slack: float, where: str) -> Finding:
     else:
         said = f"clear by {least.distance:.3f} mm at the least, at {degrees:.2f} deg"
     return at_least(
-        "CLEARANCE", least.distance, pair.gap - slack, "mm", f"{pair.name}: {where}",
+        "CLEARANCE", round(least.distance, _DIGITS) + 0.0, pair.gap - slack, "mm", f"{pair.name}: {where}",
         f"{said}; up to {slack:.2g} mm either way is grazing",
     )  # fmt: skip

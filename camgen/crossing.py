@@ -3,23 +3,79 @@
 At every x both have a chord, the length of what lies inside them across x. All there is to know follows from chords:
 
     volume        integral of (chord of the one) * (chord of the other) dx
-    section at z  the first region between the x at which the second one, seen along its own chord at z, begins and ends
+    section at z  the first region where the second one's chord at height z runs
 
 A chord is the sum of the contour's crossings with the line, each counted with its direction, so nothing is sorted.
 Lines and arcs only: their crossings have a closed form.
+
+    edge          a long edge that neither region shows: from station to station straight, in every plane across x
+                  the corner of two sides along y and z, there rounded by an arc that is tangent to both
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgen.outlines import Arc, Contour, Floats, Line, Region, end_point, start_point
+from camgen.rings import Ring, Shape
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_OUTSIDE = 0.3  # of the radius, by which the cutter of an edge stands off the corner
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A long edge, rounded: at each station (x, y, z, radius), mm, x growing and radius > 0, straight between them.
+
+    up, out: +1 or -1, the sides of y and of z on which there is no material.
+    """
+
+    stations: tuple[tuple[float, float, float, float], ...]
+    up: int
+    out: int
+
+    @property
+    def mirrored(self) -> Edge:
+        """Its image under x -> -x."""
+        return Edge(tuple((-x, y, z, r) for x, y, z, r in reversed(self.stations)), self.up, self.out)
+
+    @property
+    def volume(self) -> float:
+        """What the rounding takes away, mm^3: across x a square of the radius less a quarter of the disc."""
+        spans = pairwise(self.stations)
+        return (1 - math.pi / 4) * sum((b[0] - a[0]) * (a[3] ** 2 + a[3] * b[3] + b[3] ** 2) / 3 for a, b in spans)
+
+    def cutter(self, tolerance: float) -> tuple[Floats, NDArray[np.int64]]:
+        """Closed body that takes the edge off: vertices (n, 3) mm, faces (m, 3) anticlockwise seen from outside.
+
+        tolerance: of chords in the arc, mm; what is left is inscribed. Between stations sections differ in size alone, so
+        that all faces are flat.
+        """
+        radius = max(station[3] for station in self.stations)
+        step = 2 * math.acos(max(1 - tolerance / radius, 0.0))
+        turn = np.linspace(0, math.pi / 2, max(2, math.ceil(math.pi / 2 / step)) + 1)
+        # from the corner inwards: along the arc from the one side to the other, and back outside the body; both ends of the
+        # arc stand off a little too, for a cutter that only touches the sides would leave slivers
+        flat = np.append((np.cos(turn) - 1) + 1j * (np.sin(turn) - 1), _OUTSIDE * (1 + 1j))
+        flat[[0, -2]] += np.array([1, 1j]) * tolerance / (4 * radius)
+        n, count = len(flat), len(self.stations)
+        vertices = np.array(
+            [(x, y + self.up * r * p.real, z + self.out * r * p.imag) for x, y, z, r in self.stations for p in flat]
+        )
+        k = np.arange(n)
+        following = (k + 1) % n
+        rows = [n * row for row in range(count - 1)]
+        walls = [np.column_stack([i + k, i + following, i + n + following]) for i in rows]
+        walls += [np.column_stack([i + k, i + n + following, i + n + k]) for i in rows]
+        fan = np.column_stack([np.full(n - 2, n - 1), np.arange(n - 2), np.arange(1, n - 1)])
+        faces = np.concatenate([*walls, fan[:, ::-1], fan + n * (count - 1)])
+        return vertices, faces if self.up * self.out < 0 else faces[:, ::-1]
 
 
 def _runs(contour: Contour) -> Iterator[tuple[float, float, Line | Arc, float]]:
@@ -100,22 +156,30 @@ def volume(region: Region, crossed: Region, z0: float, z1: float) -> float:
     return _integral(_marks(region) | _marks(crossed, (z0, z1)), (region, -math.inf, math.inf), every)
 
 
-def spans(crossed: Region, z: float) -> list[tuple[float, float]]:
-    """Where a line of height z runs inside the crossed region: from x to x, left to right."""
-    cuts = sorted(x for contour in (crossed.outer, *crossed.holes) for x in _at_height(contour, z))
-    return list(zip(cuts[::2], cuts[1::2], strict=True))
+def crossed_at(shape: Shape, crossed: Shape, z: float, taken: Sequence[Ring] = ()) -> list[Shape]:
+    """What a cut at height z leaves of a shape that is extruded and crossed with another one of the plane x + iz, by x.
 
+    taken: what the rounding of edges takes besides, rings at that height.
+    """
+    import shapely
 
-def cut(region: Region, crossed: Region, z: float) -> tuple[list[float], list[Contour]]:
-    """What a cut at height z leaves of the region: the areas of its pieces, mm^2, left to right, and the holes that are whole."""
-    marks, areas, holes = _marks(region), [], []
-    for left, right in spans(crossed, z):
-        inside = {left, right, *(x for x in marks if left < x < right)}
-        area = _integral(inside, (region, -math.inf, math.inf))
-        if area > 0:
-            areas.append(area)
-            holes += [hole for hole in region.holes if all(left < x < right for x in _marks(Region(hole)))]
-    return areas, holes
+    def area(flat: Shape) -> shapely.Polygon:
+        rings = [np.column_stack([ring.points.real, ring.points.imag]) for ring in (flat.outer, *flat.holes)]
+        return shapely.Polygon(rings[0], rings[1:])
+
+    def ring(line: shapely.LinearRing) -> Ring:
+        points = shapely.get_coordinates(line)[:-1] @ np.array([1, 1j])
+        return Ring(points, np.zeros(len(points))).counter_clockwise()
+
+    _, low, _, high = shape.outer.box
+    face = area(crossed)
+    level = shapely.LineString([(face.bounds[0] - 1, z), (face.bounds[2] + 1, z)])
+    ways = [way for way in shapely.get_parts(face.intersection(level)) if way.length > 0]
+    strips = [shapely.box(way.bounds[0], low - 1, way.bounds[2], high + 1) for way in ways]
+    body = area(shape).difference(shapely.union_all([area(Shape(each, ())) for each in taken]))
+    left_over = [piece for strip in strips for piece in shapely.get_parts(body.intersection(strip)) if piece.area > 0]
+    left_over.sort(key=lambda piece: piece.bounds[0])
+    return [Shape(ring(piece.exterior), tuple(ring(hole) for hole in piece.interiors)) for piece in left_over]
 
 
 def spread(region: Region) -> tuple[float, float]:
@@ -132,7 +196,7 @@ def spread(region: Region) -> tuple[float, float]:
 def rounded(points: Sequence[complex], radii: Sequence[float]) -> Contour:
     """Polygon whose corners are arcs of these radii (0: sharp), each tangent to both its edges.
 
-    ValueError, with the corner's number, where an arc does not fit between its neighbours.
+    ValueError, with the corner's number and the share of the radii that would fit, where an arc meets the next one.
     """
     corners: list[tuple[complex, complex, Arc | None]] = []
     n = len(points)
@@ -155,7 +219,7 @@ def rounded(points: Sequence[complex], radii: Sequence[float]) -> Contour:
         way = points[(k + 1) % n] - points[k]
         gap = ((arrive - leave) * way.conjugate()).real / abs(way)
         if gap < 0:
-            raise ValueError(str(k))
+            raise ValueError(k, abs(way) / (abs(way) - gap))
         made += [arc] if arc is not None else []
         made += [Line(leave, arrive)] if gap > 0 else []
     return Contour(tuple(made))

@@ -9,7 +9,8 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.mechanism import Plot, Study, Table
-from camgen.stitch import HOLDS, Design, Stitch, ratio_range, thread_per_stitch
+from camgen.outlines import Floats
+from camgen.stitch import HOLDS, Condition, Design, Stitch, ratio_range, thread_per_stitch
 
 _SAMPLES = 1441  # of the synchrogram: every quarter degree, both ends
 _EXAMPLE = (2.5, 3.0, 4.0)  # thickness, length and width of the stitch whose thread the source compares
@@ -19,23 +20,47 @@ _SOURCE = (
     "are a reconstruction, since the scan has no figures; the loops' shedding is taken as the nose leaving the other needle's "
     "line."
 )
-
-Conditions = list[tuple[str, float, float]]
+_PLANE = (
+    "Distances over the turn are those in the needles' plane, where needles and the spreaders' bodies stand. The noses lie "
+    "beside it: what is between a nose and the flank of a needle that passes it is side_gap, {:g} mm, whatever the angle."
+)
 
 
 def study(
-    given: Stitch, made: Design, length: float, conditions: Conditions, areas: Mapping[str, float], rpm: float
+    given: Stitch, made: Design, length: float, conditions: Sequence[Condition], areas: Mapping[str, float], rpm: float
 ) -> Study:
     """Numbers, plots and tables. made: what the parts follow; length: of a stitch; conditions: of the velocity ratio."""
     both = tuple(_or_reason(given, published) for published in (True, False))
     printed, right = (each if isinstance(each, Design) else None for each in both)
-    notes = [_SOURCE]
+    notes = [_SOURCE, _PLANE.format(given.side_gap)]
     for name, each in zip(("published", "corrected"), both, strict=True):
         notes += [f"No {name} design: {each}"] if isinstance(each, str) else []
-    tables = [_events(made), _beside(printed, right), _errata(given, printed), _loops(made), _tips(made), _thread(given, length)]
+    tables = [_events(made), _beside(printed, right), _errata(given, printed)]
+    tables += [_loops(made), _tips(made), _thread(given, length), _positions(made)]
     if conditions:
-        tables.append(_ratios(conditions))
-    return Study({**_numbers(given, made, length, conditions, rpm), **areas}, _synchrogram(made), tables, (), notes)
+        tables.append(_ratios(conditions, given.ratio))
+    numbers = {**_numbers(given, made, length, conditions, rpm), **areas}
+    return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
+
+
+def _columns(d: Design) -> dict[str, Floats]:
+    """Positions over the turn, every quarter degree, for motion.csv."""
+    phi = np.linspace(0, math.tau, _SAMPLES)
+    tips, noses = d.tips(phi), d.noses(phi)
+    return {
+        "theta_deg": np.degrees(phi), "needles_mm": d.risen(phi), "spreaders_mm": d.moved(phi),
+        "tip_1_mm": tips[0], "tip_2_mm": tips[1], "nose_1_mm": noses[0], "nose_2_mm": noses[1],
+    }  # fmt: skip
+
+
+def _positions(d: Design) -> Table:
+    """The synchrogram as a table; motion.csv has it every quarter degree."""
+    columns = {name: column[:: _SAMPLES // 24] for name, column in _columns(d).items()}
+    heads = (
+        "shaft angle, deg", "needles S, mm", "spreaders L, mm", "tip 1 above the plate's top, mm", "tip 2, mm",
+        "nose 1 beyond its needle, mm", "nose 2, mm",
+    )  # fmt: skip
+    return Table("Synchrogram", heads, [tuple(float(value) for value in row) for row in zip(*columns.values(), strict=True)])
 
 
 def _or_reason(given: Stitch, published: bool) -> Design | str:
@@ -49,7 +74,7 @@ def _deg(angles: Sequence[float]) -> list[float]:
     return [math.degrees(angle) for angle in angles]
 
 
-def _numbers(given: Stitch, d: Design, length: float, conditions: Conditions, rpm: float) -> dict[str, float]:
+def _numbers(given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float) -> dict[str, float]:
     phi, per_second = np.linspace(0, math.tau, _SAMPLES), rpm * math.tau / 60
     numbers = {
         "b_mm": given.height, "H_mm": given.pitch, "l1_mm": d.l1, "l2_mm": d.l2, "l3_mm": d.l3, "A_mm": d.nose,
@@ -69,8 +94,9 @@ def _numbers(given: Stitch, d: Design, length: float, conditions: Conditions, rp
     thread = thread_per_stitch(given.thickness, length, given.spacing)
     numbers |= {f"thread_{name.replace('-', '_')}_mm": value for name, value in thread.items()}
     if conditions:
-        (low, _), (high, _) = ratio_range(conditions)
-        numbers |= {"velocity_ratio_min": low} | ({"velocity_ratio_max": high} if math.isfinite(high) else {})
+        works = ratio_range(conditions, given.ratio)
+        ends = zip(("min", "max"), works or (), strict=False)
+        numbers |= {f"velocity_ratio_{name}": end for name, (end, _) in ends if math.isfinite(end)}
     return {name: value for name, value in numbers.items() if not math.isnan(value)}
 
 
@@ -113,7 +139,16 @@ def _rows(d: Design) -> list[tuple[str, float, float, float]]:
 
 
 def _events(d: Design) -> Table:
-    return Table("Events of a turn", ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm"), _rows(d))
+    what = {
+        "capture": "nose {0} takes the loop of needle {0}", "pierce": "needle {0} comes down into the loop of needle {1}",
+        "shedding": "nose {0} leaves the line of needle {1} on its way back",
+    }  # fmt: skip
+    rows = []
+    for name, *figures in _rows(d):
+        kind, _, number = name.partition(" ")
+        said = what[kind].format(number, {"1": 2, "2": 1}[number]) if kind in what else "the fabric moves in between"
+        rows.append((name, *figures, said))
+    return Table("Events of a turn", ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens"), rows)
 
 
 def _beside(printed: Design | None, right: Design | None) -> Table:
@@ -169,7 +204,8 @@ def _errata(g: Stitch, printed: Design | None) -> Table:
             (1, "S_m1, S_m2, S_X, mm", shown(*d.in_fabric, s_x), shown(*true, g.needle_stroke(true)),
              "made with e = 4 instead of the adopted plate_to_spreader"),
             (2, "pierce angles, deg", shown(*_deg(d.pierce)), shown(*_deg([3 * math.pi - angle for angle in d.pierce])),
-             "wrong branch, 180 deg + arccos instead of 360 deg - arccos"),
+             "wrong branch, 180 deg + arccos instead of 360 deg - arccos; right here at the published S_X and S_B, in the table "
+             "above at the corrected ones"),
             (3, "S_B2, mm", shown(d.rises[1]), shown(g.reach[1] + s2 + g.height), "too high by H + l_H"),
             (4, "L_X1, L_X2, mm", shown(*d.needed), shown(*strokes),
              "lacks a factor 2, and 0.003 stands for 0.03; in step no cosine is needed"),
@@ -217,9 +253,9 @@ def _thread(g: Stitch, length: float) -> Table:
     return Table("Thread of a stitch", columns, rows)
 
 
-def _ratios(conditions: Conditions) -> Table:
-    rows = [
-        (name, "at least" if c1 > 0 else "at most" if c1 < 0 else "any" if c0 >= 0 else "none", -c0 / c1 if c1 else "-")
-        for name, c0, c1 in conditions
-    ]
-    return Table("Velocity ratio, laws in step", ("so that", "", "r"), rows)
+def _ratios(conditions: Sequence[Condition], ratio: float) -> Table:
+    rows = []
+    for each in conditions:
+        roots = " and ".join(f"{root:.9g}" for root in sorted(each.roots) if root > 0)
+        rows.append((each.name, "yes" if each.spare(ratio) >= -1e-12 else "no", roots or "-"))
+    return Table("Velocity ratio, laws in step", ("so that", f"kept at {ratio:.9g}", "changes at"), rows)

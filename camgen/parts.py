@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.crossing import spread, volume
+from camgen.crossing import Edge, spread, volume
 from camgen.outlines import Arc, Contour, Line, Points, Region, circle, kidney, polygon
 from camgen.tolerances import SAME_POINT
 
@@ -36,7 +36,8 @@ class Part:
     `title` and `notes` are for people. bore: diameter of the hole on whose centre the part turns, None if it has none;
     min_wall: the thinnest wall that its designer accepts, mm; cut: the layer that a laser cuts and the drawing shows, which
     is the one with the joints. Layers of one height are separate pieces with the same z0 and z1.
-    crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material.
+    crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material;
+    edges: of a crossed part, those that are rounded, none meeting another one's arc.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Part:
     min_wall: float = 0.0
     cut: int = 0
     crossed: Region | None = None
+    edges: tuple[Edge, ...] = ()
 
     @property
     def thickness(self) -> float:
@@ -65,7 +67,8 @@ class Part:
     def volume(self) -> float:
         """Exact volume, mm^3, of layers that do not overlap less the engraving."""
         if self.crossed is not None:
-            return sum(volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers)
+            whole = sum(volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers)
+            return whole - sum(edge.volume for edge in self.edges)
         return sum(layer.volume for layer in self.layers) - sum(layer.volume for layer in self.engraved)
 
     @property

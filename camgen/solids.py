@@ -25,6 +25,9 @@ from camgen.tolerances import FLOAT32_ROUNDING
 
 Faces = NDArray[np.int64]
 
+# Earcut takes quadratic time. Rings of more points than _LONG are first cut into some _CHUNKS chunks, see _banded.
+_LONG, _CHUNKS = 8000, 1500
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -50,10 +53,14 @@ def solid(part: Part, tolerance: float) -> Mesh:
     layers = [_prism(layer, tolerance, part.name, pocket=False) for layer in part.layers]
     pockets = [_prism(layer, tolerance, part.name, pocket=True) for layer in part.engraved]
     if part.crossed is not None:
-        mesh = _cross(layers, part.crossed, tolerance, part.name)
-    else:
-        mesh = layers[0] if len(layers) == 1 and not pockets else _combine(layers, pockets)
+        mesh = _cross(layers, part, tolerance)
+    elif len(layers) > 1 or pockets:
+        mesh = _combine(layers, pockets)
+    else:  # one body, since its rings bound one region
+        _check(layers[0], part.name)
+        return layers[0]
     _check(mesh, part.name)
+    _check_bodies(mesh, part.name)
     return mesh
 
 
@@ -91,38 +98,83 @@ def _prism(layer: Layer, tolerance: float, name: str, pocket: bool) -> Mesh:
     """The layer's region between its two heights; raises DesignError where the rings cross."""
     loops = rings(layer.region, tolerance, pocket)
     _check_rings(loops, name)
-    z = np.concatenate(loops)
+    z, cap = _triangles(loops)
     n = len(z)
     floor = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z0))])
     ceiling = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z1))])
 
-    ends = np.cumsum([len(loop) for loop in loops])
-    here = np.arange(n)
+    sizes = np.array([len(loop) for loop in loops])
+    here = np.arange(sizes.sum())
     following = here + 1
-    following[ends - 1] = ends - [len(loop) for loop in loops]
-    cap = _triangles(loops)
+    following[np.cumsum(sizes) - 1] -= sizes
     walls = [np.column_stack([here, following, following + n]), np.column_stack([here, following + n, here + n])]
     return Mesh(np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls]))
 
 
-def _triangles(loops: Sequence[Points]) -> Faces:
-    """Triangles between the rings, anticlockwise, using every point: (m, 3) indices into the rings end to end."""
+def _triangles(loops: Sequence[Points]) -> tuple[Points, Faces]:
+    """Triangles between the rings, anticlockwise, using every point.
+
+    Returns the rings' points end to end, followed by points inside where there are many, and (m, 3) indices into them.
+    """
     import manifold3d
+
+    z = np.concatenate(loops)
+    wanted = sum(_area(loop) for loop in loops)
+    tries = (_banded, _earcut) if len(z) > _LONG else (_earcut,)
+    for attempt in tries:
+        points, faces = attempt(loops)
+        a, b, c = points[faces].T
+        doubled = (np.conj(b - a) * (c - a)).imag
+        # Earcut makes no promise: it drops points that come in line on the way. All turned one way, as many as there must
+        # be and of the right area, they lie side by side.
+        complete = len(faces) == len(z) + 2 * (len(points) - len(z)) + 2 * (len(loops) - 1) - 2 and np.all(doubled > 0)
+        if complete and abs(np.sum(doubled) / 2 - wanted) <= 1e-9 * wanted:
+            return points, faces
+    corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
+    return z, np.asarray(manifold3d.triangulate(corners), np.int64)
+
+
+def _earcut(loops: Sequence[Points]) -> tuple[Points, Faces]:
+    """Earcut's triangles, each turned anticlockwise."""
     import mapbox_earcut
 
     z = np.concatenate(loops)
-    xy = np.column_stack([z.real, z.imag])
     ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
-    faces = mapbox_earcut.triangulate_float64(xy, ends).reshape(-1, 3).astype(np.int64)
+    faces = mapbox_earcut.triangulate_float64(np.column_stack([z.real, z.imag]), ends).reshape(-1, 3).astype(np.int64)
     a, b, c = z[faces].T
-    doubled = (np.conj(b - a) * (c - a)).imag
-    wanted = sum(_area(loop) for loop in loops)
-    # Earcut is linear but makes no promise: it drops points that come in line on the way.
-    complete = len(faces) == len(z) + 2 * (len(loops) - 1) - 2 and np.all(doubled != 0)
-    if complete and abs(np.sum(np.abs(doubled)) / 2 - wanted) <= 1e-9 * wanted:
-        return np.where((doubled > 0)[:, None], faces, faces[:, ::-1])
-    corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
-    return np.asarray(manifold3d.triangulate(corners), np.int64)
+    return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
+
+
+def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
+    """A fan on each chunk of a ring from a new point inside the material, and earcut's triangles between the fans.
+
+    The new points are float32 numbers. A chunk that its point does not wholly see, at a corner, stays as it is.
+    """
+    size = sum(len(loop) for loop in loops)
+    step = -(-size // _CHUNKS)
+    kept: list[Faces] = []
+    tips: list[Points] = []
+    fans: list[Faces] = []
+    begin, new = 0, size
+    for loop in loops:
+        n = len(loop)
+        chunk, start = np.arange(n) // step, np.arange(0, n, step)
+        following = np.roll(loop, -1)
+        stop = np.append(loop[start[1:]], loop[0])
+        tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(complex) + 0
+        seen = (np.conj(following - loop) * (tip[chunk] - loop)).imag > 0
+        good = np.logical_and.reduceat(seen, start)
+        number = new + np.cumsum(good) - 1
+        edge = np.flatnonzero(good[chunk])
+        fans.append(np.column_stack([begin + edge, begin + (edge + 1) % n, number[chunk[edge]]]))
+        stays = np.flatnonzero(~good[chunk] | (np.arange(n) % step == 0))
+        place = np.concatenate([stays, start[good] + 0.5])
+        kept.append(np.concatenate([begin + stays, number[good]])[np.argsort(place)])
+        tips.append(tip[good])
+        begin, new = begin + n, new + int(np.count_nonzero(good))
+    points = np.concatenate([*loops, *tips])
+    _, inner = _earcut([points[index] for index in kept])
+    return points, np.concatenate([*fans, np.concatenate(kept)[inner]])
 
 
 def _check_rings(loops: Sequence[Points], name: str) -> None:
@@ -159,19 +211,44 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     return _ordered(np.column_stack([plan.real, plan.imag, height]), faces)
 
 
-def _cross(layers: Sequence[Mesh], crossed: Region, tolerance: float, name: str) -> Mesh:
-    """The stack as far as it lies in the region (x + iz) extruded along y; vertices are rounded to float32."""
+def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
+    """The stack as far as it lies in the part's other region extruded along y, its edges cut round; rounded to float32."""
     import manifold3d
 
     stack = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
     reach = 1 + max(float(np.max(np.abs(m.vertices[:, 1]))) for m in layers)
-    upright = _prism(Layer(crossed, -reach, reach), tolerance, name, pocket=False)
+    assert part.crossed is not None
+    upright = _prism(Layer(part.crossed, -reach, reach), tolerance, part.name, pocket=False)
     # (x, y, z) to (x, z, y) is a mirror image, so the faces turn round
     across = Mesh(np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]), np.ascontiguousarray(upright.faces[:, ::-1]))
     body = manifold3d.Manifold.batch_boolean([stack, _manifold(across)], manifold3d.OpType.Intersect)
+    cutters = [_manifold(_ordered(*edge.cutter(tolerance))) for edge in part.edges]
+    if cutters:
+        body = manifold3d.Manifold.batch_boolean([body, *cutters], manifold3d.OpType.Subtract)
     raw = body.to_mesh64()
     vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
-    return _ordered(vertices, np.asarray(raw.tri_verts).astype(np.int64))
+    mesh = _ordered(vertices, np.asarray(raw.tri_verts).astype(np.int64))
+    return _ordered(mesh.vertices, _split_flat(mesh))
+
+
+def _split_flat(mesh: Mesh) -> Faces:
+    """Faces without those that rounding has made flat: of each the middle corner splits the face across its longest side."""
+    faces = mesh.faces.copy()
+    for _ in range(len(faces)):
+        corners = mesh.vertices[faces]
+        crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        flat = np.flatnonzero(~crossed.any(axis=1))
+        if not len(flat):
+            break
+        k = int(flat[0])
+        lengths = np.linalg.norm(np.roll(corners[k], -1, axis=0) - corners[k], axis=1)
+        p, q, middle = np.roll(faces[k], -int(np.argmax(lengths)))
+        across = np.flatnonzero(np.any((faces == q) & (np.roll(faces, -1, axis=1) == p), axis=1))
+        if len(across) != 1:
+            break
+        far = next(v for v in faces[across[0]] if v not in (p, q))
+        faces[k], faces[across[0]] = (q, middle, far), (middle, p, far)
+    return faces
 
 
 def _ordered(vertices: Floats, faces: Faces) -> Mesh:
@@ -204,13 +281,22 @@ def _upright(plan: Points, known: Points) -> Points:
 
 
 def _check(mesh: Mesh, name: str) -> None:
-    """Raise DesignError unless the mesh is one closed body with volume, after rounding to float32."""
+    """Raise DesignError unless the mesh is closed, with volume, and its vertices are still distinct as float32."""
     place = np.asarray(mesh.vertices, np.float32)
-    if len(np.unique(place, axis=0)) != len(place):
-        raise DesignError(f"distinct vertices of {name}", len(np.unique(place, axis=0)), len(place), "", "float32")
-    body = _manifold(mesh)
-    if body.status().name != "NoError" or body.is_empty() or not mesh.volume > 0:
-        raise DesignError(f"volume of {name}", mesh.volume, 0, "mm^3", body.status().name, "outlines must not touch")
-    bodies = len(body.decompose())
+    place = place[np.lexsort(place.T)]
+    same = int(np.count_nonzero(np.all(place[1:] == place[:-1], axis=1)))
+    if same:
+        raise DesignError(f"distinct vertices of {name}", len(place) - int(same), len(place), "", "float32")
+    a, b, size = mesh.faces, np.roll(mesh.faces, -1, axis=1), len(mesh.vertices)
+    there, back = np.sort((a * size + b).ravel()), np.sort((b * size + a).ravel())
+    # closed: every edge is run once each way
+    faults = int(np.count_nonzero(there != back)) + int(np.count_nonzero(there[1:] == there[:-1]))
+    if faults or not mesh.volume > 0:
+        raise DesignError(f"volume of {name}", mesh.volume, 0, "mm^3", f"{faults} faulty edges", "outlines must not touch")
+
+
+def _check_bodies(mesh: Mesh, name: str) -> None:
+    """Raise DesignError unless a closed mesh is one body."""
+    bodies = len(_manifold(mesh).decompose())
     if bodies != 1:
         raise DesignError(f"bodies of {name}", bodies, 1, "", "", "let the layers overlap")

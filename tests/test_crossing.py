@@ -11,11 +11,12 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.crossing import chord, cut, rounded, spans, spread, volume
+from camgen.crossing import Edge, chord, crossed_at, rounded, spread, volume
 from camgen.errors import DesignError
 from camgen.outlines import Arc, Line, Region, circle, kidney, polygon
 from camgen.parts import Layer, Part
 from camgen.readback import Mesh, mesh_faults, slice_mesh
+from camgen.rings import Ring, Shape
 from camgen.sampling import facet_contour
 from camgen.solids import solid
 
@@ -32,8 +33,8 @@ def test_two_cylinders_cross_in_steinmetz_solid() -> None:
 def test_a_box_crossed_with_all_of_space_is_itself() -> None:
     wide = Region(polygon([-9 - 9j, 9 - 9j, 9 + 9j, -9 + 9j]))
     assert volume(PLATE, wide, 0, 2) == pytest.approx(2 * PLATE.area, rel=1e-12)
-    areas, holes = cut(PLATE, wide, 0.7)
-    assert areas == pytest.approx([PLATE.area], rel=1e-12) and holes == list(PLATE.holes)
+    (found,) = crossed_at(facetted(PLATE), facetted(wide), 0.7)
+    assert area(found) == pytest.approx(PLATE.area, abs=1e-5) and len(found.holes) == 1
 
 
 @pytest.mark.parametrize("region", [PLATE, PILL, Region(circle(1 + 1j, 2.0))])
@@ -49,11 +50,20 @@ def test_chords_by_shapely(region: Region) -> None:
         assert chord(region, np.array([x]), 0.5, 1.7)[0] == pytest.approx(part, abs=5e-3)
 
 
+def facetted(region: Region) -> Shape:
+    outer, *holes = (Ring(z, np.zeros(len(z))) for z in (facet_contour(c, 1e-6) for c in (region.outer, *region.holes)))
+    return Shape(outer, tuple(holes))
+
+
+def area(shape: Shape) -> float:
+    return abs(shape.outer.area) - sum(abs(hole.area) for hole in shape.holes)
+
+
 def test_cut_has_a_piece_for_each_span() -> None:
     ring = Region(circle(0j, 4.0), (circle(0j, 1.0),))
-    assert np.array(spans(ring, 0.0)) == pytest.approx(np.array([(-4, -1), (1, 4)]))
-    areas, holes = cut(PLATE, ring, 0.0)
-    assert areas == pytest.approx([9.0, 9.0 - math.pi / 2], abs=1e-12) and holes == []
+    found = crossed_at(facetted(PLATE), facetted(ring), 0.0)  # where the ring's chords run, from -4 to -1 and from 1 to 4
+    assert [area(shape) for shape in found] == pytest.approx([9.0, 9.0 - math.pi / 2], abs=1e-5)
+    assert all(shape.holes == () for shape in found)
 
 
 @pytest.mark.parametrize("crossed", [Region(circle(2j, 2.0)), PILL, Region(polygon([-3, 3.5 + 1j, 2 + 3j, -2 + 4j]))])
@@ -67,7 +77,7 @@ def test_mesh_is_closed_and_as_large(crossed: Region) -> None:
     assert faults.volume == pytest.approx(part.volume, abs=part.walls * 1e-4)
     for z in (0.4, 0.9, 1.8, 2.6):
         region = PLATE if z < 1.3 else taller
-        areas, _ = cut(region, crossed, z)
+        areas = [area(shape) for shape in crossed_at(facetted(region), facetted(crossed), z)]
         rings = slice_mesh(Mesh(made.vertices, made.faces), z)
         assert sum(r.area for r in rings) == pytest.approx(sum(areas), abs=0.05)
     again = solid(part, 1e-4)
@@ -106,5 +116,38 @@ def test_rounded_corners_are_tangent_to_their_edges(radii, radius, turn):  # typ
 
 
 def test_arc_that_does_not_fit_names_its_corner() -> None:
-    with pytest.raises(ValueError, match="^1$"):
+    with pytest.raises(ValueError) as caught:
         rounded([0, 1, 1 + 1j, 1j], [0, 0.6, 0.6, 0])
+    corner, share = caught.value.args
+    assert corner == 1 and share == pytest.approx(0.5 / 0.6)
+    rounded([0, 1, 1 + 1j, 1j], [0, 0.5, 0.5, 0])
+
+
+# ---- rounded edges ---------------------------------------------------------------------------------------------------
+
+WAY = ((1.0, 2.0, 1.5, 0.2), (3.0, 2.0, 1.5, 0.5), (6.0, 2.0, 1.5, 0.5), (7.0, 2.0, 1.5, 0.1))
+
+
+@pytest.mark.parametrize(("up", "out"), [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+@pytest.mark.parametrize("mirror", [False, True])
+def test_edge_of_a_box_is_an_arc_in_every_plane_across(up: int, out: int, mirror: bool) -> None:
+    """A box with one rounded edge: cut across x, its corner is a quarter disc tangent to both sides; volume by its formula."""
+    edge = Edge(tuple((x, up * y, out * z, r) for x, y, z, r in WAY), up, out)
+    low, high, side = (0.0, 1.5, -1 if mirror else 1) if out > 0 else (-1.5, 0.0, -1 if mirror else 1)
+    box = Region(polygon([0 - 2j, 8 - 2j, 8 + 2j, 0 + 2j]).moved(side, mirror=mirror))
+    wide = Region(polygon([-9 - 9j, 9 - 9j, 9 + 9j, -9 + 9j]))
+    part = Part("x", "X", (Layer(box, low, high),), crossed=wide, edges=(edge.mirrored if mirror else edge,))
+    made = solid(part, 1e-4)
+    mesh = Mesh(made.vertices, made.faces)
+    assert mesh_faults(mesh).count == 0
+    assert part.volume == pytest.approx(48 - (1 - math.pi / 4) * (2 * 0.13 + 3 * 0.25 + 0.31 / 3), abs=1e-12)
+    assert mesh_faults(mesh).volume == pytest.approx(part.volume, abs=2e-3)
+    turned = Mesh(mesh.vertices[:, [1, 2, 0]], mesh.faces)
+    for x, r in ((2.0, 0.35), (4.5, 0.5), (6.5, 0.3)):
+        (ring,) = slice_mesh(turned, side * x)
+        found = shapely.Polygon(np.column_stack([ring.points.real, ring.points.imag]))
+        corner = shapely.Point(up * (2 - r), out * (1.5 - r)).buffer(r, quad_segs=300)
+        square = shapely.box(min(up * (2 - r), up * 2), min(out * (1.5 - r), out * 1.5), max(up * (2 - r), up * 2),
+                             max(out * (1.5 - r), out * 1.5))  # fmt: skip
+        wanted = shapely.box(-2, low, 2, high).difference(square).union(corner.intersection(square))
+        assert found.exterior.hausdorff_distance(wanted.exterior) <= 2e-4

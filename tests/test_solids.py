@@ -160,14 +160,44 @@ def test_triangles_cover_the_region(corners, holes, facets, turn):
 
     loops = [ring(0, 100, corners)]
     loops += [ring(30 * cmath.exp(2j * math.pi * k / holes), 5, facets)[::-1] for k in range(holes)]
-    z = np.concatenate(loops)
-    faces = _triangles(loops)
+    covers(loops)
+
+
+def covers(loops):
+    """Assert that triangles lie side by side on the region of the rings and use every point; returns the points."""
+    z, faces = _triangles(loops)
     a, b, c = z[faces].T
     doubled = np.imag(np.conj(b - a) * (c - a))
     polygons = [np.column_stack([loop.real, loop.imag]) for loop in loops]
     assert doubled.min() > 0
     assert math.isclose(doubled.sum() / 2, shapely.Polygon(polygons[0], polygons[1:]).area, rel_tol=1e-9)
     assert set(faces.ravel()) == set(range(len(z)))
+    return z
+
+
+def wavy(n, waves, depth):
+    phi = np.arange(n) * (2 * np.pi / n)
+    return ((40 + depth * np.cos(waves * phi)) * np.exp(1j * phi)).astype(np.complex64).astype(complex)
+
+
+@pytest.mark.parametrize(("waves", "depth"), [(3, 5.0), (40, 3.0), (1, 12.0)])
+def test_long_rings_with_hollows(waves, depth):
+    hole = wavy(3000, 0, -31.0)[::-1]
+    assert len(covers([wavy(20_000, waves, depth), hole])) > 23_000
+
+
+def test_long_rings_round_a_thin_wall():
+    """The fans' points would come through a wall of 0.01 mm: earcut alone must do it."""
+    outer = wavy(6000, 5, 3.0)
+    inner = (0.99975 * outer[::-1]).astype(np.complex64).astype(complex)
+    assert len(covers([outer, inner])) == 12_000
+
+
+def test_long_rings_with_corners():
+    side = np.linspace(0, 50, 3000, endpoint=False)
+    bent = side + 1e-3j * side * (50 - side)  # hollow sides, square corners
+    square = np.concatenate([bent, 50 + 1j * bent, 50 + 50j - bent, 50j - 1j * bent])
+    assert len(covers([square.astype(np.complex64).astype(complex)])) > 12_000
 
 
 @settings(max_examples=25, deadline=None)

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import differential_evolution
 
 from camgen.errors import DesignError
-from camgen.looper_design import best_clearance, clearances
+from camgen.looper_design import Room, best_clearance, clearances, kept
 from camgen.looper_study import study
 from camgen.motion import LAWS
-from camgen.stitch import Design, Stitch, ratio_conditions, ratio_range, thread_per_stitch, to_and_fro
+from camgen.stitch import Condition, Design, Stitch, linear, ratio_conditions, ratio_range, thread_per_stitch, to_and_fro
 
 REFERENCE = tomllib.loads((Path(__file__).parent / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))
 BOUNDS = {"nose_over_eye": (1.5, 4.0), "loop_rise": (1.5, 4.5), "protrusion": (1.0, 2.0), "plate_to_spreader": (3.0, 8.0)}
@@ -145,7 +146,9 @@ def test_loops_held_at_the_root_are_never_both_pierced(point, over, rise, protru
 
 def test_range_of_the_ratio_is_where_findings_turn() -> None:
     given, blade = example(plate=7.0), 34.0
-    (low, why), (high, why_high) = ratio_range(ratio_conditions(given.design(), blade))
+    found = ratio_range(ratio_conditions(given.design(), blade), 0.9)
+    assert found is not None
+    (low, why), (high, why_high) = found
     assert low == pytest.approx(6.4 / 7.5, abs=1e-14) and "nose 2" in why
     assert high == pytest.approx(34 / (38 - 2), abs=1e-14) and "blade" in why_high
 
@@ -157,8 +160,16 @@ def test_range_of_the_ratio_is_where_findings_turn() -> None:
 
 
 def test_no_ratio_works_where_bounds_cross() -> None:
-    (low, _), (high, _) = ratio_range(ratio_conditions(example().design(), 20.0))
-    assert low > high
+    assert ratio_range(ratio_conditions(example().design(), 20.0), 0.8) is None
+
+
+def test_range_is_the_one_round_the_ratio() -> None:
+    """A condition may be broken in between: the range is the part that holds the ratio, or else the nearest."""
+    between = Condition("not between 1 and 2", lambda r: (r - 1) * (r - 2), (1.0, 2.0))
+    touched = Condition("touched at 3", lambda r: abs(r - 3), (3.0,))
+    for ratio, wanted in ((0.5, (0, 1)), (1.2, (0, 1)), (1.9, (2, 5)), (4.0, (2, 5)), (9.0, (2, 5))):
+        found = ratio_range([between, touched, linear("at most 5", 5, -1)], ratio)
+        assert found is not None and (found[0][0], found[1][0]) == wanted
 
 
 def test_other_laws_and_a_lag_give_the_same_events_where_they_should() -> None:
@@ -212,25 +223,34 @@ def test_equal_points_need_no_compromise() -> None:
 # ---- search ----------------------------------------------------------------------------------------------------------
 
 
-def test_search_beats_chance() -> None:
-    best = best_clearance(example(), BOUNDS, 40.0, 16.0, 4.0)
+ROOM = Room(40.0, 16.0, 4.0)
+
+
+def test_search_beats_chance_and_another_search() -> None:
+    best = best_clearance(example(), BOUNDS, ROOM)
     worst = min(clearances(best))
-    assert worst > 1.5
+    assert all(value <= limit for value, limit in kept(best, ROOM).values())
     assert best.design().spreader_stroke <= 40 and best.design().nose <= 16
     assert clearances(best)[:4] == pytest.approx(
         [gap / math.hypot(1, best.ratio) for gap in best.design().offsets().values()], abs=1e-12
     )
+    low, high = np.array([(1.5, 4), (1.5, 4), (1.5, 4.5), (1.5, 4.5), (1, 2), (3, 8), (0, 8), (0.5, 2)]).T
+
+    def cost(x: np.ndarray) -> float:
+        v = [float(value) for value in x]
+        g = replace(example(), over_eye=(v[0], v[1]), rise=(v[2], v[3]), protrusion=v[4], plate=v[5], setback=v[6], ratio=v[7])
+        lack = sum(max(value - limit, 0.0) for value, limit in kept(g, ROOM).values())
+        return -min(clearances(g)) + 50 * lack
+
     chance = np.random.default_rng(6)
-    for _ in range(20000):
-        a, s = chance.uniform(1.5, 4, 2), chance.uniform(1.5, 4.5, 2)
-        p, e, room = chance.uniform(1, 2), chance.uniform(3, 8), chance.uniform(0, 8)
-        g = replace(example(), over_eye=tuple(a), rise=tuple(s), protrusion=p, plate=e, ratio=6.4 / e, setback=room)
-        if g.height <= 0 or g.pitch < 4 or (max(g.reach) + g.height) * g.ratio + room > 16:
-            continue
-        if g.ratio * g.needle_stroke(g.in_fabric(e)) <= 40:
-            assert min(clearances(g)) < worst + 0.02
+    assert min(cost(x) for x in chance.uniform(low, high, (3000, 8))) > -worst
+    found = differential_evolution(cost, list(zip(low, high, strict=True)), seed=2, maxiter=60, popsize=8, tol=1e-8)
+    assert worst > -found.fun - 0.01
 
 
-def test_search_tells_when_there_is_nothing() -> None:
-    with pytest.raises(DesignError, match="clearance"):
-        best_clearance(example(), BOUNDS, 10.0, 16.0, 4.0)
+@pytest.mark.parametrize(
+    ("room", "quantity"), [(Room(10.0, 16.0, 4.0), "spreader_stroke"), (Room(40.0, 16.0, 4.0, 3.0), "clear")]
+)
+def test_search_tells_when_there_is_nothing(room: Room, quantity: str) -> None:
+    with pytest.raises(DesignError, match=quantity):
+        best_clearance(example(), BOUNDS, room)

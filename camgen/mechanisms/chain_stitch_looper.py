@@ -5,34 +5,31 @@
       |       |         |                 P1 comes from the left, P2 from the right and one pitch H higher:
       |  -----V----->   |  <----- P2      mirror images in X = z/2.
       |  P1 ---->       V
-A spreader's own frame: u rearward from the nose's tip, y up from nose level, w as Z. Its part has x = u (the lower one, P1,
-x = -u), y, and z = w from its lowest place up. Two layers, the body with its slanting front P6 and the flank with the nose,
-are crossed with the outline from above.
-[Horobets, Manoilenko; figures in camgen.stitch. Nose, shank, gaps and radii are a reconstruction: the scan has no figures]
+[Horobets, Manoilenko; figures in camgen.stitch, bodies in camgen.looper_parts]
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
-from camgen.crossing import rounded
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
+from camgen.looper_parts import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
 from camgen.looper_study import study
 from camgen.mechanism import Apart, Mechanism, Pose, Study
-from camgen.outlines import Contour, Floats, Points, Region, circle, polygon
-from camgen.parts import Layer, Part
+from camgen.outlines import Floats, Points
+from camgen.parts import Part
 from camgen.program import Program
 from camgen.segments import LawChoice, SegmentTable, law_of, program, program_faults
 from camgen.spec import Length, Record, validate
-from camgen.stitch import HARMONIC, Design, Stitch, ratio_conditions, ratio_range, to_and_fro
+from camgen.stitch import HARMONIC, Condition, Design, Stitch, ratio_conditions, ratio_range, to_and_fro
+from camgen.tolerances import SAME_POINT
 
 Both = tuple[Length, Length]
 Law = Annotated[str | LawChoice, Field(union_mode="left_to_right")]
@@ -44,8 +41,6 @@ ALLOWED = {
     "protrusion": (1.0, 2.0, "mm"),
     "protrusion_deg": (75.0, 90.0, "deg"),
 }
-_TEMPLATE = 1.0  # mm, thickness of the templates for outlines and section
-_BEYOND = 10.0  # mm that plate and needles are drawn beyond what they need
 
 
 class Geometry(Record):
@@ -83,21 +78,6 @@ class Motor(Record):
     """What drives the machine."""
 
     speed_rpm: Annotated[float, Field(gt=0, le=1e6)] = 3000.0
-
-
-class Parts(Record):
-    """Spreaders and plate as bodies."""
-
-    nose_width: Length = 1.2
-    side_gap: Annotated[float, Field(ge=0, le=10)] = 0.1
-    shed_deg: Annotated[float, Field(ge=0, lt=45)] = 3.0
-    lean: Literal["nose", "shank"] = "nose"
-    edge_radius: Annotated[float, Field(ge=0, le=10)] = 0.3
-    running_gap: Annotated[float, Field(ge=0, le=10)] = 0.0
-    shank_length: Length = 12.0
-    shank_width: Length = 6.0
-    clamp_hole: Length = 2.2
-    plate_thickness: Length = 2.0
 
 
 class Limits(Record):
@@ -146,6 +126,8 @@ class ChainStitchLooper(Mechanism):
             (p.plate_thickness < g.plate_to_spreader, "parts.plate_thickness", p.plate_thickness,
              f"less than plate_to_spreader, {g.plate_to_spreader:g} mm"),
             (p.running_gap < g.protrusion, "parts.running_gap", p.running_gap, f"less than the protrusion, {g.protrusion:g} mm"),
+            (p.edge_radius == 0 or p.edge_radius >= LEAST_RADIUS, "parts.edge_radius", p.edge_radius,
+             f"0, or at least {LEAST_RADIUS:g} mm: less is neither drawn nor made"),
             (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
              f"at least the nozzle, {self.print.nozzle:g} mm"),
             (g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg or g.p6_setback),
@@ -153,7 +135,8 @@ class ChainStitchLooper(Mechanism):
         ]  # fmt: skip
         for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
             value = getattr(self.print, key)
-            checks.append((value == 0, f"print.{key}", value, "0: files are judged as drawn, let the slicer compensate"))
+            said = "0: spreaders and needles are crossed outlines, which have no print fits; set them in the slicer"
+            checks.append((value == 0, f"print.{key}", value, said))
         if self.wanted is not None:
             for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
                 low, high = getattr(self.wanted, key)
@@ -187,140 +170,21 @@ class ChainStitchLooper(Mechanism):
         """How far the spreaders have moved, mm, or its derivative to the shaft's angle; (n,)."""
         return self.design.moved(theta, order)
 
-    # ---- outlines ----------------------------------------------------------------------------------------------------
-
-    def side_outline(self, radius: float = 0.0, behind: float = 0.0, foot: float | None = None) -> Contour:
-        """Outline in (u, y), counter-clockwise: V0 nose, V1 seat, V2 to V5; V1, V2 and V5 rounded.
-
-        behind: shank beyond the blade's end; foot: depth of the underside, l_H unless said. DesignError where arcs do not fit.
-        """
-        d, g = self.design, self.geometry
-        low = g.protrusion if foot is None else foot
-        lean = low / math.tan(math.radians(g.protrusion_deg)) * (1 if self.making.lean == "nose" else -1)
-        end, b = g.blade_length + behind, self.stitch.height
-        points = [0j, complex(d.l3, 0), complex(d.l3 - lean, -low), complex(end, -low), complex(end, b), complex(d.nose, b)]
-        return self._rounded(points, [0, radius, radius, 0, 0, radius])
-
-    def section_outline(self, behind: float = 0.0, foot: float | None = None) -> Contour:
-        """Outline in (u, y) of what stands in the needles' plane: B, C and the body behind them; sharp."""
-        d, end, b = self.design, self.geometry.blade_length + behind, self.stitch.height
-        low = self.geometry.protrusion if foot is None else foot
-        return polygon([complex(d.l1, 0), complex(d.l1, -low), complex(end, -low), complex(end, b), complex(d.nose, b)])
-
-    def top_outline(self, radius: float = 0.0) -> Contour:
-        """Outline in (u, w), counter-clockwise: T0 nose, then T5 to T1; T1 and T4 rounded."""
-        d, (t1, t2, t3, t4, t5) = self.design, self._plan()
-        return self._rounded([complex(0, t5.imag), t5, t4, t3, t2, t1], [0, 0, min(radius, d.opening / 2), 0, 0, radius])
-
-    def _plan(self) -> tuple[complex, complex, complex, complex, complex]:
-        """T1 to T5."""
-        d, p, end = self.design, self.making, self.geometry.blade_length
-        gap, widening = self.geometry.needle_diameter / 2 + p.side_gap, math.tan(math.radians(p.shed_deg))
-        return (
-            complex(d.l3, gap + p.nose_width), complex(end, gap + p.nose_width + (end - d.l3) * widening),
-            complex(end, gap - d.opening - (end - d.nose) * widening), complex(d.nose, gap - d.opening), complex(d.nose, gap),
-        )  # fmt: skip
-
-    def _rounded(self, points: list[complex], radii: list[float]) -> Contour:
-        try:
-            return rounded(points, radii)
-        except ValueError as corner:
-            raise DesignError(
-                "edge_radius", self.making.edge_radius, 0.0, "mm", f"corner at {points[int(str(corner))]:.4g} mm",
-                "its arc does not fit between the next corners: use a smaller one or a longer blade or protrusion",
-            ) from None  # fmt: skip
-
     # ---- parts -------------------------------------------------------------------------------------------------------
 
+    @cached_property
+    def bodies(self) -> Bodies:
+        """Spreaders, dummies and gauges."""
+        g = self.geometry
+        return Bodies(self.design, self.making, math.radians(g.protrusion_deg), g.blade_length, self.allowed.min_wall)
+
+    @property
+    def _back(self) -> float:
+        return seat_back(math.radians(self.geometry.protrusion_deg), self.making.lean)
+
     def parts(self) -> Sequence[Part]:
-        """Both spreaders; needles and plate as dummies for the assembly; templates of the outlines and of the section."""
-        return self._parts
-
-    @cached_property
-    def _parts(self) -> tuple[Part, ...]:
-        radius, upper = self.making.edge_radius, self._spreader
-        mirrored = [Layer(layer.region.moved(-1, mirror=True), layer.z0, layer.z1) for layer in upper.layers]
-        assert upper.crossed is not None
-        lower = replace(
-            upper, name="lower-spreader", title="Lower spreader (P1), mirror image", layers=tuple(mirrored),
-            centres=tuple(-z.conjugate() for z in upper.centres), crossed=upper.crossed.moved(-1, mirror=True),
-        )  # fmt: skip
-        outlines = [
-            ("side-outline", "Template: side outline", self.side_outline(radius)),
-            ("top-outline", "Template: outline from above, at the height of C", self.top_outline(radius)),
-            ("needle-section", "Template: section in the needles' plane", self.section_outline()),
-        ]
-        templates = [Part(name, title, (Layer(Region(outline), 0.0, _TEMPLATE),)) for name, title, outline in outlines]
-        return (lower, upper, *self._needles, self._plate, *templates)
-
-    @cached_property
-    def _spreader(self) -> Part:
-        """The upper spreader: body and flank one above the other in z, crossed with the outline from above and the shank."""
-        g, d, p = self.geometry, self.design, self.making
-        t1, t2, t3, t4, t5 = self._plan()
-        if not d.nose < g.blade_length:
-            raise DesignError(
-                "blade_length", g.blade_length, d.nose, "mm", "the nose alone", "use a longer blade or a smaller velocity_ratio"
-            )
-        foot, floor, end = g.protrusion - p.running_gap, t3.imag, g.blade_length + p.shank_length
-        hole_at = complex(g.blade_length + p.shank_length / 2, (self.stitch.height - foot) / 2)
-        height = self.stitch.height + foot
-        wall = (min(height, p.shank_length) - p.clamp_hole) / 2
-        if not wall > 0:
-            raise DesignError(
-                "clamp_hole", p.clamp_hole, min(height, p.shank_length), "mm", "the shank's height and length",
-                "use a smaller hole: the shank may be no higher than the blade, for the other spreader passes it",
-            )  # fmt: skip
-        hole = circle(hole_at, p.clamp_hole / 2)
-        body = Region(self.section_outline(p.shank_length, foot), (hole,))
-        flank = Region(self.side_outline(p.edge_radius, p.shank_length, foot), (hole,))
-        ceiling = max(t2.imag, floor + p.shank_width)
-        # P6 and the nose's tip bound the material in front; the outline from above runs on before them and leaves room.
-        lead = -1.0
-        side = complex(lead, t5.imag + lead * p.nose_width / d.l3)
-        slant = (t4 - t3) / (t4 - t3).real
-        corner = t3 + slant * (lead - t3.real)
-        points = [corner, t3, complex(end, t3.imag), complex(end, ceiling)]
-        points += [complex(t2.real, ceiling)] if ceiling > t2.imag else []
-        points += [t2, t1, side]
-        radii = [p.edge_radius if z == t1 else 0.0 for z in points]
-        plan = self._rounded(points, radii).moved(shift=-1j * floor)
-        middle = t5.imag - floor
-        return Part(
-            "upper-spreader", "Upper spreader (P2)",
-            (Layer(body, 0.0, middle), Layer(flank, middle, ceiling - floor)), 1, (), (hole_at,),
-            (f"needles' plane at z = {-floor:.4f}", f"nose edges rounded R{p.edge_radius:g}; polish where the thread runs"),
-            None, self.allowed.min_wall, 1, Region(plan),
-        )  # fmt: skip
-
-    @cached_property
-    def _needles(self) -> tuple[Part, Part]:
-        """Needles, upright in the drawing's plane: round above, the point a wedge whose section here is the cone's."""
-        g, r = self.geometry, self.geometry.needle_diameter / 2
-        top = max(self.stitch.depths) + g.material_thickness + _BEYOND
-
-        def needle(k: int) -> Part:
-            h = g.point_lengths[k]
-            outline = polygon([0j, complex(r, h), complex(r, top), complex(-r, top), complex(-r, h)])
-            crossed = Region(circle(complex(0, r), r))
-            notes = ("dummy for the assembly; cone and wedge have the same section in this plane",)
-            return Part(f"needle-{k + 1}", f"Needle {k + 1}", (Layer(Region(outline), 0.0, 2 * r),), notes=notes, crossed=crossed)
-
-        return needle(0), needle(1)
-
-    @cached_property
-    def _plate(self) -> Part:
-        g, p = self.geometry, self.making
-        z, half = g.needle_spacing, max(self._spreader.thickness, 6.0)
-        r = g.needle_diameter / 2 + min(0.4, (z - g.needle_diameter) / 4)
-        left, right, t = -_BEYOND, z + _BEYOND, p.plate_thickness
-        outline = polygon([complex(left, -t), complex(right, -t), complex(right, 0), complex(left, 0)])
-        top = polygon([complex(left, 0), complex(right, 0), complex(right, 2 * half), complex(left, 2 * half)])
-        holes = tuple(circle(complex(x, half), r) for x in (0.0, z))
-        return Part(
-            "needle-plate", "Needle plate", (Layer(Region(outline), 0.0, 2 * half),), notes=("dummy for the assembly",),
-            crossed=Region(top, holes),
-        )  # fmt: skip
+        """Both spreaders; needles and plate as dummies for the assembly; gauges of the outlines and of the section."""
+        return self.bodies.parts
 
     # ---- assembly ----------------------------------------------------------------------------------------------------
 
@@ -329,7 +193,7 @@ class ChainStitchLooper(Mechanism):
         theta = np.asarray(theta, float)
         zero, d, g = np.zeros(theta.shape), self.design, self.stitch
         tips, noses = d.tips(theta), d.noses(theta)
-        floor = self._plan()[2].imag
+        floor = self.bodies.plan[2].imag
 
         def at(x: Floats, y: Floats, z: float) -> list[Pose]:
             place: Points = np.empty(theta.shape, complex)
@@ -341,7 +205,7 @@ class ChainStitchLooper(Mechanism):
             "upper-spreader": at(g.spacing - noses[1], zero - g.levels[1], floor),
             "needle-1": at(zero, tips[0], -g.needle / 2),
             "needle-2": at(zero + g.spacing, tips[1], -g.needle / 2),
-            "needle-plate": at(zero, zero, -self._plate.thickness / 2),
+            "needle-plate": at(zero, zero, -self.bodies.plate.thickness / 2),
             "side-outline": [],
             "top-outline": [],
             "needle-section": [],
@@ -349,7 +213,7 @@ class ChainStitchLooper(Mechanism):
 
     def contacts(self) -> Sequence[Apart]:
         """Needles against spreaders in the needles' plane, the spreaders against each other there and beside it."""
-        gap, t1, t5 = self.allowed.clearance, *self._plan()[::4]
+        gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
         beside = (t1.imag + t5.imag) / 2
         spreaders = {"P1": "lower-spreader", "P2": "upper-spreader"}
         pairs = [("N1/P1", "N2/P1", "N2/P2", "N1/P2")]
@@ -362,18 +226,35 @@ class ChainStitchLooper(Mechanism):
         """Ranges of the source, loops, needles out of the fabric while it moves, blade, velocity ratio."""
         d, g = self.design, self.geometry
         found = [self._range(key) for key in ALLOWED]
-        turning = 1 - 1e-9  # S_X is made for the feed's angle, which comes back rounded
+        found.append(
+            at_least(
+                "MIN_WALL",
+                self.making.nose_width,
+                self.allowed.min_wall,
+                "mm",
+                "parts.nose_width",
+                "width of the nose at the thread's seat, from where it runs to a point",
+            )
+        )
+        found.append(
+            at_least(
+                "SIDE_GAP",
+                self.making.side_gap,
+                2 * self.accuracy.chord_tolerance,
+                "mm",
+                "parts.side_gap",
+                "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be off by "
+                "the limit",
+            )
+        )
         for k, margin in enumerate(d.margins):
-            found.append(
-                replace(
-                    at_least(
-                        "LOOP", margin, 0.0, "mm", f"spreader {k + 1} and needle {2 - k}",
-                        "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the "
-                        f"nose is {'pierced' if margin > 0 else 'missed'}; the seat is {-d.held[k]:.3f} mm short of that axis",
-                    ),
-                    ok=margin > 0,
-                )
+            said = (
+                f"the tip of needle {2 - k} never comes down to nose level {k + 1}: use less protrusion, or raise its loop_rise"
+                if math.isnan(margin) else
+                "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
+                f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-d.held[k]:.3f} mm short of that axis"
             )  # fmt: skip
+            found.append(Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", f"spreader {k + 1} and needle {2 - k}", said))
         one, two = (math.degrees(angle) for angle in d.pierce_angles)
         found.append(
             at_most(
@@ -385,24 +266,35 @@ class ChainStitchLooper(Mechanism):
         for k, angle in enumerate(d.out_of_fabric):
             found.append(
                 at_least(
-                    "FEED", math.degrees(angle), g.feed_deg * turning, "deg", f"needle {k + 1}",
+                    "FEED", math.degrees(angle), g.feed_deg, "deg", f"needle {k + 1}",
                     "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer needle_stroke "
                     "or a smaller plate_to_spreader gives more",
                 )
             )  # fmt: skip
         found.append(
             at_least(
-                "BLADE_LENGTH", g.blade_length, d.spreader_stroke - min(d.before), "mm", "spreaders",
+                "BLADE_LENGTH",
+                g.blade_length,
+                d.spreader_stroke - min(d.before),
+                "mm",
+                "spreaders",
                 "the blade reaches under its own needle until the end of the stroke",
             )
         )
         if g.mode == "corrected" and self._in_step:
-            (low, why_low), (high, why_high) = self.ratio_range
-            below = g.velocity_ratio - low < high - g.velocity_ratio
-            remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
-            check = at_least if below else at_most
-            found.append(check("VELOCITY_RATIO", g.velocity_ratio, low if below else high, "", "spec", remark))
+            found.append(self._ratio())
         return found
+
+    def _ratio(self) -> Finding:
+        ratio, works = self.geometry.velocity_ratio, self.ratio_range
+        if works is None:
+            at_fault = min(self._conditions, key=lambda condition: condition.spare(ratio)).name
+            remark = f"no ratio works; at this one what fails is: {at_fault}"
+            return at_most("VELOCITY_RATIO", ratio, math.nan, "", "spec", remark)
+        (low, why_low), (high, why_high) = works
+        remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
+        check, limit = (at_least, low) if ratio - low < high - ratio else (at_most, high)
+        return check("VELOCITY_RATIO", ratio, limit, "", "spec", remark)
 
     def _range(self, key: str) -> Finding:
         low, high, unit = ALLOWED[key]
@@ -418,18 +310,25 @@ class ChainStitchLooper(Mechanism):
         s = self.stitch
         return s.needle_program is s.spreader_program is HARMONIC and s.lag == 0
 
+    @cached_property
+    def _conditions(self) -> list[Condition]:
+        """All that the velocity ratio must keep for every finding to hold; laws in step."""
+        g, limits, s = self.geometry, self.allowed, self.stitch
+        found = ratio_conditions(s.design(), g.blade_length, limits.clearance, math.radians(limits.loop_angle_deg))
+        return [*found, *room_on_nose(s, self.making, self._back)]
+
     @property
-    def ratio_range(self) -> tuple[tuple[float, str], tuple[float, str]]:
+    def ratio_range(self) -> tuple[tuple[float, str], tuple[float, str]] | None:
         """Least and greatest velocity_ratio with which the corrected design works, and what stops it there; laws in step."""
-        return ratio_range(ratio_conditions(self.stitch.design(), self.geometry.blade_length))
+        return ratio_range(self._conditions, self.geometry.velocity_ratio)
 
     def study(self) -> Study:
         """Synchrogram and events, published and corrected figures side by side, errata, loops, thread, velocity ratio."""
-        conditions = ratio_conditions(self.stitch.design(), self.geometry.blade_length) if self._in_step else []
+        conditions = self._conditions if self._in_step else []
         areas = {
-            "side_outline_area_mm2": self.side_outline().area,
-            "top_outline_area_mm2": self.top_outline().area,
-            "needle_section_area_mm2": self.section_outline().area,
+            "side_outline_area_mm2": self.bodies.side_outline().area,
+            "top_outline_area_mm2": self.bodies.top_outline().area,
+            "needle_section_area_mm2": self.bodies.section_outline().area,
         }
         return study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, self.motor.speed_rpm)
 
@@ -438,18 +337,26 @@ class ChainStitchLooper(Mechanism):
     def designed(self) -> Self:
         """The spec within [wanted] whose smallest clearance is largest: needles, and noses past the piercing needles.
 
-        Needles, spacing, fabric and feed stay. SpecError where [wanted] is missing; DesignError where nothing clears.
+        Needles, spacing, fabric and feed stay; without [wanted] the source's ranges count. DesignError where nothing clears.
         """
-        from camgen.looper_design import best_clearance
+        from camgen.looper_design import Room, best_clearance
 
-        if self.wanted is None:
-            raise SpecError([Fault("wanted", "", "missing: a table, it may be empty, [wanted]")])
         if not self._in_step:
             raise SpecError([Fault("timing", "", "simple-harmonic laws without lag: only for these there is a search")])
-        w = self.wanted
+        w, p = self.wanted or Wanted(), self.making
         bounds = {name: getattr(w, name) for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")}
-        pitch = self.making.clamp_hole + 2 * self.allowed.min_wall + self.making.running_gap
-        found = best_clearance(self.stitch, bounds, w.spreader_stroke, w.nose_length, pitch)
+        low, high = bounds["protrusion"]
+        # the arcs at V1 and V2 need room on the protrusion's front
+        needed = 2 * p.edge_radius * self._back * math.sin(math.radians(self.geometry.protrusion_deg)) + p.running_gap
+        if not needed <= high:
+            raise DesignError(
+                "wanted.protrusion", high, needed, "mm", "its greatest value",
+                "edge_radius and running_gap need more: allow more, or make them smaller",
+            )  # fmt: skip
+        bounds["protrusion"] = (max(low, math.ceil(1e4 * needed) / 1e4), high)
+        pitch = p.clamp_hole + 2 * self.allowed.min_wall + p.running_gap
+        room = Room(w.spreader_stroke, w.nose_length, pitch, self.allowed.clearance, self.allowed.loop_angle_deg)
+        found = best_clearance(self.stitch, bounds, room)
         made = found.design()
         data = self.model_dump(by_alias=True, exclude_none=True)
         data["geometry"] |= {
