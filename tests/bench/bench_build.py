@@ -1,4 +1,4 @@
-"""Figures of a build: motion error against its bound, whole-process times and memory. Run: python tests/bench/bench_build.py"""
+"""Whole-process times and memory of the commands that have a limit. Run: python tests/bench/bench_build.py"""
 
 from __future__ import annotations
 
@@ -12,21 +12,6 @@ from pathlib import Path
 
 SPEC = Path(__file__).parent.parent.parent / "specs" / "uniform-swing.toml"
 RUNS = 7
-
-
-def motion_errors(out: Path) -> None:
-    """Recovered motion against the bound tol / (R cos(pressure angle)) with 5 % to spare, by tolerance and kind of file."""
-    from camgen import pipeline
-
-    print("tolerance, mm | file | motion error, deg | bound, deg | used")
-    for tolerance in ("1e-1", "1e-2", "1e-3", "1e-4", "1e-5", "1e-6"):
-        settings = ["parts.make='cams'", f"accuracy.chord_tolerance={tolerance}", f"name='t{tolerance.replace('-', 'm')}'"]
-        report = pipeline.build(SPEC, out, frozenset({"dxf", "stl", "3mf"}), settings)
-        for finding in report.findings:
-            if finding.code == "MOTION_ERROR":
-                kind = finding.where.split(",")[0].rsplit(".", 1)[1]
-                used = finding.measured / finding.limit
-                print(f"{tolerance} | {kind} | {finding.measured:.3e} | {finding.limit:.3e} | {used:.0%}")
 
 
 def process(arguments: list[str]) -> tuple[float, float]:
@@ -54,6 +39,4 @@ def whole_processes(out: Path) -> None:
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
-        whole_processes(Path(folder))  # first: a child's peak memory counts what this process holds when it starts it
-        print()
-        motion_errors(Path(folder))
+        whole_processes(Path(folder))
