@@ -137,7 +137,7 @@ def motion(
     \b
       shape          roller (a round tip as well), knife or flat  [roller]
       radius         of the roller or round tip, mm
-      contour=N      on which closed contour of FILE it rides: 1 the largest, 2 the next...  [1]
+      contour=N      on which closed contour of FILE it rides: 1 the largest, 2 the next...
       inside=true    it touches that contour from within, as the outer wall of a groove
       centre=X/Y     place of the shaft in FILE  [0/0]
       flipped=true   the outline is turned over about Oy first; turned_deg=A: then turned by A

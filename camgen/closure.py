@@ -32,6 +32,7 @@ _LASH = 0.5  # of the stroke: with more play a mechanism is none
 _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart are two faces
 _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
+_HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,14 @@ class Measured:
 def measure(eye: Eye, sections: Sections) -> Measured | None:
     """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
     found: list[tuple[Circle, float]] = []
+    least = min(_SAME_HOLE * eye.diameter, max(_HEAD, 0.02 * eye.diameter))
     for shapes in sections:
         for shape in shapes:
             rings: Sequence[Ring] = [shape.outer] if eye.shaft else shape.holes
             near = [ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter]
             circles = hole_circles(Shape(shape.outer, tuple(near)))
             pairs = zip(circles, near, strict=True)
-            found += [(c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= _SAME_HOLE * eye.diameter]
+            found += [(c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least]
     if not found:
         return None
     centres = np.array([c.centre for c, _ in found])
@@ -313,10 +315,12 @@ def judge_linkage(
     motion: Callable[[Floats, int], Floats],
     theta: Floats,
     chord_tolerance: float,
+    slack: float = 0.0,
 ) -> Verdict:
     """Fit of the pins, and the motion and stroke of the linkage closed on the measured holes, against the wanted ones.
 
-    files: sections of each part's file of this kind; theta: judged crank angles, (n,) rad.
+    files: sections of each part's file of this kind; theta: judged crank angles, (n,) rad; slack: mm, what the way back from
+    a print compensation may cost a fit.
     The limit of motion and stroke is what one joint's centre off by the chord tolerance can do at the worst angle.
     """
     joints = [contact for contact in contacts if isinstance(contact, Pin | Slide)]
@@ -343,7 +347,7 @@ def judge_linkage(
         return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", where, "; ".join(lost)),), {})
     held = {eye: place for eye, place in found.items() if place is not None}
     plays = {joint.name: guides[joint.name].play if isinstance(joint, Slide) else _play(joint, held) for joint in joints}
-    findings = [_fit(joints, held, plays, 2 * chord_tolerance + 4 * rounding, where)]
+    findings = [_fit(joints, held, plays, 2 * chord_tolerance + 4 * rounding + slack, where)]
 
     chain = Chain(joints, traced, poses, {eye: place.centre for eye, place in held.items()}, guides)
     closed = chain.close(theta)
@@ -392,9 +396,11 @@ def _play(joint: Pin, held: Mapping[Eye, Measured]) -> float:
 def _fit(joints: Sequence[Joint], held: Mapping[Eye, Measured], plays: Mapping[str, float], limit: float, where: str) -> Finding:
     """The joint that fits worst: play against the spec's, each hole's own size, its centres at several heights.
 
-    Each hole by itself, for one that is too tight is not mended by another one that is too wide.
+    Each hole by itself, for one that is too tight is not mended by another one that is too wide. Two holes' play on one pin
+    counts by the half.
     """
-    misfit = {joint.name: abs(plays[joint.name] - joint.clearance) for joint in joints}
+    fits = {joint.name: 1 if getattr(joint, "pin", None) is None else 2 for joint in joints}  # a pin is in two holes
+    misfit = {joint.name: abs(plays[joint.name] - joint.clearance) / fits[joint.name] for joint in joints}
     for joint in joints:
         for eye in _eyes(joint):
             size = abs(held[eye].diameter - eye.diameter) if eye.part and eye.diameter else 0.0

@@ -188,8 +188,9 @@ class TakeUp:
 
         curve: Curve = shifted
         spans = near_stops(curve, stop.centre, radius)
-        if not len(spans):
-            return TURN
+        if not len(spans):  # always within, or for less than the search resolves
+            whole = path(np.linspace(0, TURN, 720, endpoint=False), 0)
+            return TURN if float(np.max(np.abs(whole - stop.centre))) <= radius else 0.0
         half = (stop.leaves - stop.enters) / 2
         held = spans[(spans[:, 0] <= math.pi + half + 1e-9) & (spans[:, 1] >= math.pi - half - 1e-9)]
         return float(held[:, 1].max() - held[:, 0].min()) if len(held) else 0.0

@@ -28,6 +28,7 @@ _ALPHA = "crank angle, deg"
 # Bending stress that a pin bears for long, MPa: half of its tensile strength, since the load changes with every turn; taken
 # as 40 for prints across their layers and 700 for steel that can still be turned.
 _BEARS = {"printed": 20.0, "steel": 350.0}
+_SHEAR = 1 / math.sqrt(3)  # of it in shear [von Mises]
 
 _ERRATA = (
     "Source: Semin, Korneenko, Kirillov, Mikheeva, Two-crank four-bar thread take-up of a sewing machine (in Russian).",
@@ -37,7 +38,8 @@ _ERRATA = (
     "With the lengths as printed (AB = 30, BC = 19) the eye's path has no double point; with AB and BC interchanged it has "
     "one, and the near stop that the paper describes. The paper's 120 N at C fits the printed lengths. The text cannot "
     "decide: both readings stand side by side here, the printed one for the forces, the interchanged one for the motion.",
-    "Not given by the source, so the spec's own choice: centres of mass, guides, frame angle, consumption of thread.",
+    "Not given by the source, so the spec's own choice: centres of mass, guides, frame angle, consumption of thread. Forces "
+    "use the masses in the spec, which are the source's steel links, not those of the parts made here.",
     "Feed: straight thread between the centres of guides and finger; the wrap round their radii is left out.",
     "Wear measure: mean over the turn of |reaction| times |relative angular speed| in the joint, N rad/s (load times "
     "sliding way, to be multiplied by the pin's radius); the paper names its coefficient without a formula.",
@@ -207,10 +209,13 @@ def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[s
     }
 
 
-def pin_strength(
-    t: TakeUp, masses: Masses, rpm: float, made: str, diameter: float, levers: Mapping[str, float]
+def strengths(
+    t: TakeUp, masses: Masses, rpm: float, made: str, diameter: float, levers: Mapping[str, float], shaft: float
 ) -> list[Finding]:
-    """PIN_STRESS of pins held in a crank at one end and bent by the peak reaction on a lever, mm, by the joint's name."""
+    """PIN_STRESS of pins held in a crank at one end and bent by the peak reaction on a lever, mm, by the joint's name.
+
+    And SHAFT_STRESS of a round shaft as thick as the input shaft is over its flat, mm, twisted by the peak torque.
+    """
     peaks, bears, found = force_numbers(t, masses.bodies(t), rpm * math.tau / 60), _BEARS[made], []
     for pin, lever in levers.items():
         force = peaks[f"peak_reaction_{pin}_n"]
@@ -218,7 +223,10 @@ def pin_strength(
         holds = rpm * math.sqrt(bears / stress) if stress else math.inf
         remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
         found.append(at_most("PIN_STRESS", stress, bears, "MPa", f"pin {pin.upper()}", remark))
-    return found
+    torque = 1000 * peaks["peak_torque_n_m"]
+    stress, bears = 16 * torque / (math.pi * shaft**3), _SHEAR * bears
+    remark = f"twisted by {torque:.4g} N mm; a {made} shaft {shaft:g} mm thick bears {bears:.4g} MPa in shear"
+    return [*found, at_most("SHAFT_STRESS", stress, bears, "MPa", "input shaft", remark)]
 
 
 def _peak(values: Floats | Points) -> float:

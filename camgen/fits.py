@@ -45,6 +45,11 @@ class Compensation:
     foot: float = 0.0
     layer: float = 0.2
 
+    def foot_of(self, part: Part) -> float:
+        """Height of a part's chamfer, mm: at most half of its lowest layer."""
+        low = min(part.layers, key=lambda layer: (layer.z0, layer.z1))
+        return min(self.foot, (low.z1 - low.z0) / 2)
+
 
 # ---- parallel contours -----------------------------------------------------------------------------------------------
 
@@ -170,7 +175,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
     """The part whose print is the one given: holes larger, outline smaller, a chamfer at the foot, then scaled up.
 
     Scaling is about the datum and in the plane alone; heights stay. The bore, centres and engraving follow. Raises
-    DesignError where an outline or a wall vanishes, the chamfer is as high as the lowest layer, or the part is crossed: its
+    DesignError where an outline or a wall vanishes, the chamfer is twice as high as the lowest layer, or the part is crossed: its
     walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
     if part.crossed is not None:
@@ -184,15 +189,14 @@ def compensated(part: Part, fit: Compensation) -> Part:
     for index, layer in enumerate(part.layers):
         floor = layer.z0
         if fit.foot > 0 and layer.z0 == bottom:
-            steps = max(1, math.ceil(fit.foot / fit.layer - 1e-9))
-            if not fit.foot < layer.z1 - layer.z0:
-                raise DesignError(
-                    "elephant-foot chamfer", fit.foot, layer.z1 - layer.z0, "mm", part.name, "use a lower one than the layer"
-                )
+            foot, thin = fit.foot_of(part), 2 * (layer.z1 - layer.z0)
+            steps = max(1, math.ceil(foot / fit.layer - 1e-9))
+            if not fit.foot < thin:
+                raise DesignError("elephant-foot chamfer", fit.foot, thin, "mm", part.name, "use a lower one")
             for k in range(steps):
-                inset = fit.foot * (1 - k / steps)
+                inset = foot * (1 - k / steps)
                 region = _fitted(layer.region, fit.hole + inset, fit.profile + inset, part.name)
-                layers.append(Layer(region.moved(scale), floor, bottom + fit.foot * (k + 1) / steps))
+                layers.append(Layer(region.moved(scale), floor, bottom + foot * (k + 1) / steps))
                 floor = layers[-1].z1
             cut += steps if index <= part.cut else 0
         layers.append(Layer(_fitted(layer.region, fit.hole, fit.profile, part.name).moved(scale), floor, layer.z1))

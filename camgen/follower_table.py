@@ -58,7 +58,7 @@ class FollowerTable(Record):
     direction_deg: Degrees | None = None
     offset: Coordinate | None = None
     at: Coordinate | None = None
-    contour: Annotated[int, Field(ge=1, le=1000)] = 1
+    contour: Annotated[int, Field(ge=1, le=1000)] | None = None
     inside: bool = False
     centre: Point = (0.0, 0.0)
     flipped: bool = False

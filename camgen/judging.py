@@ -159,7 +159,8 @@ def expected(
         eyes = eyes_of(part.name, contacts)
     sent = compensated(part, fit) if fit is not None else part
     levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
-    sections, cut = _sections(part, tolerance, levels[0] + (fit.foot if fit is not None else 0.0), fit is None or not fit.hole)
+    low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
+    sections, cut = _sections(part, tolerance, low, fit is None or not fit.hole)
     return Expected(
         part.name, tuple(sections), cut,
         volume=sent.volume,
@@ -297,7 +298,7 @@ def _linkage(
     """The linkage closed on the holes of the files: findings, plots of travel, speed, error and play, motion.csv."""
     from camgen.closure import judge_linkage
 
-    theta = np.linspace(0, 2 * math.pi, _ROWS)
+    theta, fit = np.linspace(0, 2 * math.pi, _ROWS), compensation(mechanism)
     wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
     degrees, label = np.degrees(theta), "crank angle, deg"
     columns = {"theta_deg": degrees, "wanted_mm": wanted, "wanted_mm_rad": speed}
@@ -311,6 +312,7 @@ def _linkage(
         verdict = judge_linkage(
             kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()},
             mechanism.contacts(), mechanism.poses, mechanism.motion, judged_angles(), mechanism.accuracy.chord_tolerance,
+            Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None and kind != "dxf" else 0.0,
         )  # fmt: skip
         findings += verdict.findings
         numbers |= verdict.numbers
@@ -334,6 +336,10 @@ def _together(mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Rea
     numbers: dict[str, float] = {}
     rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling)]
     tolerance = mechanism.accuracy.chord_tolerance
+    if len({rolling.part for rolling in rollings}) > 1:  # where the follower has its tips at s = 0
+        places = {r.part.replace("-", "_"): r.pivot if r.slides else r.pivot + r.arm for r in rollings if not r.inside}
+        numbers |= {f"tip_on_{part}_x_mm": z.real for part, z in places.items()}
+        numbers |= {f"tip_on_{part}_y_mm": z.imag for part, z in places.items()}
     for kind in kinds:
         shapes = {name: part.shapes[kind] for name, part in read.items() if kind in part.shapes}
         found: list[Finding]

@@ -97,14 +97,18 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
 
 
 def parts_table(mechanism: Mechanism) -> Table:
-    """The list of parts: what is printed, with material, mass and time of all copies, and what is bought."""
+    """The list of parts: what is printed, with material, mass and time of all copies, then what is turned or bought."""
     from camgen.packing import parts_list
 
     material = mechanism.material
+    parts = mechanism.parts()
+    printed = [part for part in parts if part.made == "printed"]
     rows: list[tuple[object, ...]] = [
         ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min)
-        for row in parts_list(mechanism.parts(), material.name, mechanism.print.nozzle, material.density)
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, material.density)
     ]
+    rows += [(part.made, part.name, part.title, part.count, part.count * part.volume, "", "") for part in parts
+             if part not in printed]
     for thing in mechanism.bought():
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
         rows.append(("bought", thing.name, size, thing.count, "", "", ""))

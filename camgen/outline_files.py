@@ -26,6 +26,7 @@ from camgen.tolerances import CHAIN_GAP, CURVE_CHORDS, SAME_POINT
 ENDINGS = (".dxf", ".stl", ".3mf")
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
 _LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+_RIVAL = 0.25  # of the outline's area: a contour within it that is larger is no bore
 _BEYOND = 1e12  # mm, and bulge: what no drawing means
 _NESTED = 16  # blocks within blocks
 _MILLIMETRES, _UNITLESS = 4, 0
@@ -70,16 +71,20 @@ class _Chain:
         return len(self.bulges) == 1 and not self.bulges.any()
 
 
-def read_outline(path: Path, height: float | None = None, layer: str | None = None, contour: int = 1) -> Outline:
+def read_outline(path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None) -> Outline:
     """The largest closed contour of a DXF (of one layer, if named), or of a mesh's section at height, mm (half way up).
 
-    contour: 2 for the second largest, and so on. Other units than millimetres are turned into them, with a finding.
+    contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
+    contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
+    are turned into them, with a finding.
     FileError where the file cannot be read, is empty, too large, or not what its ending says.
     """
     kind = path.suffix.lower()
     if kind not in ENDINGS:
         raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
     try:
+        if path.exists() and not path.is_file():
+            raise FileError(path, "is not a file")
         if path.stat().st_size > _MOST_BYTES:
             raise FileError(path, f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read")
         content = path.read_bytes()
@@ -94,16 +99,28 @@ def read_outline(path: Path, height: float | None = None, layer: str | None = No
     return _judged(path, outline)
 
 
-def _picked(path: Path, rings: Sequence[Ring], contour: int) -> Ring:
-    """The contour of that rank by size."""
-    if contour > len(rings):
-        raise FileError(path, f"holds {len(rings)} closed contour(s): there is no contour={contour}")
-    return sorted(rings, key=lambda ring: -abs(ring.area))[contour - 1]
+def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Ring, Finding]:
+    """The contour of that rank by size, and CONTOUR: how many others could be meant where no rank is asked for.
 
-
-def _rank(contour: int, of: int) -> str:
-    which = "the largest" if contour == 1 else f"number {contour} by size"
-    return f"{which} of {of} closed contour(s) is the outline"
+    A bore or keyway within a cam is small and holds no contour itself; a frame or a sheet's border holds a cam with its bore.
+    """
+    rank = contour or 1
+    if rank > len(rings):
+        raise FileError(path, f"holds {len(rings)} closed contour(s): there is no contour={rank}")
+    ordered = sorted(rings, key=lambda ring: -abs(ring.area))
+    picked, which = ordered[rank - 1], "the largest" if rank == 1 else f"number {rank} by size"
+    said, rivals = f"{which} of {len(rings)} closed contour(s) is the outline", []
+    if contour is None:
+        inner = [ring for ring in ordered[1:] if picked.encloses(complex(ring.points[0]))]
+        rivals = [
+            ring for ring in inner
+            if abs(ring.area) > _RIVAL * abs(picked.area)
+            or any(ring.encloses(complex(other.points[0])) for other in inner if abs(other.area) < abs(ring.area))
+        ]  # fmt: skip
+    if rivals:
+        ranks = ", ".join(str(next(k for k, ring in enumerate(ordered, 1) if ring is rival)) for rival in rivals[:5])
+        said += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
+    return picked, at_most("CONTOUR", len(rivals), 0, "contours", path.name, said)
 
 
 def _looks_like(content: bytes) -> str:
@@ -155,7 +172,7 @@ def _crossing(ring: Ring) -> str:
 # ---- DXF -------------------------------------------------------------------------------------------------------------
 
 
-def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int) -> Outline:
+def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None) -> Outline:
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
 
@@ -171,7 +188,11 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int) -> Ou
     if math.isnan(scale):
         raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
     try:
-        entities = [e for e in _exploded(drawing.modelspace()) if layer is None or str(e.dxf.layer).lower() == layer.lower()]
+        hidden = {str(each.dxf.name).lower() for each in drawing.layers if each.is_off() or each.is_frozen()}
+        entities = [
+            e for e in _exploded(drawing.modelspace())
+            if (str(e.dxf.layer).lower() not in hidden if layer is None else str(e.dxf.layer).lower() == layer.lower())
+        ]  # fmt: skip
     except DXFError as error:
         raise FileError(path, f"not a valid DXF file: {error}") from None
     if layer is not None and not entities:
@@ -205,17 +226,17 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int) -> Ou
     gap, remark = _gap(wide)
     closed = at_most(
         "DXF_CLOSED", gap, 0, "mm", path.name,
-        remark or _rank(contour, len(rings))
+        remark or f"{len(rings)} closed contour(s)"
         + (f"; {len(loose)} open line(s) within it left out" if loose else "") + (f"; {others} passed over" if others else ""),
     )  # fmt: skip
     if wide:
         return Outline(None, (units, closed), "")
-    picked = _picked(path, rings, contour)
+    picked, chosen = _picked(path, rings, contour)
     curves = sum(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
     said = f"{len(picked.points)} edges" + (
         f", splines and ellipses as chords within {CURVE_CHORDS:g} mm" if curves else ", lines and arcs as they are"
     )
-    return Outline(picked, (units, closed), said)
+    return Outline(picked, (units, closed, chosen), said)
 
 
 def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
@@ -377,7 +398,7 @@ def _gap(loose: Sequence[_Chain]) -> tuple[float, str]:
 # ---- meshes ----------------------------------------------------------------------------------------------------------
 
 
-def _from_mesh(path: Path, kind: str, height: float | None, contour: int) -> Outline:
+def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None) -> Outline:
     findings = []
     if kind == ".3mf":
         package = read_3mf(path, strict=False)
@@ -403,6 +424,6 @@ def _from_mesh(path: Path, kind: str, height: float | None, contour: int) -> Out
         return Outline(None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), "")
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")
-    ring = _picked(path, rings, contour)
-    said = f"section at z = {z:g} mm, {len(ring.points)} edges; {_rank(contour, len(rings))}"
-    return Outline(ring, tuple(findings), said)
+    ring, chosen = _picked(path, rings, contour)
+    said = f"section at z = {z:g} mm, {len(ring.points)} edges"
+    return Outline(ring, (*findings, chosen), said)

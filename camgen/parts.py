@@ -37,7 +37,7 @@ class Part:
     min_wall: the thinnest wall that its designer accepts, mm; cut: the layer that a laser cuts and the drawing shows, which
     is the one with the joints. Layers of one height are separate pieces with the same z0 and z1.
     crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material;
-    edges: of a crossed part, those that are rounded, none meeting another one's arc.
+    edges: of a crossed part, those that are rounded, none meeting another one's arc. made: how, for the list of parts.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Part:
     cut: int = 0
     crossed: Region | None = None
     edges: tuple[Edge, ...] = ()
+    made: str = "printed"
 
     @property
     def thickness(self) -> float:

@@ -46,6 +46,7 @@ ABOUT = {
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
 }
 NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
+_MOST_BYTES = 50_000_000  # of a table of points
 _NEEDED = {"fourier": ("sines", "cosines"), "polynomial": ("conditions",), "table": ("points", "file")}  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
 
@@ -249,6 +250,8 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
     Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
     """
     try:
+        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
+            raise FileError(path, f"is no file of at most {_MOST_BYTES / 1e6:.0f} MB: a table was expected")
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(path, "is not text: a table of angle and displacement was expected") from None

@@ -11,6 +11,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,14 @@ class Screw:
         """Diameter of the thread, mm."""
         return float(self.thread[1:])
 
-    def length(self, grip: float) -> float:
-        """Longest length that is sold and engages by no more than 1.5 diameters behind a grip, mm; 0 where all are longer."""
-        return max((length for length in SCREW_LENGTHS if length <= grip + 1.5 * self.nominal), default=0.0)
+    def length(self, grip: float, depth: float = math.inf) -> float:
+        """Longest length that is sold and engages behind a grip by at most 1.5 diameters and the depth, mm; 0 if none does."""
+        most = grip + min(1.5 * self.nominal, depth)
+        return max((length for length in SCREW_LENGTHS if length <= most), default=0.0)
+
+    def through(self, grip: float) -> float:
+        """Shortest length that is sold and passes a grip and a nut, mm; 0 where all are shorter."""
+        return min((length for length in SCREW_LENGTHS if length >= grip + self.nut), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,8 @@ class Bearing:
 class MotorFace:
     """Face of a motor about its shaft: centring boss (diameter, height), places of its screw holes, complex mm.
 
-    half: half the body's width across, mm; shaft: usual diameter, 0 where the frame sets none.
+    half: half the body's width across, mm; shaft: usual diameter, 0 where the frame sets none; depth: of the thread in its
+    holes, mm, or where they are plain the thickness of its flange, behind which nuts sit.
     """
 
     name: str
@@ -59,6 +66,12 @@ class MotorFace:
     screw: Screw
     half: float
     shaft: float
+    depth: float = math.inf
+    plain: bool = False
+
+    def screw_length(self, grip: float) -> float:
+        """Length of the screws that hold it through a grip, mm; 0 where none is sold."""
+        return self.screw.through(grip + self.depth) if self.plain else self.screw.length(grip, self.depth)
 
 
 @dataclass(frozen=True)
@@ -117,32 +130,37 @@ def dowel(diameter: float, longest: float) -> float:
     return float(max((length for length in _DOWEL_LENGTHS if low <= length <= min(high, longest + 1e-9)), default=0))
 
 
-def _square(name: str, side: float, spacing: float, boss: float, height: float, thread: str, shaft: float) -> MotorFace:
+def _square(
+    name: str, side: float, spacing: float, boss: float, height: float, thread: str, shaft: float, **holes: Any
+) -> MotorFace:
     half = spacing / 2
     corners = tuple(complex(x, y) for x, y in ((half, half), (-half, half), (-half, -half), (half, -half)))
-    return MotorFace(name, boss, height, corners, SCREWS[thread], side / 2, shaft)
+    return MotorFace(name, boss, height, corners, SCREWS[thread], side / 2, shaft, **holes)
 
 
 MOTOR_FACES = {
     face.name: face
     for face in (
         _square("nema-8", 20.3, 16.0, 15.0, 1.5, "M2", 4.0),
-        _square("nema-11", 28.2, 23.0, 22.0, 2.0, "M2.5", 5.0),
-        _square("nema-14", 35.2, 26.0, 22.0, 2.0, "M3", 5.0),
-        _square("nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0),
-        _square("nema-23", 57.0, 47.14, 38.1, 1.6, "M5", 6.35),
+        _square("nema-11", 28.2, 23.0, 22.0, 2.0, "M2.5", 5.0, depth=3.0),
+        _square("nema-14", 35.2, 26.0, 22.0, 2.0, "M3", 5.0, depth=4.5),
+        _square("nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0, depth=4.5),
+        _square("nema-23", 57.0, 47.14, 38.1, 1.6, "M5", 6.35, depth=4.8, plain=True),
     )
 }
+
+
+_RIM = 1.5  # mm of a plain flange outside its screws' heads
 
 
 def flange(boss: float, screw_circle: float, count: int, thread: str) -> MotorFace:
     """A plain round flange: `count` screws evenly on a circle (diameter, mm), the first on the x axis.
 
-    The boss is taken to be as high as the plate allows, the body to end where the screws' heads do.
+    The boss is taken to be as high as the plate allows, the body to end a little beyond the screws' heads.
     """
     screw = SCREWS[thread]
     places = tuple(cmath.rect(screw_circle / 2, math.tau * k / count) for k in range(count))
-    return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2, 0.0)
+    return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2 + _RIM, 0.0)
 
 
 # Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].

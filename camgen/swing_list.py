@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+from camgen.findings import Finding, at_least
 from camgen.mechanism import Table
 from camgen.standards import SCREWS, Bought
 from camgen.swing_machine import SwingMachine
+
+_ENGAGED = 0.8  # diameters of thread that hold a screw in metal
+
+
+def screw_grip(machine: SwingMachine) -> Finding:
+    """SCREW_GRIP: the motor's screws, of a length that is sold, hold by 0.8 diameters of thread or by a whole nut."""
+    face, plate = machine.base.face, machine.base_plate
+    grip, screw = plate.thickness - plate.pocket_depth, face.screw
+    length, least = face.screw_length(grip), screw.nut if face.plain else _ENGAGED * screw.nominal
+    held = length - grip - (face.depth if face.plain else 0.0)
+    said = f"{screw.thread} x {length:g} through {grip:.4g} mm of the base; another base.thickness suits lengths that are sold"
+    return at_least("SCREW_GRIP", held, least, "mm", "screws of the motor", said)
 
 
 def bought(machine: SwingMachine) -> tuple[Bought, ...]:
@@ -13,12 +26,14 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     nema, copies = face.name != "flange", 2 if machine.pair else 1
     name = f"{face.name.upper().replace('-', ' ')} frame" if nema else "with a plain flange"
     grip = plate.thickness - plate.pocket_depth
-    length = face.screw.length(grip)
-    into = f"{face.screw.thread} x {length:g}, {length - grip:.3g} mm of it in the motor"
+    length = face.screw_length(grip)
+    into = f"{face.screw.thread} x {length:g}, " + ("with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor")
     found = [
         Bought("motor", "NEMA ICS 16" if nema else "", f"{name}, shaft {machine.shaft_size}", 1),
         Bought("screw of the motor", face.screw.standard, into, len(face.screws)),
     ]
+    if face.plain:
+        found.append(Bought("nut of the motor", "ISO 4032", face.screw.thread, len(face.screws)))
     if plate.mount:
         size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
         found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))

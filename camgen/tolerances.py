@@ -14,6 +14,9 @@ FLOAT32_ROUNDING = 2.0**-24
 # Error of a copy's place in a 3MF, as a share of the sizes in its transform, which is written with six decimals.
 TRANSFORM_ROUNDING = 4e-6
 
+# Share of a print compensation that its way back through facets may leave at corners between an arc and another edge.
+WAY_BACK = 0.05
+
 # Spare allowed on a first-order error bound for the terms of second order.
 BOUND_SPARE = 0.05
 

@@ -151,6 +151,8 @@ def _grazes(pieces: Sequence[Piece], p: int, t: float, q: int, u: float) -> bool
 
 def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
     """Pairs (i < j) of chords a-b that properly cross, neighbours aside; boxes over blocks of chords find the candidates."""
+    import shapely
+
     starts = np.arange(0, len(a), _BLOCK)
 
     def boxed(low: Floats, pick: np.ufunc) -> Floats:
@@ -158,8 +160,9 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
 
     x0, x1 = boxed(np.minimum(a.real, b.real), np.minimum), boxed(np.maximum(a.real, b.real), np.maximum)
     y0, y1 = boxed(np.minimum(a.imag, b.imag), np.minimum), boxed(np.maximum(a.imag, b.imag), np.maximum)
-    meet = (x0[:, None] <= x1) & (x0 <= x1[:, None]) & (y0[:, None] <= y1) & (y0 <= y1[:, None])
-    first, second = np.nonzero(np.triu(meet))
+    boxes = shapely.box(x0, y0, x1, y1)
+    first, second = np.sort(shapely.STRtree(boxes).query(boxes), axis=0)
+    first, second = np.unique(np.stack([first, second]), axis=1)
     offsets = np.arange(_BLOCK)
     i = np.broadcast_to((starts[first, None] + offsets)[:, :, None], (len(first), _BLOCK, _BLOCK)).ravel()
     j = np.broadcast_to((starts[second, None] + offsets)[:, None, :], (len(first), _BLOCK, _BLOCK)).ravel()

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgen.rings import Floats, Points, Ring, Shape
 
+_FACET = 0.6  # rad, a vertex that turns by more is a corner
 _ROUNDS = 64  # edges that turn over are taken out again and again; each round leaves fewer points
 
 
@@ -49,9 +50,28 @@ def grown(ring: Ring, distance: float) -> Ring:
 def _normals(points: Points, bulges: Floats) -> tuple[Points, Points]:
     """Outward unit normals at each vertex, of the edge that ends there and of the one that begins there."""
     chord = np.roll(points, -1) - points
-    across = -1j * chord / np.abs(chord)
+    length = np.abs(chord)
+    across = -1j * chord / length
     half_turn = (1 + 1j * bulges) ** 2 / (1 + bulges**2)
-    return np.roll(across * half_turn, 1), across / half_turn
+    begins, ends = across / half_turn, across * half_turn
+    # Facets of a curve that ends in a corner: there the curve leaves its last chord by half the chord's own turning.
+    turn = np.angle(across / np.roll(across, 1))  # at each vertex
+    reach = (length + np.roll(length, 1)) / 2
+    bend = turn / reach
+    facet = (bulges == 0) & (np.roll(bulges, 1) == 0)
+    smooth = facet & (np.abs(turn) < _FACET)
+
+    def lean(sign: int) -> Floats:
+        """Turning of the chord that leaves (sign 1) or reaches (-1) a corner, 0 where it is no facet of a curve."""
+        near, far = np.roll(bend, -sign), np.roll(bend, -2 * sign)
+        curved = np.roll(smooth, -sign) & np.roll(smooth, -2 * sign) & (near * far > 0)
+        curved &= (np.abs(near) < 2 * np.abs(far)) & (np.abs(far) < 2 * np.abs(near))
+        curved &= facet & (np.abs(turn) > 2 * np.abs(np.roll(turn, -sign)))
+        return np.where(curved, near, 0.0)
+
+    begins = begins * np.exp(-0.5j * lean(1) * length)
+    arrives = np.roll(ends, 1) * np.exp(0.5j * lean(-1) * np.roll(length, 1))
+    return arrives, begins
 
 
 def _turned_over(points: Points, moved: Points, bulges: Floats) -> np.ndarray:

@@ -67,6 +67,11 @@ class Undo:
     profile: float
     shrinkage: float
 
+    @property
+    def slack(self) -> float:
+        """How far contours may be off for having been changed and changed back, mm."""
+        return tolerances.WAY_BACK * max(abs(self.hole), abs(self.profile))
+
     def __call__(self, shape: Shape) -> Shape:
         """A recovered shape as it is in print; ValueError where a ring vanishes."""
         return printed(shape, self.hole, self.profile, self.shrinkage)
@@ -209,7 +214,7 @@ def _judge_sections(
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
-    limit = 2 * expected.chord_tolerance + 4 * rounding
+    limit = 2 * expected.chord_tolerance + 4 * rounding + (expected.undo.slack if expected.undo else 0.0)
     off, remark = lifted, f"a flat face is {lifted:.4g} mm off its height"
     for k, (meant, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in meant.shapes)

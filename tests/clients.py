@@ -1,83 +1,455 @@
-"""Opens built STL, 3MF and DXF files in programs that people use: python tests/clients.py FOLDER...
+"""Real programs open every part that specs/ produces: pytest tests/clients.py, or python tests/clients.py FOLDER...
 
-Needs admesh, prusa-slicer, openscad, librecad (apt); what is not installed is passed over, and said so.
-Exit codes of these programs mean little, so their output is read.
+admesh, prusa-slicer, openscad and librecad come with apt, GDAL with `pip install pyogrio`, lib3mf with camgen; what is not
+installed is passed over, and said so. Exit codes of these programs mean little, so what they print is read: each client
+answers with what it has against a file, "" for nothing. Areas and volumes are compared with the exact ones of report.json.
 """
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+import zipfile
+import zlib
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import pytest
+
+from camgen.readback import read_stl, slice_mesh
+
+ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = os.environ | {"LC_ALL": "C.UTF-8", "QT_QPA_PLATFORM": "offscreen"}
+FACETS = 5e-3  # share of the volume that facets within the tolerance may cost the smallest pin
+MOST_POINTS = 5000  # of a contour, so that slicers and exact kernels answer in seconds
+A3 = 297.0  # mm, height of the sheet that LibreCAD prints on; its pixels are 0.06 points
+PIXEL = 0.06 * 25.4 / 72
+
+Problem = str  # what a program has against a file, "" for nothing
+Client = Callable[[Path], Problem]
 
 
 def said(*command: object, limit: float = 120) -> str:
-    """Everything a program prints; what it said before the time limit, if it runs into that."""
-    kept = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    """Everything a program prints; "time limit" if it runs into that."""
+    kept: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     try:
-        return subprocess.run([str(word) for word in command], env=ENVIRONMENT, timeout=limit, **kept).stdout
+        return str(subprocess.run([str(word) for word in command], env=ENVIRONMENT, timeout=limit, **kept).stdout)
     except subprocess.TimeoutExpired:
         return "time limit"
 
 
-def admesh(path: Path) -> bool:
-    """No repair of any kind, one part."""
+def part_of(path: Path) -> dict[str, Any]:
+    """The part in report.json that a file shows; {} for an assembly, a plate or a drawing."""
+    parts = json.loads((path.parent / "report.json").read_text(encoding="utf-8"))["parts"]
+    return next((part for part in parts if path.name in part["files"]), {})
+
+
+def unlike(what: str, found: float, wanted: float, share: float) -> Problem:
+    """The difference of an area or a volume from the wanted one, where it is over that share."""
+    return "" if abs(found - wanted) <= share * abs(wanted) else f"{what} {found:.6g}, not {wanted:.6g}"
+
+
+# ---- meshes ----------------------------------------------------------------------------------------------------------
+
+
+def admesh(path: Path) -> Problem:
+    """STL, topology and stored normals: no repair of any kind, one body of the right volume."""
     text = said("admesh", path)
-    facts = dict(re.findall(r"([A-Z][\w ]+?) *: +(\d+)", text))
-    repairs = ("Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Normals fixed")
-    clean = all(facts.get(key) == "0" for key in (*repairs, "Backwards edges", "Total disconnected facets"))
-    return clean and facts.get("Number of parts") == "1"
+    # "Total disconnected facets : before after" has two numbers, of which the first counts; -nan has none
+    facts = dict(re.findall(r"([A-Z][\w ]+?) *: +(-?[\d.]+)", text))
+    wanted = dict.fromkeys(
+        ["Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Backwards edges",
+         "Normals fixed", "Total disconnected facets"], "0")  # fmt: skip
+    wanted["Number of parts"] = "1"
+    wrong = [f"{key}: {facts.get(key)}" for key, value in wanted.items() if facts.get(key) != value]
+    return "; ".join(wrong) or unlike("volume", float(facts["Volume"]), part_of(path)["material_mm3"], FACETS)
 
 
-def prusa(path: Path) -> bool:
-    """Manifold, and nothing repaired on loading."""
+def prusa_slicer(path: Path) -> Problem:
+    """STL and 3MF: every body there, manifold, and nothing repaired on loading."""
     text = said("prusa-slicer", "--info", path)
-    repaired = re.search("edges_fixed|facets_reversed|facets_removed|degenerate_facets|backwards_edges", text)
-    return "manifold = yes" in text and "manifold = no" not in text and not repaired
+    repairs = "edges_fixed|facets_reversed|facets_removed|degenerate_facets|backwards_edges"
+    found = re.findall(f"{repairs}|manifold = no|Loading of a model file failed", text)
+    if found:
+        return "; ".join(found)
+    bodies, manifold = copies(path), text.count("manifold = yes")
+    return "" if manifold == bodies else f"{manifold} manifold bodies of {bodies}"
 
 
-def openscad(path: Path) -> bool:
-    """One simple body for the exact kernel."""
+def copies(path: Path) -> int:
+    """How many bodies an STL or 3MF file places."""
+    if path.suffix == ".stl":
+        return 1
+    with zipfile.ZipFile(path) as archive:
+        return archive.read("3D/3dmodel.model").count(b"<item ")
+
+
+def openscad(path: Path) -> Problem:
+    """STL, by an exact kernel: one simple body."""
     with tempfile.TemporaryDirectory() as folder:
         scad = Path(folder, "x.scad")
+        # a plain import would be handed through untouched
         cube = "translate([-5000, -5000, -5000]) cube(10000);"
         scad.write_text(f'intersection() {{ import("{path.resolve()}"); {cube} }}')
         text = said("openscad", "-o", scad.with_suffix(".off"), scad)
-    return bool(re.search(r"Simple: +yes", text) and re.search(r"Volumes: +2\b", text)) and "ERROR" not in text
+    if "ERROR" in text or not re.search(r"Simple: +yes", text):
+        return next((line for line in text.splitlines() if "ERROR" in line), "not simple")
+    volumes = re.search(r"Volumes: +(\d+)", text)  # that around the body counts
+    return "" if volumes and volumes[1] == "2" else f"{volumes and int(volumes[1]) - 1} bodies"
 
 
-def librecad(path: Path) -> bool:
-    """A PDF comes out."""
+def lib3mf(path: Path) -> Problem:
+    """3MF, by the format's own library in strict mode: millimetre, manifold meshes that are not inside out."""
+    import lib3mf
+
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    try:
+        reader.ReadFromFile(str(path))
+    except lib3mf.ELib3MFException as error:
+        return str(error)
+    wrong = [reader.GetWarning(i)[1] for i in range(reader.GetWarningCount())]
+    if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
+        wrong.append(f"unit {model.GetUnit().name}")
+    meshes, part = model.GetMeshObjects(), part_of(path)
+    while meshes.MoveNext():
+        mesh = meshes.GetCurrentMeshObject()
+        vertices = np.array([v.Coordinates[:] for v in mesh.GetVertices()])
+        a, b, c = (vertices[[t.Indices[i] for t in mesh.GetTriangleIndices()]] for i in range(3))
+        volume = float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+        if not mesh.IsManifoldAndOriented():
+            wrong.append(f"{mesh.GetName()} is not manifold and oriented")
+        elif volume <= 0:
+            wrong.append(f"{mesh.GetName()} is inside out")
+        elif part:
+            wrong.append(unlike(f"volume of {mesh.GetName()}", volume, part["material_mm3"], FACETS))
+    return "; ".join(filter(None, wrong))
+
+
+# ---- drawings --------------------------------------------------------------------------------------------------------
+
+
+def librecad(path: Path) -> Problem:
+    """DXF: a PDF comes out, and of a part the contours in it bound the right area."""
+    part, scale = part_of(path), 1
+    if part:
+        x, y = extents(path)
+        scale = max(int(0.9 * A3 / max(abs(x), abs(y), 1.0) / 2), 1)  # the sheet is centred on what is drawn
     with tempfile.TemporaryDirectory() as folder:
-        said("librecad", "dxf2pdf", "-c", "-s", "5", "-t", folder, path, limit=30)
-        return any(pdf.stat().st_size > 1000 for pdf in Path(folder).glob("*.pdf"))
+        said("librecad", "dxf2pdf", "-c", "-s", scale, "-t", folder, path, limit=20)
+        pdf = Path(folder, f"{path.stem}.pdf")
+        if not pdf.exists() or pdf.stat().st_size < 1000:
+            return "no PDF came out"
+        areas = sorted((bounded(ring) * (PIXEL / scale) ** 2 for ring in drawn(pdf)), reverse=True)
+    if not part:
+        return ""
+    if not areas:
+        return "nothing is drawn"
+    # polylines are printed to whole pixels: half a pixel along a contour of three times the part's size
+    return unlike("area", areas[0] - sum(areas[1:]), part["area_mm2"], 1e-3 + 3 * PIXEL / scale * max(x, y) / part["area_mm2"])
 
 
-CLIENTS: dict[str, list[tuple[str, Callable[[Path], bool]]]] = {
-    ".stl": [("admesh", admesh), ("prusa-slicer", prusa), ("openscad", openscad)],
-    ".3mf": [("prusa-slicer", prusa)],
-    ".dxf": [("librecad", librecad)],
-}
+def extents(path: Path) -> tuple[float, float]:
+    """Width and height of what a DXF file says that it shows, mm."""
+    corner = r"\$EXT{}\s+10\s+(\S+)\s+20\s+(\S+)"
+    text = path.read_text(encoding="utf-8")
+    low, high = (re.search(corner.format(which), text) for which in ("MIN", "MAX"))
+    assert low and high, path
+    return float(high[1]) - float(low[1]), float(high[2]) - float(low[2])
 
 
-def main(folders: list[str]) -> int:
+def drawn(pdf: Path) -> list[np.ndarray]:
+    """Lines drawn in LibreCAD's PDF, (n,) complex pixels each: its pieces, joined where one begins at the end of another."""
+    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf.read_bytes(), re.DOTALL)
+    text = ""
+    for stream in streams:
+        try:
+            text += zlib.decompress(stream).decode("latin1")
+        except zlib.error:
+            continue  # a font
+    pieces: list[list[complex]] = []
+    for numbers, command in re.findall(r"^([-\d. ]+) ([mlc])$", text.split("W* n")[-1], re.MULTILINE):
+        row = np.array(numbers.split(), float)
+        z = row[::2] + 1j * row[1::2]
+        if command == "m":
+            pieces.append([z[0]])
+        elif command == "l":
+            pieces[-1].append(z[0])
+        else:
+            s, start = np.arange(1, 65) / 64, pieces[-1][-1]
+            curve = start * (1 - s) ** 3 + 3 * z[0] * s * (1 - s) ** 2 + 3 * z[1] * s**2 * (1 - s) + z[2] * s**3
+            pieces[-1] += curve.tolist()
+    joined: list[list[complex]] = []
+    for piece in pieces:
+        last, near = joined[-1] if joined else [complex(math.inf)], 3.0  # pixels
+        if abs(last[0] - last[-1]) <= near:  # closed
+            joined.append(piece)
+        elif abs(last[-1] - piece[0]) <= near:
+            last += piece
+        elif abs(last[-1] - piece[-1]) <= near:
+            last += piece[::-1]
+        elif abs(last[0] - piece[0]) <= near or abs(last[0] - piece[-1]) <= near:
+            last.reverse()
+            last += piece if abs(last[-1] - piece[0]) <= near else piece[::-1]
+        else:
+            joined.append(piece)
+    return [np.array(piece) for piece in joined]
+
+
+def bounded(ring: np.ndarray) -> float:
+    """Area within a closed polygon, 0 for a line that does not close."""
+    return abs(float(np.imag(np.conj(ring) * np.roll(ring, -1)).sum())) / 2 if abs(ring[0] - ring[-1]) <= 3 else 0.0
+
+
+def gdal(path: Path) -> Problem:
+    """DXF, a cut shop's view: layers, closed contours that do not cross themselves, the right area."""
+    import pyogrio
+    import shapely
+
+    pyogrio.set_gdal_config_options({"OGR_ARC_STEPSIZE": "0.1"})
+    meta, _, shapes, columns = pyogrio.raw.read(path)
+    layers = columns[list(meta["fields"]).index("Layer")]
+    contours = [shapely.from_wkb(shape) for shape, layer in zip(shapes, layers, strict=True) if layer == "CUT"]
+    wrong = [f"layer {layer}" for layer in sorted(set(layers) - {"CUT", "CENTER"})]
+    wrong += ["an open contour" for contour in contours if not contour.is_closed]
+    wrong += ["a contour that crosses itself" for contour in contours if contour.is_closed and not contour.is_simple]
+    if wrong or not contours:
+        return "; ".join(wrong) or "no contour"
+    areas = sorted((shapely.Polygon(contour).area for contour in contours), reverse=True)
+    return unlike("area", areas[0] - sum(areas[1:]), part_of(path)["area_mm2"], 1e-4)
+
+
+# ---- every part ------------------------------------------------------------------------------------------------------
+
+CLIENTS: dict[str, Sequence[Client]] = {
+    ".stl": (admesh, prusa_slicer, openscad), ".3mf": (lib3mf, prusa_slicer), ".dxf": (librecad, gdal)
+}  # fmt: skip
+PACKAGES = {lib3mf: "lib3mf", gdal: "pyogrio"}  # of Python; the others are programs
+
+
+def installed(client: Client) -> bool:
+    if client in PACKAGES:
+        return find_spec(PACKAGES[client]) is not None
+    return shutil.which(client.__name__.replace("_", "-")) is not None
+
+
+def tasks(folders: Sequence[Path]) -> list[tuple[Path, Client]]:
+    """All files with the clients that open them; a dimensioned sheet is for LibreCAD alone."""
+    files = sorted(path for folder in folders for path in folder.iterdir())
+    return [
+        (path, client) for path in files for client in CLIENTS.get(path.suffix, ())
+        if client is not gdal or not path.stem.endswith("-drawing")
+    ]  # fmt: skip
+
+
+def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
+    """What each client has against its file, on all cores."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda each: each[1](each[0]), work))
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """A folder for each spec, built by the command."""
+    out = tmp_path_factory.mktemp("parts")
+
+    def build(spec: Path) -> str:
+        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf", limit=600)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        texts = list(pool.map(build, sorted((ROOT / "specs").glob("*.toml"))))
+    folders = sorted(out.iterdir())
+    assert len(folders) == len(texts) and all((folder / "report.json").exists() for folder in folders), "\n".join(texts)
+    return folders
+
+
+def needed(client: Client) -> None:
+    if not installed(client):
+        pytest.skip(f"{client.__name__} is not installed")
+
+
+EVERY = sorted({client for clients in CLIENTS.values() for client in clients}, key=lambda client: client.__name__)
+
+
+@pytest.mark.parametrize("client", EVERY, ids=lambda client: client.__name__)
+def test_every_part_is_accepted(client: Client, built: list[Path]) -> None:
+    needed(client)
+    work = [each for each in tasks(built) if each[1] is client]
+    assert len(work) >= 30
+    refused = {path.name: problem for (path, _), problem in zip(work, answers(work), strict=True) if problem}
+    assert refused == {}
+
+
+def test_contours_have_few_points(built: list[Path]) -> None:
+    for path in (path for folder in built for path in folder.glob("*.stl")):
+        mesh = read_stl(path)
+        heights = np.unique(np.round(mesh.vertices[:, 2], 6))
+        widest = np.argsort(np.diff(heights))[-3:]
+        for z in (heights[:-1] + heights[1:])[widest] / 2:
+            assert all(len(ring.points) <= MOST_POINTS for ring in slice_mesh(mesh, float(z))), path.name
+
+
+# ---- each client is seen to fail -------------------------------------------------------------------------------------
+
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def edited_stl(path: Path, edit: Callable[[np.ndarray], np.ndarray]) -> None:
+    data = path.read_bytes()
+    triangles = edit(np.frombuffer(data[84:], TRIANGLE).copy())
+    path.write_bytes(data[:80] + np.uint32(len(triangles)).tobytes() + triangles.tobytes())
+
+
+def flipped(triangles: np.ndarray) -> np.ndarray:
+    triangles["corners"][5] = triangles["corners"][5][::-1]
+    triangles["normal"][5] *= -1
+    return triangles
+
+
+def cracked(triangles: np.ndarray) -> np.ndarray:
+    triangles["corners"][5, 0, 0] += 1e-3
+    return triangles
+
+
+def without_normals(triangles: np.ndarray) -> np.ndarray:
+    triangles["normal"] = 0
+    return triangles
+
+
+def larger(triangles: np.ndarray) -> np.ndarray:
+    triangles["corners"] *= 1.01
+    return triangles
+
+
+def doubled(triangles: np.ndarray) -> np.ndarray:
+    """A second body that overlaps the first."""
+    copy = triangles.copy()
+    copy["corners"] += np.array([1.0, 1.5, 0.5], np.float32)
+    return np.concatenate([triangles, copy])
+
+
+def edited_3mf(path: Path, old: str, new: str) -> None:
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    name = next(name for name in members if name.endswith(".model"))
+    text = members[name].decode()
+    changed = re.sub(old, new, text, count=0 if new.startswith(r"\1") else 1)
+    assert changed != text
+    members[name] = changed.encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+
+
+def edited_dxf(path: Path, edit: Callable[[Any, Any], None]) -> None:
+    """Change a drawing and its outer contour."""
+    import ezdxf
+
+    drawing = ezdxf.filemanagement.readfile(path)
+    edit(drawing, max(drawing.modelspace().query("LWPOLYLINE[layer=='CUT']"), key=len))
+    drawing.saveas(path)
+
+
+def in_inches(drawing: Any, contour: Any) -> None:
+    drawing.header["$INSUNITS"] = 1
+
+
+def unclosed(drawing: Any, contour: Any) -> None:
+    contour.close(False)
+
+
+def gapped(drawing: Any, contour: Any) -> None:
+    contour.append(contour[0] + np.array([0.05, 0, 0, 0, 0]))
+    contour.close(False)
+
+
+def crossing(drawing: Any, contour: Any) -> None:
+    points = list(contour)
+    points[3], points[4] = points[4], points[3]
+    contour.set_points(points)
+
+
+def on_another_layer(drawing: Any, contour: Any) -> None:
+    contour.dxf.layer = "NOTES"
+
+
+def truncated(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+INSIDE_OUT = (r'(<triangle v1="\d+") v2="(\d+)" v3="(\d+)"', r'\1 v2="\3" v3="\2"')
+# a tetrahedron that no item places
+UNPLACED = ("</resources>", '<object id="77"><mesh><vertices>' + "".join(
+    f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+) + "</vertices><triangles>" + "".join(
+    f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+) + "</triangles></mesh></object></resources>")  # fmt: skip
+A_HOLE = (r'<triangle v1="\d+" v2="\d+" v3="\d+" ?/>', "")
+DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
+    (admesh, "hole", lambda path: edited_stl(path, lambda t: t[1:])),
+    (admesh, "flipped", lambda path: edited_stl(path, flipped)),
+    (admesh, "crack", lambda path: edited_stl(path, cracked)),
+    (admesh, "normals", lambda path: edited_stl(path, without_normals)),
+    (admesh, "larger", lambda path: edited_stl(path, larger)),
+    (admesh, "two bodies", lambda path: edited_stl(path, doubled)),
+    (admesh, "truncated", truncated),
+    (prusa_slicer, "hole", lambda path: edited_stl(path, lambda t: t[1:])),
+    (prusa_slicer, "flipped", lambda path: edited_stl(path, flipped)),
+    (openscad, "hole", lambda path: edited_stl(path, lambda t: t[1:])),
+    (openscad, "flipped", lambda path: edited_stl(path, flipped)),
+    (openscad, "overlap", lambda path: edited_stl(path, doubled)),
+    (lib3mf, "hole", lambda path: edited_3mf(path, *A_HOLE)),
+    (lib3mf, "inside out", lambda path: edited_3mf(path, *INSIDE_OUT)),
+    (lib3mf, "inches", lambda path: edited_3mf(path, 'unit="millimeter"', 'unit="inch"')),
+    (lib3mf, "truncated", truncated),
+    (prusa_slicer, "hole 3mf", lambda path: edited_3mf(path, *A_HOLE)),
+    (prusa_slicer, "unplaced 3mf", lambda path: edited_3mf(path, *UNPLACED)),
+    (prusa_slicer, "truncated 3mf", truncated),
+    (librecad, "inches", lambda path: edited_dxf(path, in_inches)),
+    (librecad, "open", lambda path: edited_dxf(path, unclosed)),
+    (librecad, "truncated", truncated),
+    (gdal, "open", lambda path: edited_dxf(path, unclosed)),
+    (gdal, "gap", lambda path: edited_dxf(path, gapped)),
+    (gdal, "crossing", lambda path: edited_dxf(path, crossing)),
+    (gdal, "layer", lambda path: edited_dxf(path, on_another_layer)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("client", "damage", "edit"), DAMAGES, ids=[f"{c.__name__} {name}" for c, name, _ in DAMAGES])
+def test_a_damaged_file_is_refused(
+    client: Client, damage: str, edit: Callable[[Path], None], built: list[Path], tmp_path: Path
+) -> None:
+    needed(client)
+    suffix = ".3mf" if damage.endswith("3mf") else next(suffix for suffix, found in CLIENTS.items() if client in found)
+    source = next(folder for folder in built if folder.name == "disc-cam") / f"disc-cam-cam{suffix}"
+    for path in (source, source.with_name("report.json")):
+        shutil.copy(path, tmp_path)
+    path = tmp_path / source.name
+    assert client(path) == ""
+    edit(path)
+    assert client(path) != ""
+
+
+def main(folders: Sequence[str]) -> int:
     """Print a line for each file and program; 1 if any refuses a file."""
-    refused = 0
-    for path in sorted(p for folder in folders for p in Path(folder).iterdir()):
-        for program, accepts in CLIENTS.get(path.suffix, []):
-            verdict = "not installed"
-            if shutil.which(program):
-                ok = accepts(path)
-                verdict, refused = ("ok", refused) if ok else ("REFUSED", refused + 1)
-            print(f"{path.name:40} {program:14} {verdict}")
-    return 1 if refused else 0
+    work = tasks([Path(folder) for folder in folders])
+    able = [each for each in work if installed(each[1])]
+    found = dict(zip(able, answers(able), strict=True))
+    for path, client in work:
+        problem = found.get((path, client), "not installed")
+        print(f"{path.name:44} {client.__name__:14} {problem or 'ok'}")
+    return 1 if any(found.values()) else 0
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.special import ellipe
 
 from camgen.contact import rolling_contact
+from camgen.distances import point_to_ring
 from camgen.errors import DesignError
 from camgen.fits import Compensation, compensated, offset, parallel_curve
 from camgen.mechanisms.uniform_swing import UniformSwing
@@ -186,3 +187,27 @@ def test_motion_survives_the_fits(root: Path) -> None:
     assert error(printed(file, fit.hole, fit.profile, fit.shrinkage)) <= limit
     assert error(printed(file, fit.hole, fit.profile + 0.003, fit.shrinkage)) > limit
     assert error(file) > 20 * limit
+
+
+@pytest.mark.parametrize("distance", [-0.3, -0.1, 0.1, 0.3])
+def test_a_facetted_arc_comes_back_to_its_corner(distance: float) -> None:
+    """A shaft's outline with a flat: arc and line meet at corners, which facets alone would misplace by distance^2 / 2 R."""
+    lean, radius = 0.6, 3.0
+    flat = radius * math.sin(lean)
+    arc = Arc(0j, radius, math.pi - lean, math.pi + 2 * lean)
+    half = radius * math.cos(lean)
+    shaft = Contour((arc, Line(complex(half, flat), complex(-half, flat))))
+    points = facet_contour(offset(shaft, -distance), 0.001)
+    limit = (0.02 if distance > 0 else 0.05) * abs(distance)  # moved outwards the corner opens into an arc, which closes again
+    back = grown(Ring(points, np.zeros(len(points))), distance)
+    exact = facet_contour(shaft, 0.001)
+    far = max(float(np.max(point_to_ring(back.points, exact))), float(np.max(point_to_ring(exact, back.points))))
+    assert far < limit
+
+
+def test_a_thin_part_has_a_lower_chamfer() -> None:
+    washer = bush(0.4)
+    fit = Compensation(foot=0.4)
+    assert fit.foot_of(washer) == pytest.approx(0.2)
+    assert min(layer.z1 for layer in compensated(washer, fit).layers) < 0.4
+    assert fit.foot_of(bush(5.0)) == 0.4

@@ -585,3 +585,28 @@ def test_followers_that_miss_the_outline(tmp_path: Path, capsys: pytest.CaptureF
 def test_help_is_light_and_says_how(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-m", "camgen", "motion", "--help"], capture_output=True, text=True)
     assert done.returncode == 0 and "pivot=X/Y" in done.stdout and "translating,shape=flat" in done.stdout
+
+
+def framed(space: Any) -> None:
+    space.add_lwpolyline([(-100, -100), (100, -100), (100, 100), (-100, 100)], close=True, dxfattribs={"layer": "FRAME"})
+    space.add_circle((0, 0), 30, dxfattribs={"layer": "CUT"})
+    space.add_circle((0, 0), 4, dxfattribs={"layer": "CUT"})
+
+
+def test_a_frame_round_the_cam_is_told(tmp_path: Path) -> None:
+    path = drawing(tmp_path / "framed.dxf", framed)
+    told = {f.code: f.ok for f in read_outline(path).findings}
+    assert told["CONTOUR"] is False
+    for chosen in ({"contour": 2}, {"layer": "CUT"}):
+        outline = read_outline(path, **chosen)  # type: ignore[arg-type]
+        assert outline.ring is not None and outline.ring.area == pytest.approx(math.pi * 900)
+        assert {f.code: f.ok for f in outline.findings}["CONTOUR"]
+
+
+def test_what_is_switched_off_does_not_count(tmp_path: Path) -> None:
+    path = drawing(tmp_path / "off.dxf", framed)
+    doc = ezdxf.readfile(path)
+    doc.layers.add("FRAME").off()
+    doc.saveas(path)
+    outline = read_outline(path)
+    assert outline.ring is not None and outline.ring.area == pytest.approx(math.pi * 900)

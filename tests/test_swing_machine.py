@@ -458,3 +458,16 @@ def test_pins_that_meet_the_bore_are_refused() -> None:
     bore, pin = (hole for hole in part.region.holes[:2])
     gap = abs(pin.centroid) - math.sqrt(abs(bore.area) / math.pi) - math.sqrt(abs(pin.area) / math.pi)
     assert gap == pytest.approx(3.0) and abs(bore.area) == pytest.approx(abs(circle(0j, 2.5).area))
+
+
+def test_screws_that_do_not_reach_the_motor() -> None:
+    """M3 x 20 ends 0.45 mm short of what a base 22.3 mm thick leaves under the screws' heads."""
+    held = {f.code: f for f in machine("base.thickness=22.3").limits()}["SCREW_GRIP"]
+    assert not held.ok and held.measured == pytest.approx(-0.45) and held.limit == pytest.approx(0.8 * 3)
+    assert {f.code: f for f in machine().limits()}["SCREW_GRIP"].ok
+
+
+def test_a_nema_23_is_held_by_nuts() -> None:
+    """Its face has plain holes in a flange of 4.8 mm."""
+    bought = {thing.name: thing.size for thing in machine("base.motor='nema-23'").bought()}
+    assert bought["nut of the motor"] == "M5" and "with a nut" in bought["screw of the motor"]

@@ -498,8 +498,10 @@ def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
 
 
 def test_what_is_bought() -> None:
-    assert [line.name for line in made().bought()] == ["drive", "screw of the frame, from behind", "pins A and B"]
-    assert len(made('parts.pins="printed"').bought()) == 2
+    assert [line.name for line in made().bought()] == ["drive", "screw of the frame, from behind"]
+    turned = [part.name for part in made().parts() if part.made != "printed"]
+    assert turned == ["shaft", "pin-a", "pin-b"]
+    assert all(part.made == "printed" for part in made('parts.pins="printed"').parts())
 
 
 def test_the_starters_consumption_holds(tmp_path: Path) -> None:
@@ -530,4 +532,22 @@ def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> N
     overrides.append("geometry.guides=[[4000, 1500], [-8000, 16000]]")
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), overrides)
     codes = {f.code for f in report.findings if not f.ok}
-    assert codes <= {"PIN_STRESS", "BED_FIT"}
+    assert codes <= {"PIN_STRESS", "SHAFT_STRESS", "BED_FIT"}
+
+
+def test_a_stay_too_short_to_see_is_no_dwell() -> None:
+    """With these lengths the eye is within 0.01 mm of the stop for under 0.1 deg."""
+    t = made("geometry.coupler=30", "geometry.output_crank=19").take_up
+    assert math.degrees(t.lingers(0.01)) < 0.2
+    assert t.lingers(1000.0) == pytest.approx(math.tau)
+
+
+def test_a_printed_shaft_is_told() -> None:
+    """1.97 N m on 5.5 mm: 16 T / (pi d^3) = 60 MPa, more than a print bears."""
+    found = {f.code: f for f in made('parts.pins="printed"').limits()}["SHAFT_STRESS"]
+    assert not found.ok and found.measured == pytest.approx(16 * 1974.28 / (math.pi * 5.5**3), rel=1e-4)
+
+
+def test_thick_pins_are_not_taken_for_their_heads(tmp_path: Path) -> None:
+    report = pipeline.build(SHIPPED, tmp_path, frozenset({"stl"}), ["parts.pin_diameter=8"])
+    assert "PIN_GAP" not in {f.code for f in report.findings if not f.ok}

@@ -29,6 +29,7 @@ from camgen.mechanism import Mechanism, Plot, Pose, Rolling, Sketch, Study, Tabl
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
 from camgen.program import Program
+from camgen.sampling import facet_contour
 from camgen.segments import SegmentTable, program, program_faults
 from camgen.sizing import least_convex, smallest
 from camgen.spec import Length, Record
@@ -342,6 +343,12 @@ class DiscCamDrive(Mechanism):
             findings.append(
                 at_least("CURVATURE", least_convex(cam), limits.least_radius, "mm", where,
                          "least radius of curvature of the convex profile; below 0 it is undercut")
+            )  # fmt: skip
+        if f.pivot_distance is not None:
+            reach = max(float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance)))) for cam in self.cams)
+            findings.append(
+                at_least("INTERFERENCE", f.pivot_distance - reach, 0.0, "mm", "exact profile and the follower's axle",
+                         f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {f.pivot_distance:g} mm")
             )  # fmt: skip
         if f.face_width is not None:
             needed = max(high - low if f.motion == "oscillating" else 2 * max(-low, high) for low, high in self._face)

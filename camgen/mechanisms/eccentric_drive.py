@@ -53,7 +53,7 @@ class Motor(Record):
     shaft_length: of its shaft over its face, a finding where it is too short.
     """
 
-    speed_rpm: Annotated[float, Field(gt=0, le=1e6)]
+    speed_rpm: Annotated[float, Field(ge=0.001, le=1e6)]
     boss_diameter: Length = 6.0
     diameter: Length = 21.0
     length: Length = 25.0

@@ -165,6 +165,8 @@ class IndexingCam(Mechanism):
              f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}"),
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
+            (g.follower.roller_radius < g.follower.arm, "geometry.follower.roller_radius", g.follower.roller_radius,
+             f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle"),
             (g.closure == "force" or not self.load.closing_n_m, "load.closing_n_m", self.load.closing_n_m,
              'nothing here: closure "conjugate" needs no spring'),
             (u.crank is None or u.guide is None or u.guide > u.crank, "unloader.guide", u.guide or 0.0,

@@ -26,7 +26,7 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.feed import TakeUp
-from camgen.feed_study import Consumption, Masses, pin_strength, study
+from camgen.feed_study import Consumption, Masses, force_numbers, strengths, study
 from camgen.findings import Finding, at_least, at_most
 from camgen.landmarks import refuse_open
 from camgen.linkages import Floats, Points, direction, four_bar, transmission_extremes
@@ -63,7 +63,7 @@ class Geometry(Record):
 class Motor(Record):
     """What drives the input crank."""
 
-    speed_rpm: Annotated[float, Field(gt=0, le=1e6)]
+    speed_rpm: Annotated[float, Field(ge=0.001, le=1e6)]
 
 
 class Wanted(Record):
@@ -234,16 +234,17 @@ class ThreadTakeUp(Mechanism):
         flat_side = self._shaft(0.0)
         collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
         length = p.shaft_length + 2 * level + p.thickness
-        glued = "pressed and glued in"
+        glued, made = "pressed and glued in", "printed" if p.pins == "printed" else "turned of steel"
         return (
             *flat,
-            Part("shaft", "Input shaft", (Layer(Region(flat_side), 0.0, length),), centres=(0j,), notes=(glued,)),
+            Part("shaft", "Input shaft", (Layer(Region(flat_side), 0.0, length),), centres=(0j,), made=made,
+                 notes=("glued into input crank and collar, turns in frame and pivot",)),
             Part(
                 "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
                 notes=("pressed and glued on the shaft below the frame",), min_wall=self.allowed.min_wall,
             ),
-            self._headed("pin-a", "Pin A", p.pin_diameter, 2 * level, (f"{p.pins}; {glued}",)),
-            self._headed("pin-b", "Pin B", p.pin_diameter, 3 * level, (f"{p.pins}; {glued}",)),
+            self._headed("pin-a", "Pin A", p.pin_diameter, 2 * level, (glued,), made=made),
+            self._headed("pin-b", "Pin B", p.pin_diameter, 3 * level, (glued,), made=made),
             rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (glued,)),
             self._headed("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height, (glued,)),
             self._headed("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, (glued,), 2),
@@ -253,22 +254,24 @@ class ThreadTakeUp(Mechanism):
         """Outline of the input shaft, a circle with a flat, or of its hole."""
         return d_bore(self.making.shaft_diameter + fit, self.making.shaft_flat)
 
-    def _headed(self, name: str, title: str, diameter: float, length: float, notes: tuple[str, ...], count: int = 1) -> Part:
+    def _headed(self, name: str, title: str, diameter: float, length: float, notes: tuple[str, ...], count: int = 1,
+                made: str = "printed") -> Part:  # fmt: skip
         """A round pin so long below its head, printed head down."""
         head = Layer(Region(circle(0j, diameter / 2 + _HEAD)), 0.0, _HEAD)
         shank = Layer(Region(circle(0j, diameter / 2)), _HEAD, _HEAD + length)
-        return Part(name, title, (head, shank), count, centres=(0j,), notes=notes, cut=1)
+        return Part(name, title, (head, shank), count, centres=(0j,), notes=notes, cut=1, made=made)
 
     def bought(self) -> Sequence[Bought]:
-        """Motor, screws for mounting, and pins that are not printed."""
+        """Motor, and screws for mounting."""
         p = self.making
         drive = "" if self.motor is None else f"{self.motor.speed_rpm:g} rpm, "
-        screw = f"for a core hole of {p.mount_diameter:g}, {p.thickness:g} deep"
-        steel = Bought("pins A and B", "", f"turned of steel as drawn, diameter {p.pin_diameter:g}", 2)
+        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.thickness:g} into the frame"
+        if self.masses is not None and self.motor is not None:
+            bodies, speed = self.masses.bodies(self.take_up), self.motor.speed_rpm * math.tau / 60
+            drive += f"{force_numbers(self.take_up, bodies, speed)['peak_torque_n_m']:.3g} N m at its peak, "
         return (
             Bought("drive", "", f"{drive}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep", 1),
             Bought("screw of the frame, from behind", "", screw, 3),
-            *((steel,) if p.pins == "steel" else ()),
         )
 
     def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
@@ -367,14 +370,15 @@ class ThreadTakeUp(Mechanism):
         findings += [
             at_least(
                 "GAP", gap, self.allowed.gap, "mm", f"{name}, crank angle {math.degrees(theta):.2f} deg",
-                "least over the turn; under 0 they overlap",
+                "least over the turn, by joints without play; under 0 they overlap",
             )
             for name, (gap, theta) in self._gaps(t, _TURN).items()
         ]  # fmt: skip
         if self.masses is not None and self.motor is not None:
             p = self.making
             levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
-            findings += pin_strength(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers)
+            thick = p.shaft_diameter - p.shaft_flat
+            findings += strengths(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers, thick)
         if self.consumption is not None:
             findings += self.consumption.findings(t, self.allowed.excess)
         figures = self._figures(t)

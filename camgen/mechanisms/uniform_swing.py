@@ -35,7 +35,7 @@ from camgen.program import uniform_swing
 from camgen.sampling import facet_contour
 from camgen.spec import Length, Record
 from camgen.standards import DENSITY, Bought
-from camgen.swing_list import bought, steps
+from camgen.swing_list import bought, screw_grip, steps
 from camgen.swing_machine import (
     BaseTable,
     ColletTable,
@@ -370,6 +370,8 @@ class UniformSwing(Mechanism):
                 f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm",
             )
         )
+        if self.making.make == "machine":
+            findings.append(screw_grip(self._machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
             findings.append(keeps_contact(loaded, self._load, self._speed))

@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from camgen.contact import rolling_contact
+from camgen.export import write_stl
 from camgen.readback import Ring, mesh_faults, read_stl, slice_mesh
+from camgen.solids import Mesh
 
 
 def best(work: Callable[[], object], rounds: int = 7) -> float:
@@ -49,8 +51,8 @@ def contact() -> None:
         print(f"{count:9} {build * 1e3:9.2f} {rates[0]:8.1f} {rates[1]:8.1f} {rates[2]:8.1f} {whole:8.2f}")
 
 
-def slicing() -> None:
-    """A prism of about 41,000 triangles, from the file to rings."""
+def write_prism(path: Path) -> int:
+    """A prism of some 41,000 triangles as STL; their number."""
     count = 10_250
     z = cam(count)
     xy = np.column_stack([z.real, z.imag, np.zeros(count)]).astype(np.float32)
@@ -62,16 +64,19 @@ def slicing() -> None:
         np.column_stack([i, j, j + n]), np.column_stack([i, j + n, i + n]),
         np.column_stack([j, i, middle]), np.column_stack([i + n, j + n, middle + n]),
     ])  # fmt: skip
-    row = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    rows = np.zeros(len(faces), row)
-    rows["corners"] = vertices[faces]
+    write_stl(path, Mesh(vertices.astype(float), faces), "prism")
+    return len(faces)
+
+
+def slicing() -> None:
+    """The prism, from the file to rings."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "part.stl"
-        path.write_bytes(b" " * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())
+        count = write_prism(path)
         mesh = read_stl(path)
         read, cut = best(lambda: read_stl(path)), best(lambda: slice_mesh(mesh, 2.5))
         faults = best(lambda: mesh_faults(mesh))
-    print(f"{len(faces)} triangles: read {read * 1e3:.1f} ms, slice {cut * 1e3:.1f} ms, faults {faults * 1e3:.1f} ms")
+    print(f"{count} triangles: read {read * 1e3:.1f} ms, slice {cut * 1e3:.1f} ms, faults {faults * 1e3:.1f} ms")
 
 
 if __name__ == "__main__":
