@@ -250,7 +250,7 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
     Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
     """
     try:
-        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
+        if path.exists() and not (path.is_file() and path.stat().st_size <= _MOST_BYTES):
             raise FileError(path, f"is no file of at most {_MOST_BYTES / 1e6:.0f} MB: a table was expected")
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:

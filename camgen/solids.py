@@ -225,6 +225,8 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     cutters = [_manifold(_ordered(*edge.cutter(tolerance))) for edge in part.edges]
     if cutters:
         body = manifold3d.Manifold.batch_boolean([body, *cutters], manifold3d.OpType.Subtract)
+    if body.is_empty():
+        raise DesignError(f"volume of {part.name}", 0.0, 0.0, "mm^3", "", "its two outlines must meet")
     raw = body.to_mesh64()
     vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
     faces = np.asarray(raw.tri_verts).astype(np.int64)
@@ -292,7 +294,7 @@ def _check(mesh: Mesh, name: str) -> None:
     place = place[np.lexsort(place.T)]
     same = int(np.count_nonzero(np.all(place[1:] == place[:-1], axis=1)))
     if same:
-        raise DesignError(f"distinct vertices of {name}", len(place) - int(same), len(place), "", "float32")
+        raise DesignError(f"distinct vertices of {name}", len(place) - same, len(place), "", "float32")
     a, b, size = mesh.faces, np.roll(mesh.faces, -1, axis=1), len(mesh.vertices)
     there, back = np.sort((a * size + b).ravel()), np.sort((b * size + a).ravel())
     # closed: every edge is run once each way

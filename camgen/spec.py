@@ -51,7 +51,7 @@ class Print(Record):
     They change what is printed (STL, 3MF, plates), not what a laser cuts (DXF) and not the assembly, which shows the print.
     """
 
-    nozzle: Annotated[float, Field(ge=0.001, le=5)] = 0.4
+    nozzle: Annotated[float, Field(ge=1e-9, le=5)] = 0.4
     slide_clearance: Clearance = 0.2
     press_clearance: Clearance = 0.0
     bed: tuple[Length, Length] = (220.0, 220.0)

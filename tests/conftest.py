@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# On a build server the same examples each time, so that a red run can be run again; elsewhere new ones each time.
-settings.register_profile("server", derandomize=True)
+# On a build server the same examples each time, however long they take, so that a red run can be run again; elsewhere new ones.
+settings.register_profile("server", derandomize=True, deadline=None)
 if os.environ.get("CI"):
     settings.load_profile("server")
 

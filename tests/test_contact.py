@@ -65,10 +65,27 @@ def trace(z: np.ndarray, pivot: complex, arm: complex, rho: float, leaves: int, 
 
 
 def agree(table: RollingContact, z: np.ndarray, rho: float, theta: np.ndarray) -> Touch:
-    """The answer touches, and nothing is touched before it, both to EXACT."""
+    """The answer touches, and nothing is touched before it, both to EXACT.
+
+    A tip that grazes the outline by less than EXACT before it rests on it may count as touching there or not.
+    """
     pivot, arm, leaves = table.form.pivot, table.form.arm, table.form.leaves
     touch = table.touch(theta)
     slow = trace(z, pivot, arm, rho, leaves, theta)
+
+    def grazes(k: int) -> bool:
+        """Whether one answer alone touches, or earlier, and does not go deeper than EXACT there."""
+        angles = np.array([touch.angle[k], slow[k]])
+        near = float(np.nanmax(leaves * angles)) * leaves
+        way = near - leaves * np.concatenate([[0.0], np.geomspace(1e-9, 1e-4, 40)])
+        if not np.isnan(angles).any():
+            way = np.linspace(angles[0], angles[1], 41)
+        return bool(np.min(distance(z, (pivot + arm * np.exp(1j * way)) * np.exp(-1j * theta[k]))) > rho - EXACT)
+
+    apart = np.isnan(touch.angle) != np.isnan(slow)
+    apart |= np.abs(touch.angle - slow) * abs(arm) * np.cos(touch.pressure_angle) >= 2 * EXACT
+    sure = np.array([not (apart[k] and grazes(k)) for k in range(len(theta))])
+    theta, slow, touch = theta[sure], slow[sure], Touch(*(values[sure] for values in vars(touch).values()))
     reached = ~np.isnan(touch.angle)
     assert np.array_equal(reached, ~np.isnan(slow))
     c = pivot + arm * np.exp(1j * touch.angle[reached])

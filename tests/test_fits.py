@@ -130,7 +130,7 @@ def test_compensated_part() -> None:
 @pytest.mark.parametrize("fit, quantity", [
     (Compensation(hole=1.1), "wall"),
     (Compensation(profile=11), "compensation of the outline of bush"),
-    (Compensation(foot=5), "elephant-foot"),
+    (Compensation(foot=11), "elephant-foot"),
     (Compensation(hole=-1), "compensation of the hole of bush"),
     (Compensation(shrinkage=0.9), "shrinkage"),
 ])  # fmt: skip
