@@ -72,8 +72,8 @@ def judge(case: Case, kinds: Sequence[str], workers: Workers, progress: Progress
     """
     mechanism, names = case.mechanism, list(case.parts)
     files = [kind for kind in kinds if kind != "report"]
+    waiting = [workers.start(stage, case, files) for stage in _stages(mechanism, files)]  # the longest first
     reading = workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
-    waiting = [workers.start(stage, case, files) for stage in _stages(mechanism, files)]
     limits, study = mechanism.limits(), mechanism.study()
     parts: list[Outcome] = []
     read: dict[str, Read] = {}
