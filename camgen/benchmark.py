@@ -201,6 +201,8 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
         )  # fmt: skip
         return list(verdict.findings)
     pairs = [contact for contact in contacts if isinstance(contact, Apart)]
+    if any({pair.a, pair.b} - read.keys() for pair in pairs):  # a part of which no solid could be made
+        return []
     found = list(pass_by(case, [kind]).numbers.values()) if pairs and kind != "dxf" else []
     if not pairs or len(found) != len(pairs):
         return []

@@ -21,6 +21,7 @@ from camgen.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape
 from camgen.undoing import printed
 
 MILLIMETRES = 4  # $INSUNITS of DXF
+_CROSSED = 20  # float32 steps by which corners of crossed bodies may be off: those nearer than 8 are made one
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 
 
@@ -214,7 +215,8 @@ def _judge_sections(
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
-    limit = 2 * expected.chord_tolerance + 4 * rounding + (expected.undo.slack if expected.undo else 0.0)
+    steps = 4 if len(expected.levels) > 1 else _CROSSED  # a crossed body has one flat face that is known
+    limit = 2 * expected.chord_tolerance + steps * rounding + (expected.undo.slack if expected.undo else 0.0)
     off, remark = lifted, f"a flat face is {lifted:.4g} mm off its height"
     for k, (meant, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in meant.shapes)
