@@ -471,3 +471,8 @@ def test_a_nema_23_is_held_by_nuts() -> None:
     """Its face has plain holes in a flange of 4.8 mm."""
     bought = {thing.name: thing.size for thing in machine("base.motor='nema-23'").bought()}
     assert bought["nut of the motor"] == "M5" and "with a nut" in bought["screw of the motor"]
+
+
+def test_play_of_the_axle() -> None:
+    """0.1 mm to either side on an arm of 67.08 mm at 58.3 deg of pressure angle: 0.1 / (67.082 cos 58.306 deg) = 0.1626 deg."""
+    assert machine().study().numbers["swing_by_play_of_axle_deg"] == pytest.approx(0.1626, abs=2e-4)

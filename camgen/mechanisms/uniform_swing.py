@@ -430,6 +430,9 @@ class UniformSwing(Mechanism):
         }
         if self.making.make == "machine":
             numbers["shaft_length_mm"] = self._machine.shaft_length
+            # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
+            across = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[0]))
+            numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
         degrees = np.degrees(theta)
         lever = self.spring.lever if g.closure == "force" else None
         loaded = force_study(self._forces, self._load, self._speed, lever) if self._forces else Study()
