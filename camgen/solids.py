@@ -21,7 +21,7 @@ from camgen.errors import DesignError
 from camgen.outlines import Contour, Floats, Points, Region
 from camgen.parts import Layer, Part
 from camgen.sampling import facet_circle, facet_contour
-from camgen.tolerances import FLOAT32_ROUNDING
+from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
 
 Faces = NDArray[np.int64]
 
@@ -232,7 +232,7 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     # Where cuts nearly meet, edges are a few float32 steps long: no two readers agree on the normal of a face with one.
     here, there = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    step = 8 * FLOAT32_ROUNDING * float(np.abs(vertices).max())
+    step = MERGED_STEPS * FLOAT32_ROUNDING * float(np.abs(vertices).max())
     for k in np.flatnonzero((here < there) & (np.abs(vertices[here] - vertices[there]).max(axis=1) <= step)):
         vertices[there[k]] = vertices[here[k]]
     mesh = _ordered(vertices, faces)

@@ -11,6 +11,9 @@ INTERSECTION = 1e-12
 # Largest relative rounding of a coordinate by the float32 of STL and 3MF: half an ulp, 2**-24.
 FLOAT32_ROUNDING = 2.0**-24
 
+# Corners of a crossed body that are nearer than so many float32 roundings in each coordinate are made one.
+MERGED_STEPS = 8
+
 # Error of a copy's place in a 3MF, as a share of the sizes in its transform, which is written with six decimals.
 TRANSFORM_ROUNDING = 4e-6
 

@@ -21,7 +21,6 @@ from camgen.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape
 from camgen.undoing import printed
 
 MILLIMETRES = 4  # $INSUNITS of DXF
-_CROSSED = 20  # float32 steps by which corners of crossed bodies may be off: those nearer than 8 are made one
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 
 
@@ -181,11 +180,18 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     for item in package.items:
         turn = item.transform[:, :3]
         bent = float(np.max(np.abs(turn @ turn.T - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
-        wrong = [float(np.max(np.abs(item.transform - place))) for name, place in places or () if name == item.name]
-        off = max(off, bent * reach, min(wrong, default=0.0))
+        off = max(off, bent * reach)
+    laid = [(item.name, item.transform) for item in package.items]
+    for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
+        off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
     remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
+
+
+def _astray(copy: tuple[str, Floats], others: Sequence[tuple[str, Floats]]) -> float:
+    """How far the nearest copy of the same part lies from this one, as the largest difference of their transforms."""
+    return min((float(np.max(np.abs(copy[1] - place))) for name, place in others if name == copy[0]), default=math.inf)
 
 
 def _unlike(mesh: Mesh, original: Mesh) -> float:
@@ -215,7 +221,9 @@ def _judge_sections(
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
-    steps = 4 if len(expected.levels) > 1 else _CROSSED  # a crossed body has one flat face that is known
+    steps = 4.0
+    if len(expected.levels) == 1:  # a crossed body, of which one flat face is known; corners near each other are one
+        steps += math.sqrt(2) * tolerances.MERGED_STEPS
     limit = 2 * expected.chord_tolerance + steps * rounding + (expected.undo.slack if expected.undo else 0.0)
     off, remark = lifted, f"a flat face is {lifted:.4g} mm off its height"
     for k, (meant, shapes) in enumerate(sections):
@@ -280,8 +288,8 @@ def _strayed(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected
     off = 0.0
     for wanted in meant:
         shape = min(shapes, key=lambda one: _apart(one.outer, wanted.outer))
-        if len(shape.holes) != len(wanted.holes):
-            return math.nan
+        if len(shape.holes) != len(wanted.holes):  # the holes of another piece
+            return math.inf
         if not _is_eye(wanted.outer, expected):
             off = max(off, _distance(shape.outer, rolled or wanted.outer, expected))
         for hole in wanted.holes:

@@ -18,8 +18,9 @@ from camgen.errors import FileError
 from camgen.judging import expected
 from camgen.mechanism import Mechanism
 from camgen.readback import read_dxf, shape_of
+from camgen.rings import Ring, Shape
 from camgen.rolling import judge_motion
-from camgen.verify import judge_mesh
+from camgen.verify import Expected, Section, _judge_sections, judge_mesh
 
 # No windows, so that the cam's holes are alike in a mirror and only the profile tells.
 OVERRIDES = ("parts.windows=0", "name='cam'", "parts.make='cams'", "parts.bore=8")
@@ -137,6 +138,21 @@ def test_stl_of_another_volume(folder: Path) -> None:
         judged = judge_mesh(folder / "cam-cam.stl", replace(meant, volume=share * meant.volume))
         codes.append({finding.code for finding in judged.findings if not finding.ok})
     assert codes == [set(), {"VOLUME"}]
+
+
+def test_holes_that_are_in_another_piece_are_told() -> None:
+    """Two plates, each meant with one hole; both holes are in the first: as many contours, and wrong ones."""
+
+    def ring(centre: complex, radius: float) -> Ring:
+        points = centre + radius * np.exp(2j * np.pi * np.arange(64) / 64)
+        return Ring(points, np.zeros(64))
+
+    plates, holes = (ring(0, 10), ring(30, 10)), (ring(-4, 2), ring(4, 2), ring(30, 2))
+    meant = Section((0.5,), (Shape(plates[0], holes[:1]), Shape(plates[1], holes[2:])))
+    part = Expected("x", (meant,), 0, 1.0, (0.0, 1.0), 1.0, 0.1, 0.001)
+    for found, ok in ((holes[::2], True), (holes[:2], False)):
+        judged = _judge_sections([(meant, [*plates, *found])], part, "x.stl", 0.0, [])
+        assert [f.ok for f in judged.findings if f.code == "ROUND_TRIP"] == [ok]
 
 
 def test_stl_with_a_deeper_engraving(folder: Path) -> None:
@@ -354,6 +370,7 @@ def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:
         pytest.param(lambda text: re.sub(r'<vertex x="[^"]*"', '<vertex x="1.234"', text, count=1), id="moved vertex"),
         pytest.param(lambda text: re.sub(r"<item [^>]*/>", "", text, count=1), id="lost copy"),
         pytest.param(lambda text: re.sub(r'transform="[^ ]* ', 'transform="-1.02 ', text, count=1), id="stretched copy"),
+        pytest.param(lambda text: re.sub(r' transform="[^"]*"', "", text), id="two copies in one place"),
     ],
 )
 def test_a_damaged_assembly_is_told(folder: Path, edit: Callable[[str], str]) -> None:
