@@ -114,7 +114,7 @@ def pair_contact(cam: DiscCam, theta: Floats, effort: Floats, friction: float = 
 
 
 def lift_off(force: Floats, theta: Floats, remedy: str) -> Finding:
-    """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; nan fails."""
+    """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; nan fails, -inf is a kick off the cam."""
     k = int(np.argmin(np.where(np.isnan(force), -np.inf, force)))
     where = f"cam angle {math.degrees(float(theta[k])):.1f} deg"
     message = "the follower stays on the cam" if force[k] >= 0 else f"the follower leaves the cam: {remedy}"

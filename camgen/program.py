@@ -80,6 +80,12 @@ class Program:
         after = [s.at(0.0, order) for s in self.segments]
         return np.array(after) - np.roll(before, 1)
 
+    def peak(self, order: int) -> float:
+        """Largest size of the derivative of order 1..3, unit of s per rad^order; inf where a lower one jumps."""
+        if self.discontinuities(order - 1):
+            return math.inf
+        return max(abs(s.scale) / s.span**order * (s.law.c_v, s.law.c_a, s.law.c_j)[order - 1] for s in self.segments)
+
     @cached_property
     def breaks(self) -> Floats:
         """Cam angles, growing, where a derivative of order 0..3 may jump: joints and the breaks inside laws, (m,) rad."""

@@ -173,7 +173,7 @@ def _text(value: object) -> str:
     if isinstance(value, int | np.integer):
         return str(value).replace("-", "−")
     if isinstance(value, float | np.floating):
-        return f"{value + 0.0:.6g}".replace("-", "−") if math.isfinite(value) else "–"
+        return "–" if math.isnan(value) else f"{value + 0.0:.6g}".replace("-", "−").replace("inf", "∞")
     return escape("" if value is None else str(value))
 
 

@@ -93,12 +93,13 @@ def _peak(y: Floats, grids: list[Floats]) -> float:
 def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float:
     """How much better than the limits a cam is at its worst, rad or a share; below 0: it breaks one.
 
-    pressure: rad; least_radius: mm, of the profile where it is convex. The follower must stay off the shaft's axis.
+    pressure: rad; least_radius: mm, of the profile where it is convex, below 0 where an undercut is accepted. The follower
+    must stay off the shaft's axis.
     """
     steep = cam.greatest(cam.steepness)[1]
     if not cam.greatest(lambda theta: -cam.follower.clear(theta, cam.program))[1] < 0:
         return -1.0
-    return min(pressure - steep, least_convex(cam) / least_radius - 1 if least_radius else least_convex(cam))
+    return min(pressure - steep, (least_convex(cam) - least_radius) / (abs(least_radius) or 1.0))
 
 
 def least_convex(cam: DiscCam[Follower]) -> float:

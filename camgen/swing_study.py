@@ -20,6 +20,7 @@ _BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
 _JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
 _SAMPLES = 1441
+_NO_SPRING = "A sharp reversal asks for an endless force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
 
 
 def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
@@ -115,15 +116,18 @@ def force_study(found: Forces, load: Load, speed: float, lever: float | None) ->
             "out. A reversal_blend_deg spreads it."
         )
     if lever is not None:
-        preload, rate = load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)
+        preload, rate = _spring_needed(found, load, speed)
         numbers |= {
             "spring_preload_needed_n_m": preload, "spring_rate_needed_n_m_per_rad": rate,
             "spring_force_needed_n": preload / lever * 1e3, "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
         }  # fmt: skip
+        ways = [f"pulls with {preload / lever * 1e3:.3g} N where the tip is nearest to the shaft (spring.preload)"]
+        if math.isfinite(rate):
+            ways.append(f"has a rate of {rate / lever**2 * 1e3:.3g} N/mm (spring.rate)")
         notes.append(
-            f"Either suffices, the other as given: a straight spring on a lever of {lever:g} mm that pulls with "
-            f"{preload / lever * 1e3:.3g} N where the tip is nearest to the shaft, or one of {rate / lever**2 * 1e3:.3g} N/mm."
-        )
+            _NO_SPRING if math.isinf(preload) else
+            f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
+        )  # fmt: skip
     label = "cam angle, deg"
     plots = [
         Plot("Contact force", label, "N", [("tip on cam", degrees, _drawn(force))]),
@@ -139,13 +143,17 @@ def _drawn(values: Floats) -> Floats:
 def keeps_contact(found: Forces, load: Load, speed: float) -> Finding:
     """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
     force = np.where(np.isnan(found.contact.force), math.inf, found.contact.force)
-    preload, rate = load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)
-    remedy = (
-        f"a spring.preload of {preload:.4g} N m or a spring.rate of {rate:.4g} N m/rad keeps it; "
-        "less inertia or a longer reversal_blend_deg lowers them"
-    )
+    preload, rate = _spring_needed(found, load, speed)
+    stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""
+    remedy = f"a spring.preload of {preload:.4g} N m{stiffer} keeps it; less inertia or a longer reversal_blend_deg lowers that"
     if found.kick:
-        force = force.copy()
         force[len(force) // 2] = -math.inf
-        remedy = "a sharp reversal throws it off, whatever the spring: use a reversal_blend_deg"
+        remedy = _NO_SPRING
     return lift_off(force, found.theta, remedy)
+
+
+def _spring_needed(found: Forces, load: Load, speed: float) -> tuple[float, float]:
+    """Least preload, N m, or else rate, N m/rad, of a spring that keeps contact; inf where none does."""
+    if found.kick:
+        return math.inf, math.inf
+    return load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,7 @@ from camgen.linkages import slider_travel
 from camgen.mechanism import Rolling
 from camgen.mechanisms.disc_cam import DiscCamDrive
 from camgen.readback import Shape, read_stl, shape_of, slice_mesh
+from camgen.report import Report, to_html
 from camgen.rings import Ring, bore_circle, fit_circle
 from camgen.rolling import mounted
 
@@ -313,7 +315,62 @@ def test_a_law_that_jumps_is_told() -> None:
     (jump,) = [f for f in mechanism(segments=segments).limits() if f.code == "MOTION_JUMP"]
     assert not jump.ok and jump.measured == 2 and "acceleration at 0.000 deg" in jump.message
     (jump,) = [f for f in mechanism("limits.continuous=1", segments=segments).limits() if f.code == "MOTION_JUMP"]
-    assert jump.ok
+    assert jump.ok and jump.message == "no jump of displacement and velocity"
+    free = mechanism("limits.continuous=-1", segments=segments)
+    assert not [f for f in free.limits() if f.code == "MOTION_JUMP"], "nothing is asked, so nothing holds"
+    assert any("limits.continuous = -1" in note for note in free.study().notes)
+
+
+def sharp(kind: str, lift: float) -> DiscCamDrive:
+    """A follower that goes up and down at even speed, with a corner at each end."""
+    segments = [
+        {"kind": "rise", "span_deg": 120.0, "lift": lift, "law": "uniform"},
+        {"kind": "return", "span_deg": 240.0, "to": 0.0, "law": "uniform"},
+    ]
+    settings = [f"geometry.follower={{{ROLLER}}}"] if kind == "oscillating" else []
+    return mechanism(*settings, "geometry.base_radius=30", segments=segments)
+
+
+@pytest.mark.parametrize("kind, lift, unit", [("translating", 8.0, "mm"), ("oscillating", 12.0, "deg")])
+def test_a_jump_is_told_in_its_own_unit(kind: str, lift: float, unit: str) -> None:
+    """Up by `lift` in 2 pi / 3 rad, down in twice that: the speed steps by lift / (2 pi / 3) * 3 / 2."""
+    made = sharp(kind, lift)
+    (jump,) = [f for f in made.limits() if f.code == "MOTION_JUMP"]
+    step = lift / (2 * math.pi / 3) * 1.5
+    assert (jump.measured, jump.limit, jump.unit) == (2, 0, "jumps")
+    assert f"velocity at 120.000 deg by {-step:.4g} {unit}/rad;" in jump.message
+    jerky = [{**s, "law": "simple-harmonic"} for s in made.model_dump(by_alias=True)["segment"]]
+    (jump,) = [f for f in mechanism(segments=jerky).limits() if f.code == "MOTION_JUMP"]
+    step = lift * 1.5**2 * 0.5 * 0.75  # pi^2 / 2 * lift * (1 / span^2) of both sides
+    found = re.search(r"acceleration at 120.000 deg by ([0-9.]+) mm/rad\^2;", jump.message)
+    assert found and float(found[1]) == pytest.approx(step, abs=0.006)
+
+
+def test_acceleration_is_endless_where_the_speed_jumps() -> None:
+    """No finite peak, in numbers as well as in the report's words."""
+    numbers = sharp("translating", 8.0).study().numbers
+    assert numbers["peak_acceleration_mm_s2"] == math.inf
+    speed = 8.0 / (2 * math.pi / 3) * mechanism().motor.speed_rpm * math.tau / 60
+    assert numbers["peak_speed_mm_s"] == pytest.approx(speed)
+    text = to_html(Report("cam", "disc-cam", (), numbers))
+    assert re.search(r"peak acceleration</dt><dd>∞", text)
+
+
+def test_an_accepted_undercut_fails_nowhere() -> None:
+    """Its radius of curvature is below 0: limits.least_radius can say how far below."""
+    settings = ["geometry.base_radius=8", "parts.hub_height=0", "parts.bore=4", "limits.undercut=5",
+                'geometry.follower={motion="translating",shape="flat"}']  # fmt: skip
+    refused = {f.code for f in mechanism(*settings, "limits.least_radius=0").limits() if not f.ok}
+    assert refused == {"CURVATURE"}
+    assert all(f.ok for f in mechanism(*settings, "limits.least_radius=-50").limits())
+
+
+@pytest.mark.parametrize("least", [-2.0, 0.0, 3.0])
+def test_the_base_radius_that_is_found_keeps_to_a_least_radius_of_any_sign(least: float) -> None:
+    flat = 'geometry={follower={motion="translating",shape="flat"}}'
+    made = mechanism(flat, "limits.pressure_angle_deg=89", f"limits.least_radius={least}")
+    (curvature,) = [f for f in made.limits() if f.code == "CURVATURE"]
+    assert curvature.measured == pytest.approx(least, abs=1e-6)
 
 
 def shrink_dxf(path: Path) -> None:

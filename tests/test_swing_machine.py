@@ -328,6 +328,25 @@ def test_lift_off() -> None:
     assert lift_off(*blend, f"spring.preload={needed * 1.02}") == [True]
 
 
+def test_finding_and_figures_of_lift_off_say_the_same() -> None:
+    """A sharp reversal: no spring is enough, so none is named. Else force, angle and the preload that is needed."""
+    force = ("geometry.closure='force'", "nozzle.inertia_kg_m2=0.001")
+    sharp = machine(*force)
+    (finding,) = [f for f in sharp.limits() if f.code == "LIFT_OFF"]
+    study = sharp.study()
+    assert (finding.measured, finding.where) == (-math.inf, "cam angle 180.0 deg")
+    assert all(study.numbers[f"spring_{key}"] == math.inf for key in (
+        "preload_needed_n_m", "rate_needed_n_m_per_rad", "force_needed_n", "rate_needed_n_mm"))  # fmt: skip
+    (note,) = [note for note in study.notes if "spring" in note]
+    assert "no spring" in note and "no spring" in finding.message
+
+    blended = machine(*force, "geometry.reversal_blend_deg=20")
+    (finding,) = [f for f in blended.limits() if f.code == "LIFT_OFF"]
+    needed = blended.study().numbers["spring_preload_needed_n_m"]
+    assert -math.inf < finding.measured < 0 and f"spring.preload of {needed:.4g} N m" in finding.message
+    assert "inf" not in finding.message
+
+
 def test_torque_is_that_of_the_load() -> None:
     """The motor's work over a turn is nothing without friction; the peak grows with the square of the speed."""
     base = ("nozzle.inertia_kg_m2=0.001", "nozzle.friction=0", "geometry.reversal_blend_deg=30")

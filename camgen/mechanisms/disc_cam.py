@@ -36,6 +36,7 @@ from camgen.spec import Length, Record
 from camgen.tips import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
+_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 _UP = 1j
 
 
@@ -67,10 +68,13 @@ class Motor(Record):
 
 
 class Limits(Record):
-    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower."""
+    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
+
+    least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
+    """
 
     pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
-    least_radius: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
     undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     lash: Annotated[float, Field(ge=0, le=1e6)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
@@ -342,7 +346,8 @@ class DiscCamDrive(Mechanism):
             )  # fmt: skip
             findings.append(
                 at_least("CURVATURE", least_convex(cam), limits.least_radius, "mm", where,
-                         "least radius of curvature of the convex profile; below 0 it is undercut")
+                         "least radius of curvature of the convex profile; below 0 it is undercut, "
+                         "which a limits.least_radius below 0 accepts")
             )  # fmt: skip
         if f.pivot_distance is not None:
             reach = max(float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance)))) for cam in self.cams)
@@ -355,15 +360,22 @@ class DiscCamDrive(Mechanism):
             findings.append(
                 at_most("FACE_WIDTH", needed, f.face_width, "mm", "exact profile", "width over which the face is touched")
             )
-        jumps = self.program.discontinuities(limits.continuous) if limits.continuous >= 0 else []
-        names = ("displacement", "velocity", "acceleration", "jerk")
-        told = "; ".join(f"{names[j.order]} at {math.degrees(j.theta):.3f} deg by {j.size * scale:.4g} {unit}" for j in jumps[:6])
-        findings.append(
-            at_most("MOTION_JUMP", len(jumps), 0, "jumps", "program",
-                    f"{told}; a law that ends smoother, or 'matched', joins them" if jumps
-                    else f"nothing jumps up to {names[limits.continuous] if limits.continuous >= 0 else 'nothing'}")
-        )  # fmt: skip
-        return findings
+        return [*findings, *self._jumps()]
+
+    def _jumps(self) -> list[Finding]:
+        """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""
+        highest, (unit, scale) = self.allowed.continuous, self._unit
+        if highest < 0:
+            return []
+        jumps = self.program.discontinuities(highest)
+        units = (unit, f"{unit}/rad", f"{unit}/rad^2", f"{unit}/rad^3")
+        told = "; ".join(
+            f"{_ORDERS[j.order]} at {math.degrees(j.theta):.3f} deg by {j.size * scale:.4g} {units[j.order]}" for j in jumps[:6]
+        )
+        more = f"; and {len(jumps) - 6} more" if len(jumps) > 6 else ""
+        asked = " and ".join(filter(None, (", ".join(_ORDERS[:highest]), _ORDERS[highest])))
+        said = f"{told}{more}; a law that ends smoother, or 'matched', joins them" if jumps else f"no jump of {asked}"
+        return [at_most("MOTION_JUMP", len(jumps), 0, "jumps", "program", said)]
 
     @property
     def _names(self) -> list[str]:
@@ -374,7 +386,7 @@ class DiscCamDrive(Mechanism):
         unit, scale = self._unit
         f, cam, low, high = self.geometry.follower, self.cam, *self._highest
         speed = self.motor.speed_rpm * math.tau / 60
-        peaks = [scale * speed**k * cam.greatest(partial(_size, self.program, k))[1] for k in (1, 2)]
+        peaks = [scale * speed**k * self.program.peak(k) for k in (1, 2)]
         numbers = {
             "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
             "base_radius_mm": self.base_radius,
@@ -394,8 +406,16 @@ class DiscCamDrive(Mechanism):
             numbers["pitch_curvature_radius_min_mm"] = cam.least_radius
         return Study(
             numbers, self._plots(speed), (self._table(),), (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
-            ("A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise.",),
+            self._notes(),
         )  # fmt: skip
+
+    def _notes(self) -> list[str]:
+        notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
+        if math.isinf(self.program.peak(2)):
+            notes.append("The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out.")
+        if self.allowed.continuous < 0:
+            notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
+        return notes
 
     def _plots(self, speed: float) -> tuple[Plot, ...]:
         unit, scale = self._unit
@@ -456,7 +476,3 @@ class DiscCamDrive(Mechanism):
 
 def _negative(f: Callable[[Any], Floats], theta: Any) -> Floats:
     return -f(theta)
-
-
-def _size(motion: Program, order: int, theta: Any) -> Floats:
-    return np.abs(motion(theta, order))
