@@ -19,9 +19,8 @@ from camgen.followers import DiscCam, SwingingArm
 from camgen.motion import TURN, Floats
 from camgen.program import uniform_swing
 
-MEASURED_SPREAD = 2 / 25  # 2 mm in 25 mm on the running machine [Sentyakov et al., Vestnik TGTU 2018, 24(4), p. 704]
 STRIPS = 400  # of the width, so that the least share that can be told is a quarter of a percent
-BAND = 0.1  # thickness may differ by this share (same source, p. 698)
+BAND = 0.1  # thickness may differ by this share [Sentyakov et al., Vestnik TGTU 2018, 24(4), p. 698]
 
 
 @dataclass(frozen=True)

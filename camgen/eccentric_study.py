@@ -85,8 +85,8 @@ def study(
         notes = (source, *_ERRATA)
     if masses is not None:
         forces = _forces(linkage, theta, speed, masses)
-        peaks = {f"peak_force_{name}_N": float(np.max(np.abs(force))) for name, force in forces.reactions.items()}
-        numbers |= {**peaks, "peak_torque_N_m": float(np.max(np.abs(forces.torque)))}
+        peaks = {f"peak_force_{name.lower()}_n": float(np.max(np.abs(force))) for name, force in forces.reactions.items()}
+        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(forces.torque)))}
         plots += [
             Plot("Joint forces", label, "N", [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()]),
             Plot("Driving torque", label, "N m", [("torque", degrees, forces.torque)]),

@@ -1,4 +1,4 @@
-"""What a report shows of a thread take-up: its numbers, curves and tables, for both readings of the source's lengths."""
+"""What a report shows of a thread take-up: its numbers, curves and tables; the source's lengths in both their readings."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from camgen.spec import Length, Record
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
 _PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)
+_EYE = (52.0, math.radians(90))  # its BD, and the angle with BA
 _FORCES = np.linspace(0, TURN, 7200, endpoint=False)  # angles at which forces are taken; peaks are flat to 1e-4 N between two
 _DRAWN = np.linspace(0, TURN, 721)
 _DEGREES = np.degrees(_DRAWN)
@@ -30,19 +31,21 @@ _ALPHA = "crank angle, deg"
 _BEARS = {"printed": 20.0, "steel": 350.0}
 _SHEAR = 1 / math.sqrt(3)  # of it in shear [von Mises]
 
-_ERRATA = (
+_NOTES = (
     "Source: Semin, Korneenko, Kirillov, Mikheeva, Two-crank four-bar thread take-up of a sewing machine (in Russian).",
-    "Its formula (1) has lost the squares of the lengths under the arccosine and has l0 l1 where l0 l1 and l2 belong in the "
-    "denominator; its arctangent jumps by 180 deg. Formula (2) is a reflection unless y' changes sign; the l2 in y' of (3) "
+    "Feed: straight thread between the centres of guides and finger; the wrap round their radii is left out.",
+    "Wear measure: mean over the turn of |reaction| times |relative angular speed| in the joint, N rad/s (load times "
+    "sliding way, to be multiplied by the pin's radius).",
+)
+# Said of the source's own lengths alone.
+_ERRATA = (
+    "The source's formula (1) has lost the squares of the lengths under the arccosine and has l0 l1 where l0 l1 and l2 "
+    "belong in the denominator; its arctangent jumps by 180 deg. Formula (2) is a reflection unless y' changes sign; the l2 in y' of (3) "
     "is spurious. 'Cranks OA and AB' means OA and BC. The forms used here close the chain and are proved by doing so.",
     "With the lengths as printed (AB = 30, BC = 19) the eye's path has no double point; with AB and BC interchanged it has "
     "one, and the near stop that the paper describes. The paper's 120 N at C fits the printed lengths. The text cannot "
     "decide: both readings stand side by side here, the printed one for the forces, the interchanged one for the motion.",
-    "Not given by the source, so the spec's own choice: centres of mass, guides, frame angle, consumption of thread. Forces "
-    "use the masses in the spec, which are the source's steel links, not those of the parts made here.",
-    "Feed: straight thread between the centres of guides and finger; the wrap round their radii is left out.",
-    "Wear measure: mean over the turn of |reaction| times |relative angular speed| in the joint, N rad/s (load times "
-    "sliding way, to be multiplied by the pin's radius); the paper names its coefficient without a formula.",
+    "Not given by the source, so the spec's own choice: centres of mass, guides, frame angle, consumption of thread.",
 )
 
 
@@ -123,24 +126,41 @@ class Consumption(Record):
 def reading(t: TakeUp) -> str:
     """Name of a pair of lengths: the source's two readings, or the lengths themselves."""
     lengths = f"AB = {t.coupler:g}, BC = {t.output:g}"
-    if (t.crank, t.frame) == _PUBLISHED and (t.coupler, t.output) in (_PRINTED, _PRINTED[::-1]):
+    if _of_source(t):
         return f"{'as printed' if (t.coupler, t.output) == _PRINTED else 'interchanged'}: {lengths}"
     return lengths
 
 
+def _of_source(t: TakeUp) -> bool:
+    """Whether the lengths are the source's, in one of their two readings."""
+    own = (t.crank, t.frame, t.eye_distance, t.eye_angle) == (*_PUBLISHED, *_EYE)
+    return own and (t.coupler, t.output) in (_PRINTED, _PRINTED[::-1])
+
+
+def _readings(t: TakeUp) -> tuple[TakeUp, ...]:
+    """The take-up; of the source's lengths also their other reading."""
+    return (t, t.interchanged()) if _of_source(t) else (t,)
+
+
 def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Consumption | None) -> Study:
     """Figures, curves and tables; forces only with masses, and then with a speed."""
-    numbers, other = motion_numbers(t), motion_numbers(t.interchanged())
-    notes, plots, tables = list(_ERRATA), _motion_plots(t), [_turns(t)]
+    figures = [motion_numbers(each) for each in _readings(t)]
+    notes, plots, tables = [*_NOTES, *(_ERRATA if _of_source(t) else ())], _motion_plots(t), [_turns(t)]
     if masses is not None and rpm is not None:
         speed = rpm * TURN / 60
-        numbers |= force_numbers(t, masses.bodies(t), speed)
-        other |= force_numbers(t.interchanged(), masses.bodies(t.interchanged()), speed)
-        notes.append(f"Forces at {rpm:g} rpm without gravity, friction, thread and the input crank's own mass, as in the source.")
+        for found, each in zip(figures, _readings(t), strict=True):
+            found |= force_numbers(each, masses.bodies(each), speed)
+        notes.append(
+            f"Forces at {rpm:g} rpm without gravity, friction, thread and the input crank's own mass, as in the source; the "
+            "masses are those of the spec, not of the parts made here."
+        )
         plots.append(_force_plot(t, masses, speed))
         tables += [_centres(t, masses, speed), _balancing(t, masses, speed)]
-    rows = [[key, numbers.get(key, ""), other.get(key, "")] for key in dict.fromkeys([*numbers, *other])]
-    both = Table("Both readings of the lengths", ("figure", reading(t), reading(t.interchanged())), rows)
+    if _of_source(t):
+        keys = dict.fromkeys(key for found in figures for key in found)
+        rows = [[key, *(found.get(key, "") for found in figures)] for key in keys]
+        tables.insert(0, Table("Both readings of the lengths", ("figure", *map(reading, _readings(t))), rows))
+    numbers = dict(figures[0])
     if masses is not None and rpm is not None:
         numbers |= balance_numbers(t, masses, rpm * TURN / 60)
     if consumption is not None:
@@ -152,7 +172,7 @@ def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Cons
         supply, drawn = t.supply(_DRAWN), consumption.at(_DRAWN)
         curves = [("supply", _DEGREES, supply), ("consumption", _DEGREES, drawn), ("excess", _DEGREES, supply - drawn)]
         plots.append(Plot("Supply and consumption of thread", _ALPHA, "mm", curves))
-    return Study(numbers, plots, [both, *tables], (), notes)
+    return Study(numbers, plots, tables, (), notes)
 
 
 def motion_numbers(t: TakeUp) -> dict[str, float]:
@@ -238,15 +258,15 @@ def _peaks(forces: Forces) -> dict[str, float]:
 
 
 def _motion_plots(t: TakeUp) -> list[Plot]:
-    path, other, feed = t.linkage.point("D")(_DRAWN, 0), t.interchanged(), t.diagram
-    lost = other.linkage.point("D")(_DRAWN, 0)
+    feed = t.diagram
+    paths = [(reading(each), each.linkage.point("D")(_DRAWN, 0)) for each in _readings(t)]
     jets = t.linkage.solve(_DRAWN)
     arms = np.angle((jets["A"][0] - jets["B"][0]) / (jets["C"][0] - jets["B"][0]))
     coupler, output = t.rates(_DRAWN)
     marks = [("greatest", math.degrees(feed.longest[1])), ("least", math.degrees(feed.shortest[1]))]
     return [
-        Plot("Eye path", "x, mm", "y, mm", [(reading(t), path.real, path.imag), (reading(other), lost.real, lost.imag)]),
-        Plot("Feed, both readings", _ALPHA, "mm", [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in (t, other)], marks),
+        Plot("Eye path", "x, mm", "y, mm", [(name, path.real, path.imag) for name, path in paths]),
+        Plot("Feed", _ALPHA, "mm", [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in _readings(t)], marks),
         Plot("Transmission angle", _ALPHA, "deg", [("between coupler and output crank", _DEGREES, np.degrees(np.abs(arms)))]),
         Plot("Rates of turning", _ALPHA, "per crank", [("coupler", _DEGREES, coupler), ("output crank", _DEGREES, output)]),
     ]
@@ -264,9 +284,9 @@ def _turns(t: TakeUp) -> Table:
 
 
 def _centres(t: TakeUp, masses: Masses, speed: float) -> Table:
-    """Peak reactions for both readings and both guesses at the centres of mass."""
+    """Peak reactions for each reading of the lengths and both guesses at the centres of mass."""
     rows: list[Sequence[object]] = []
-    for each in (t, t.interchanged()):
+    for each in _readings(t):
         for label, given in (("given", True), ("centroid of A, B, D; a third of BC", False)):
             bodies = masses.bodies(each, given)
             rows.append([reading(each), label, *_peaks(each.forces(_FORCES, bodies, speed)).values()])

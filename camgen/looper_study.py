@@ -1,4 +1,4 @@
-"""What the report shows of a chain stitch: synchrogram, figures as printed beside the right ones, errata, loops, thread."""
+"""What the report shows of a chain stitch: synchrogram, figures, loops, thread; beside the source's example its errors."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from camgen.errors import DesignError
 from camgen.mechanism import Plot, Study, Table
 from camgen.outlines import Floats
 from camgen.stitch import HOLDS, Condition, Design, Stitch, ratio_range, thread_per_stitch
@@ -30,16 +29,17 @@ def study(
     given: Stitch, made: Design, length: float, conditions: Sequence[Condition], areas: Mapping[str, float], rpm: float
 ) -> Study:
     """Numbers, plots and tables. made: what the parts follow; length: of a stitch; conditions: of the velocity ratio."""
-    both = tuple(_or_reason(given, published) for published in (True, False))
-    printed, right = (each if isinstance(each, Design) else None for each in both)
-    notes = [_SOURCE, _PLANE.format(given.side_gap)]
-    for name, each in zip(("published", "corrected"), both, strict=True):
-        notes += [f"No {name} design: {each}"] if isinstance(each, str) else []
-    tables = [_events(made), _beside(printed, right), _errata(given, printed)]
+    tables = [_events(made)]
+    if given.of_source:
+        printed, right = given.design(True), given.design()
+        tables += [_beside(printed, right), _errata(given, printed)]
+    else:
+        tables.append(Table("Figures of the design", ("quantity", "value"), _figures(made)))
     tables += [_loops(made), _tips(made), _thread(given, length), _positions(made)]
     if conditions:
         tables.append(_ratios(conditions, given.ratio))
     numbers = {**_numbers(given, made, length, conditions, rpm), **areas}
+    notes = (_SOURCE, _PLANE.format(given.side_gap))
     return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
 
 
@@ -61,13 +61,6 @@ def _positions(d: Design) -> Table:
         "nose 1 beyond its needle, mm", "nose 2, mm",
     )  # fmt: skip
     return Table("Synchrogram", heads, [tuple(float(value) for value in row) for row in zip(*columns.values(), strict=True)])
-
-
-def _or_reason(given: Stitch, published: bool) -> Design | str:
-    try:
-        return given.design(published)
-    except DesignError as error:
-        return str(error)
 
 
 def _deg(angles: Sequence[float]) -> list[float]:
@@ -151,38 +144,35 @@ def _events(d: Design) -> Table:
     return Table("Events of a turn", ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens"), rows)
 
 
-def _beside(printed: Design | None, right: Design | None) -> Table:
+def _figures(d: Design) -> list[tuple[str, float]]:
+    """Every figure of a design by its name, the source's symbol in it."""
+    g = d.given
+    one = [
+        ("b, mm", g.height), ("H, mm", g.pitch), ("l1 for the strokes, mm", d.first[0]),
+        ("l2 for the strokes, mm", d.first[1]), ("A for the strokes, mm", d.first[2]),
+        ("needle stroke S_X, mm", d.needle_stroke), ("spreader stroke L_X, mm", d.spreader_stroke),
+        ("L_X / S_X", d.spreader_stroke / d.needle_stroke),
+        ("ratio for l1 and l2", d.ratio), ("l1, mm", d.l1), ("l2, mm", d.l2), ("l3, mm", d.l3), ("A, mm", d.nose),
+        ("alpha, deg", math.degrees(d.slope)), ("opening f, mm", d.opening), ("DS, mm", g.between),
+    ]  # fmt: skip
+    two = [
+        ("S_m{}, mm", d.in_fabric), ("S_B{}, mm", d.rises), ("capture phi3{}, deg", _deg(d.capture)),
+        ("pierce phi4{}, deg", _deg(d.pierce)), ("L_C{}, mm", d.behind),
+        ("L_X{} needed for a loop held at the root, mm", d.needed),
+        ("loop angle at the pierce {}, deg", _deg(d.pierce_angles)), ("loop angle at shedding {}, deg", _deg(d.shed_angles)),
+        ("needle {} out of the fabric, deg", _deg(d.out_of_fabric)),
+    ]  # fmt: skip
+    return one + [(name.format(k + 1), value) for name, pair in two for k, value in enumerate(pair)]
+
+
+def _beside(printed: Design, right: Design) -> Table:
     """Every figure as the source finds it, and corrected."""
-
-    def column(d: Design | None) -> list[tuple[str, float]]:
-        if d is None:
-            return []
-        g = d.given
-        one = [
-            ("b, mm", g.height), ("H, mm", g.pitch), ("l1 for the strokes, mm", d.first[0]),
-            ("l2 for the strokes, mm", d.first[1]), ("A for the strokes, mm", d.first[2]),
-            ("needle stroke S_X, mm", d.needle_stroke), ("spreader stroke L_X, mm", d.spreader_stroke),
-            ("L_X / S_X", d.spreader_stroke / d.needle_stroke),
-            ("ratio for l1 and l2", d.ratio), ("l1, mm", d.l1), ("l2, mm", d.l2), ("l3, mm", d.l3), ("A, mm", d.nose),
-            ("alpha, deg", math.degrees(d.slope)), ("opening f, mm", d.opening), ("DS, mm", g.between),
-        ]  # fmt: skip
-        two = [
-            ("S_m{}, mm", d.in_fabric), ("S_B{}, mm", d.rises), ("capture phi3{}, deg", _deg(d.capture)),
-            ("pierce phi4{}, deg", _deg(d.pierce)), ("L_C{}, mm", d.behind),
-            ("L_X{} needed for a loop held at the root, mm", d.needed),
-            ("loop angle at the pierce {}, deg", _deg(d.pierce_angles)), ("loop angle at shedding {}, deg", _deg(d.shed_angles)),
-            ("needle {} out of the fabric, deg", _deg(d.out_of_fabric)),
-        ]  # fmt: skip
-        return one + [(name.format(k + 1), value) for name, pair in two for k, value in enumerate(pair)]
-
-    left, fine = dict(column(printed)), dict(column(right))
-    names = list(left or fine)
-    rows = [(name, left.get(name, "-"), fine.get(name, "-")) for name in names]
+    rows = [(name, value, fine) for (name, value), (_, fine) in zip(_figures(printed), _figures(right), strict=True)]
     return Table("Published and corrected", ("quantity", "published", "corrected"), rows)
 
 
-def _errata(g: Stitch, printed: Design | None) -> Table:
-    """The source's seven errors, with this spec's figures."""
+def _errata(g: Stitch, d: Design) -> Table:
+    """The source's seven errors; g, d: its own example and design."""
 
     def shown(*values: float) -> str:
         return " and ".join(f"{value:.6g}" for value in values)
@@ -192,26 +182,21 @@ def _errata(g: Stitch, printed: Design | None) -> Table:
     right6 = 100 * (_PRINTED_FOUR - thread["new"]) / _PRINTED_FOUR
     (in1, in2), (s1, s2) = g.entry, g.rise
     slide = [g.spacing / way if way > 0 else math.inf for way in (in1 - s1, in2 - s2)]
-    rows: list[tuple[object, ...]] = []
-    if printed is not None:
-        d, s_x = printed, printed.needle_stroke
-        true = g.in_fabric(g.plate)
-        way = g.spacing + d.first[2]
-        strokes = s_x * (d.behind[1] + way) / (d.rises[1] - s1), s_x * (d.behind[0] + way) / (d.rises[0] - s2)
-        r = d.spreader_stroke / s_x
-        new = max(g.reach) * r, g.height * r
-        rows = [
-            (1, "S_m1, S_m2, S_X, mm", shown(*d.in_fabric, s_x), shown(*true, g.needle_stroke(true)),
-             "made with e = 4 instead of the adopted plate_to_spreader"),
-            (2, "pierce angles, deg", shown(*_deg(d.pierce)), shown(*_deg([3 * math.pi - angle for angle in d.pierce])),
-             "wrong branch, 180 deg + arccos instead of 360 deg - arccos; right here at the published S_X and S_B, in the table "
-             "above at the corrected ones"),
-            (3, "S_B2, mm", shown(d.rises[1]), shown(g.reach[1] + s2 + g.height), "too high by H + l_H"),
-            (4, "L_X1, L_X2, mm", shown(*d.needed), shown(*strokes),
-             "lacks a factor 2, and 0.003 stands for 0.03; in step no cosine is needed"),
-            (5, "ratio, l1, l2, A, mm", shown(d.ratio, d.l1, d.l2, d.nose), shown(r, *new, sum(new)), "dS/dL taken for dL/dS"),
-        ]  # fmt: skip
-    rows += [
+    s_x, true = d.needle_stroke, g.in_fabric(g.plate)
+    way = g.spacing + d.first[2]
+    strokes = s_x * (d.behind[1] + way) / (d.rises[1] - s1), s_x * (d.behind[0] + way) / (d.rises[0] - s2)
+    r = d.spreader_stroke / s_x
+    new = max(g.reach) * r, g.height * r
+    rows: list[tuple[object, ...]] = [
+        (1, "S_m1, S_m2, S_X, mm", shown(*d.in_fabric, s_x), shown(*true, g.needle_stroke(true)),
+         "made with e = 4 instead of the adopted plate_to_spreader"),
+        (2, "pierce angles, deg", shown(*_deg(d.pierce)), shown(*_deg([3 * math.pi - angle for angle in d.pierce])),
+         "wrong branch, 180 deg + arccos instead of 360 deg - arccos; right here at the published S_X and S_B, in the table "
+         "above at the corrected ones"),
+        (3, "S_B2, mm", shown(d.rises[1]), shown(g.reach[1] + s2 + g.height), "too high by H + l_H"),
+        (4, "L_X1, L_X2, mm", shown(*d.needed), shown(*strokes),
+         "lacks a factor 2, and 0.003 stands for 0.03; in step no cosine is needed"),
+        (5, "ratio, l1, l2, A, mm", shown(d.ratio, d.l1, d.l2, d.nose), shown(r, *new, sum(new)), "dS/dL taken for dL/dS"),
         (6, "thread saved, %", shown(wrong6), shown(right6),
          "divides by the new stitch's thread instead of the four-thread one's"),
         (7, "least ratio for both loops", "any", shown(max(slide)),

@@ -38,7 +38,7 @@ class Screw:
 
     def through(self, grip: float) -> float:
         """Shortest length that is sold and passes a grip and a nut, mm; 0 where all are shorter."""
-        return min((length for length in SCREW_LENGTHS if length >= grip + self.nut), default=0.0)
+        return min((length for length in SCREW_LENGTHS if length >= grip + self.nut - 1e-9), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,10 @@ class Bought:
 # (generic_pla.xml.fdm_material and its neighbours, element <density>).
 DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
-SCREW_LENGTHS = (4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0)
+# Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
+SCREW_LENGTHS = (
+    4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 80.0, 90.0, 100.0,
+)  # fmt: skip
 
 SCREWS = {
     screw.thread: screw
@@ -163,12 +166,10 @@ def flange(boss: float, screw_circle: float, count: int, thread: str) -> MotorFa
     return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2 + _RIM, 0.0)
 
 
-# Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
-_LENGTHS = (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100)
-
-
 def fastener(name: str, thread: str, through: float, count: int) -> Bought:
-    """The screw that goes through so much material, mm, and into a nut as high as the thread is thick."""
-    need = through + float(thread[1:])
-    length = next((each for each in _LENGTHS if each >= need - 1e-9), math.ceil(need))
-    return Bought(name, SCREWS[thread].standard, f"{thread} x {length}", count)
+    """The shortest screw that is sold and passes so much material, mm, and its nut; a threaded rod where none is long enough."""
+    screw = SCREWS[thread]
+    length = screw.through(through)
+    if not length:
+        return Bought(name, "DIN 976-1", f"{thread} x {math.ceil(through + 2 * screw.nut)}", count)
+    return Bought(name, screw.standard, f"{thread} x {length:g}", count)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -66,6 +66,11 @@ class Stitch:
     needle_program: Program = HARMONIC  # 0 to 1 over the turn
     spreader_program: Program = HARMONIC
     lag: float = 0.0  # by which the spreaders come after the needles
+
+    @property
+    def of_source(self) -> bool:
+        """Whether these are the inputs of the source's worked example; the gap beside a nose is not in it."""
+        return replace(self, side_gap=0.0) == SOURCE
 
     @property
     def differences(self) -> Pair:
@@ -151,6 +156,9 @@ class Stitch:
                 "needle_spacing", self.spacing, self.needle, "mm", "the needles' diameter", "the needles would meet"
             )
         return _published(self) if published else _corrected(self)
+
+
+SOURCE = Stitch(6.4, (4.0, 6.0), (1.5, 4.0), (2.0, 4.5), 0.9, 8.0, 1.0, math.radians(120), 3.5, 0.8)  # its worked example
 
 
 @dataclass(frozen=True)

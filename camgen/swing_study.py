@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.canvas import BAND, MEASURED_SPREAD, STRIPS, blend_choice, canvas
+from camgen.canvas import BAND, STRIPS, blend_choice, canvas
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.follower_dynamics import Contact, Load, arm_contact, kicks, lift_of, lift_off, pair_contact
@@ -39,7 +39,6 @@ def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
             series.append((f"{name}, {kind.upper()}", laid.place, laid.thickness))
     if not series:
         return Study()
-    rows.append(("measured on the running machine (source)", "", 100 * MEASURED_SPREAD))
     ends = np.array([-1.0, 1.0])
     kept = series[-2:]  # the kinds differ by less than a line's width
     bounds = [(f"{sign} {BAND:.0%}", ends, np.full(2, 1 + float(f"{sign}{BAND}"))) for sign in "+-"]

@@ -299,7 +299,7 @@ def test_study_has_synchrogram_and_tables() -> None:
     study = machine().study()
     assert study.plots[0].title == "Synchrogram" and len(study.plots[0].marks) == 8
     titles = [table.title for table in study.tables]
-    assert {"Published and corrected", "Errata of the source", "Loops", "Velocity ratio, laws in step"} <= set(titles)
+    assert {"Figures of the design", "Loops", "Velocity ratio, laws in step"} <= set(titles)
     assert all(len(row) == len(table.columns) for table in study.tables for row in table.rows)
     assert all(math.isfinite(value) for value in study.numbers.values())
     (table,) = [table for table in study.tables if table.title == "Synchrogram"]

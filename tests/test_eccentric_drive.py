@@ -143,8 +143,9 @@ def test_forces_of_a_slider_alone_are_its_mass_times_acceleration() -> None:
     numbers = design(**{f"masses__{key}": value for key, value in masses.items()}).study().numbers
     speed = 13000 * math.tau / 60
     # at theta = 0, where rod and guide are in line and the acceleration is greatest: m e w^2 (1 + Lambda)
-    assert numbers["peak_force_P_N"] == pytest.approx(1.5e-3 * 1.5e-3 * speed**2 * (1 + 1 / 32), rel=1e-6)
-    assert "peak_force_P_N" not in design().study().numbers
+    assert numbers["peak_force_p_n"] == pytest.approx(1.5e-3 * 1.5e-3 * speed**2 * (1 + 1 / 32), rel=1e-6)
+    assert numbers["peak_torque_n_m"] > 0 and not any(key.endswith(("_N", "_N_m")) for key in numbers)
+    assert "peak_force_p_n" not in design().study().numbers
 
 
 # ---- designs that do not exist ---------------------------------------------------------------------------------------

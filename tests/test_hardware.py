@@ -21,7 +21,7 @@ from camgen.outlines import Contour, Points, circle, polygon
 from camgen.program import uniform_swing
 from camgen.sampling import facet_contour
 from camgen.solids import solid
-from camgen.standards import BEARINGS, MOTOR_FACES, SCREWS, dowel, flange
+from camgen.standards import BEARINGS, MOTOR_FACES, SCREW_LENGTHS, SCREWS, Bought, dowel, fastener, flange
 
 SWING, TIP = math.radians(30), complex(-60, -30)
 CORNER = 1 - math.pi / 4  # area that rounding a right angle with radius 1 takes
@@ -302,6 +302,9 @@ def test_screws_and_bearings_are_plausible() -> None:
 def test_lengths_that_are_sold() -> None:
     assert SCREWS["M3"].length(2.15) == 6  # 3.85 of the 4.5 mm that a NEMA 17 motor has
     assert SCREWS["M2"].length(0.5) == 0
+    for through in np.linspace(1, 97, 200):  # one table of lengths, whoever asks
+        assert fastener("screw", "M3", through, 1).size == f"M3 x {SCREWS['M3'].through(through):g}"
+    assert fastener("screw", "M3", 99, 2) == Bought("screw", "DIN 976-1", "M3 x 104", 2) and 99 + 2.4 > max(SCREW_LENGTHS)
     assert dowel(6.0, 12.2) == 12 and dowel(6.0, 11.9) == 0 and dowel(3.0, 13.9) == 12 and dowel(3.3, 50) == 0
     for thread, screw in SCREWS.items():
         assert 1.5 * screw.nominal < screw.flats <= 2 * screw.nominal and 0.75 * screw.nominal < screw.nut < screw.nominal, thread

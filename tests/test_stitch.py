@@ -102,13 +102,17 @@ def test_side_by_side_has_both_columns() -> None:
     assert found["l1, mm"] == pytest.approx((8.1, 8.0))
 
 
-def test_a_mode_that_has_no_answer_leaves_the_other_one() -> None:
-    given = example(stroke=20.0)  # below the published S_B2
-    with pytest.raises(DesignError):
-        given.design(True)
-    told = study(given, given.design(), 3.0, [], {}, 3000.0)
-    assert any("No published design" in note for note in told.notes)
-    assert len(told.tables[2].rows) == 2
+@pytest.mark.parametrize("changes", [{"ratio": 0.9}, {"plate": 7.0}, {"thickness": 3.0}, {"stroke": 40.0}, {"lag": 0.05}])
+def test_own_figures_are_not_called_published(changes: dict[str, Any]) -> None:
+    """The source's figures and errors belong to its own inputs; side_gap is none of them."""
+    printed = {"Published and corrected", "Errata of the source"}
+    for inputs, wanted in (({"side_gap": 0.1}, printed), (changes, set())):
+        given = example(**inputs)
+        found = study(given, given.design(), 3.0, [], {}, 3000.0)
+        assert {table.title for table in found.tables} & printed == wanted
+        assert any("published" in table.columns for table in found.tables) is bool(wanted)
+    (own,) = [table for table in found.tables if table.title == "Figures of the design"]
+    assert dict(own.rows)["needle stroke S_X, mm"] == given.design().needle_stroke
 
 
 def test_thread() -> None:

@@ -158,6 +158,13 @@ def test_check_says_what_the_build_said(made: Path) -> None:
     assert codes["BED_FIT"] == 4 and codes["MOTION_ERROR"] == codes["TIP_MOTION"] == 3  # once for each kind of file
 
 
+def test_no_figure_of_the_source_stands_beside_another_machine(made: Path) -> None:
+    """The source gives no lengths, so its measured canvas is never this spec's, and its slips are not this spec's either."""
+    report = json.loads((made / "report.json").read_text())
+    text = json.dumps([report["tables"], report["notes"]])
+    assert "measured on the running machine" not in text and "x sin" not in text and "Sentyakov" in text
+
+
 def test_canvas_is_that_of_constant_speed(made: Path) -> None:
     """Constant speed gives an even canvas on a round collector; on a flat one cos^2 of up to 15 deg keeps within 10 %."""
     numbers = json.loads((made / "report.json").read_text())["numbers"]

@@ -179,6 +179,17 @@ def test_study_names_errata_and_both_readings() -> None:
     assert all(math.isfinite(value) for value in study.numbers.values())
 
 
+def test_own_lengths_are_not_called_readings_of_the_source() -> None:
+    """A rod of 20 in place of 19: nothing of it is printed anywhere, and what the source says of its lengths is not said."""
+    study = made("geometry.coupler=20").study()
+    text = " ".join([*study.notes, *(table.title for table in study.tables), *(plot.title for plot in study.plots)])
+    for word in ("(1)", "printed", "reading", "120 N", "the source's steel links"):
+        assert word not in text
+    shown = [str(cell) for table in study.tables for row in table.rows for cell in row]
+    assert "as printed: AB = 30, BC = 19" not in shown and "AB = 30, BC = 20" not in shown
+    assert study.numbers["feed_range_mm"] and "Source:" in text
+
+
 # Hard cases
 
 
@@ -194,7 +205,7 @@ def test_fold_and_past_it() -> None:
 def test_equal_coupler_and_output() -> None:
     found = made("geometry.coupler=25", "geometry.output_crank=25")
     assert np.isfinite(found.motion(THETA)).all() and all(map(math.isfinite, found.study().numbers.values()))
-    assert found.study().tables[0].columns[1] == "AB = 25, BC = 25"
+    assert [plot.series[0][0] for plot in found.study().plots[:2]] == ["AB = 25, BC = 25"] * 2
 
 
 def test_feed_and_its_derivatives_through_180_degrees() -> None:

@@ -323,7 +323,7 @@ class ChainStitchLooper(Mechanism):
         return ratio_range(self._conditions, self.geometry.velocity_ratio)
 
     def study(self) -> Study:
-        """Synchrogram and events, published and corrected figures side by side, errata, loops, thread, velocity ratio."""
+        """Synchrogram and events, figures, loops, thread, velocity ratio; for the source's own inputs also its errata."""
         conditions = self._conditions if self._in_step else []
         areas = {
             "side_outline_area_mm2": self.bodies.side_outline().area,

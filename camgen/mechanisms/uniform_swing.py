@@ -473,8 +473,7 @@ class UniformSwing(Mechanism):
 
     def _notes(self) -> tuple[str, ...]:
         notes = [
-            "Source: Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706. Its equations 7, 8 and the y row of 11 print + x sin "
-            "where a rotation needs - x sin; equation 1 is k = pi / (2 Delta).",
+            "Source: Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706, which gives no lengths: these are the spec's own.",
             "MOTION_ERROR compares with the wanted motion less the undercut that the spec implies; UNDERCUT states that loss.",
         ]
         if self._pressure[0] > 45:
