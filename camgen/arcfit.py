@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -141,7 +141,7 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
             for a, b, sweep, kappa in spans
         ]
         if all(flat) or any(abs(span[3]) < limit and not line for span, line in zip(spans, flat, strict=True)):
-            corners = piece.at(facet(Smooth(piece.function, t[i], t[i + 1]), tolerance))
+            corners = piece.at(facet(replace(piece, t0=t[i], t1=t[i + 1]), tolerance))
             pieces += [Line(complex(a), complex(b)) for a, b in zip(corners[:-1], corners[1:], strict=True)]
         else:
             pieces += [Line(a, b) if line else _arc(a, b, sweep) for (a, b, sweep, _), line in zip(spans, flat, strict=True)]

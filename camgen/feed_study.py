@@ -41,7 +41,8 @@ _NOTES = (
 _ERRATA = (
     "The source's formula (1) has lost the squares of the lengths under the arccosine and has l0 l1 where l0 l1 and l2 "
     "belong in the denominator; its arctangent jumps by 180 deg. Formula (2) is a reflection unless y' changes sign; the l2 "
-    "in y' of (3) is spurious. 'Cranks OA and AB' means OA and BC. The forms used here close the chain and are proved by doing so.",
+    "in y' of (3) is spurious. 'Cranks OA and AB' means OA and BC. The forms used here close the chain and are proved by "
+    "doing so.",
     "With the lengths as printed (AB = 30, BC = 19) the eye's path has no double point; with AB and BC interchanged it has "
     "one, and the near stop that the paper describes. The paper's 120 N at C fits the printed lengths. The text cannot "
     "decide: both readings stand side by side here, the printed one for the forces, the interchanged one for the motion.",

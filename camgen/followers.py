@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -145,11 +145,11 @@ class DiscCam(Generic[F]):
     def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:
         """Place and value of the largest f(theta) over the turn, looked for between the program's breaks; even in a dwell."""
         found = []
-        for a, b in pairwise(float(x) for x in self.program.breaks):
+        for a, b in pairwise(float(x) for x in self.program.corners):
             if self._segment(a, b)[0].scale == 0:
                 found.append(((a + b) / 2, float(f(np.array([(a + b) / 2]))[0])))
             else:
-                found.append(greatest(f, a + 1e-9, b - 1e-9))
+                found.append(greatest(f, a + 1e-9, b - 1e-9, self.program.knots(a, b)))
         return max(found, key=lambda each: each[1])
 
     def _segment(self, a: float, b: float) -> tuple[Segment, float]:
@@ -191,7 +191,7 @@ class DiscCam(Generic[F]):
         places: list[tuple[float, float]] = []  # cam angle of each raw piece's beginning, and its growth with the parameter
         stretches = self._stretches()
         for k, (whole, motion) in enumerate(stretches):
-            begin = float(self.program.breaks[k])
+            begin = float(self.program.corners[k])
             rest = self._resting(stretches[k - 1][0], whole, begin)
             if rest:
                 raw.append(rest)
@@ -237,12 +237,13 @@ class DiscCam(Generic[F]):
         )  # fmt: skip
 
     def _stretches(self) -> list[tuple[Piece, Motion]]:
-        """Untrimmed profile between neighbouring breaks, with the motion there; a dwell's is an arc about the axis."""
+        """Untrimmed profile between neighbouring corners, with the motion there; a dwell's is an arc about the axis."""
         found: list[tuple[Piece, Motion]] = []
-        for a, b in pairwise(float(x) for x in self.program.breaks):
+        for a, b in pairwise(float(x) for x in self.program.corners):
             segment, begin = self._segment(a, b)
             motion = _continued(segment, begin, a, b)
-            whole: Piece = Smooth(partial(_envelope, self.follower, motion), a, b)
+            knots = tuple(float(t) for t in self.program.knots(a, b))
+            whole: Piece = Smooth(partial(_envelope, self.follower, motion), a, b, knots)
             if segment.scale == 0:
                 first = complex(whole.at(a))
                 whole = Arc(0j, abs(first), cmath.phase(first), a - b)
@@ -258,7 +259,7 @@ class DiscCam(Generic[F]):
         def room(theta: Any) -> Floats:
             return self.follower.room(theta, motion)
 
-        marks = [whole.t0, *_roots(room, whole.t0, whole.t1), whole.t1]
+        marks = [whole.t0, *_roots(room, whole), whole.t1]
         return [replace(whole, t0=p, t1=q) for p, q in pairwise(marks) if room(np.asarray((p + q) / 2)) > 0]
 
     def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
@@ -283,19 +284,19 @@ class DiscCam(Generic[F]):
             rides = self.follower.resting_on(at * np.exp(1j * np.asarray(theta)))
             return np.asarray(self.follower.leaves * (self.program(theta) - rides))
 
-        corners = [j for j in np.concatenate((self.program.joints, self.program.joints + 2 * math.pi)) if begin <= j <= stop]
-        worst, shortfall = greatest(missing, begin, stop, corners)
+        corners = np.concatenate((self.program.joints, self.program.joints + 2 * math.pi))
+        worst, shortfall = greatest(missing, begin, stop, corners[(begin <= corners) & (corners <= stop)])
         there = at * np.exp(1j * worst)
         travel = np.abs(self.follower.velocity(self.follower.resting_on(there), there))
         return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
 
 
-def greatest(f: Callable[[Any], Floats], a: float, b: float, also: list[float] | None = None) -> tuple[float, float]:
+def greatest(f: Callable[[Any], Floats], a: float, b: float, also: Sequence[float] | Floats = ()) -> tuple[float, float]:
     """Place and value of the largest f(x) on a..b: even samples, then zoomed in on the best until the interval is rounding.
 
     also: further places to try, where f has a corner.
     """
-    x = np.unique(np.concatenate((np.linspace(a, b, 1025), np.asarray(also or [a]))))
+    x = np.unique(np.concatenate((np.linspace(a, b, 1025), also)))
     for _ in range(40):
         y = f(x)
         k = int(np.nanargmax(y))
@@ -306,10 +307,11 @@ def greatest(f: Callable[[Any], Floats], a: float, b: float, also: list[float] |
     return float(x[k]), float(y[k])
 
 
-def _roots(f: Callable[[Any], Floats], a: float, b: float) -> list[float]:
-    """Places between a and b where f changes sign: even samples and the lowest place, then bisection, vectorised."""
-    lowest, _ = greatest(lambda x: -f(x), a, b)
-    x = np.union1d(np.linspace(a, b, 1025), lowest)
+def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
+    """Places along a piece (t0 < t1) where f changes sign: its knots, even samples, the lowest place; then bisection."""
+    spread = piece.spread(1025)
+    lowest, _ = greatest(lambda x: -f(x), piece.t0, piece.t1, spread)
+    x = np.union1d(spread, lowest)
     y = f(x)
     k = np.flatnonzero(np.sign(y[:-1]) * np.sign(y[1:]) < 0)
     low, high, sign = x[k], x[k + 1], np.sign(y[k])

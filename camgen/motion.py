@@ -44,6 +44,7 @@ class Law:
 
     formula(u, order): (n,) u in 0..1 to the derivative of order 0..3, (n,); at a break the later side counts.
     ends: displacement and derivatives of what the law joins, before and after; those not listed are 0.
+    smooth: whether only the third derivative jumps at the breaks, so that one smooth curve runs through all of them.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Law:
     source: str
     breaks: tuple[float, ...] = ()
     ends: Ends = DWELLS
+    smooth: bool = False
 
     def __post_init__(self) -> None:
         reached = smoothness(self.formula, self.ends, (1.0, self.c_v, self.c_a, self.c_j))
@@ -324,7 +326,7 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
         return np.asarray(spline(u, order))
 
     knots = tuple(float(x) for x in u[1:-1])
-    return Law("table", formula, smoothness(formula, DWELLS, (1.0, v, a, j)), v, a, j, source, knots)
+    return Law("table", formula, smoothness(formula, DWELLS, (1.0, v, a, j)), v, a, j, source, knots, smooth=True)
 
 
 # ---- the laws by name ------------------------------------------------------------------------------------------------

@@ -99,11 +99,23 @@ class Smooth:
     """Smooth piece: `function(t, order)` gives points and derivatives of order 0..2 for t between t0 and t1.
 
     The curvature has no jump inside; a joint with a jump belongs between two pieces. t1 < t0 runs backwards.
+    knots: growing parameters at which the slope of the curvature may jump; those outside of the piece count for nothing.
     """
 
     function: Callable[[Floats, int], Points]
     t0: float
     t1: float
+    knots: tuple[float, ...] = ()
+
+    def spread(self, count: int) -> Floats:
+        """Parameters from t0 to t1, evenly spread, and the knots between them; (count,) and more."""
+        even = np.linspace(self.t0, self.t1, count)
+        low, high = min(self.t0, self.t1), max(self.t0, self.t1)
+        inside = [t for t in self.knots if low < t < high]
+        if not inside:
+            return even
+        both = np.union1d(even, inside)
+        return both if self.t0 < self.t1 else both[::-1]
 
     def at(self, t: Any, order: int = 0) -> Points:
         """Point or derivative at t, (n,) complex."""
@@ -148,7 +160,7 @@ def _integral(piece: Piece, integrand: Callable[[Points, Points], Floats]) -> fl
     """
     panels, last = (1 if isinstance(piece, Line) else 8), math.nan
     while True:
-        edges = np.linspace(piece.t0, piece.t1, panels + 1)
+        edges = piece.spread(panels + 1) if isinstance(piece, Smooth) else np.linspace(piece.t0, piece.t1, panels + 1)
         half = (edges[1:] - edges[:-1]) / 2
         t = (edges[:-1] + half)[:, None] + half[:, None] * _GAUSS_NODES
         value = float(np.sum(half[:, None] * _GAUSS_WEIGHTS * integrand(piece.at(t), piece.at(t, 1))))

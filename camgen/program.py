@@ -92,6 +92,16 @@ class Program:
         inner = [b + s.span * np.array(s.law.breaks) for b, s in zip(self.joints, self.segments, strict=False) if s.scale]
         return np.unique(np.concatenate((self.joints, *inner)))
 
+    @cached_property
+    def corners(self) -> Floats:
+        """The breaks between which the motion is one smooth curve: joints, and those inside laws that are not smooth, (m,)."""
+        laws = [(b, s) for b, s in zip(self.joints, self.segments, strict=False) if s.scale and not s.law.smooth]
+        return np.unique(np.concatenate((self.joints, *(b + s.span * np.array(s.law.breaks) for b, s in laws))))
+
+    def knots(self, a: float, b: float) -> Floats:
+        """The breaks inside a smooth stretch from a to b, where only the third derivative jumps, (k,) rad."""
+        return self.breaks[(self.breaks > a) & (self.breaks < b)]
+
     def discontinuities(self, highest: int = 2) -> list[Jump]:
         """Every jump of s and its derivatives up to the highest order, joints and breaks inside laws, by angle.
 

@@ -59,7 +59,7 @@ class Track:
         if not piece.t0 < piece.t1:
             raise ValueError(f"piece without length at t = {piece.t0:.6g}")
         self.piece, self.turn_limit = piece, turn_limit
-        t = np.linspace(piece.t0, piece.t1, 257)
+        t = piece.spread(257)
         nodes = self._nodes(t)
         turn, share = self._panels(nodes, law)
         rough = np.arange(share.size)

@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.outlines import Arc, Floats, Line, Piece, Points, end_point, start_point
+from camgen.outlines import Arc, Floats, Line, Piece, Points, Smooth, end_point, start_point
 from camgen.tolerances import INTERSECTION, SAME_POINT
 
 _EVEN = 384  # samples of a piece, evenly in its parameter
 _GRADED = 1.3 ** -np.arange(4, 88)  # samples crowding towards both ends: a loop there is of any size down to 1e-10
 _GRAZING = 1e-5  # rad, neighbours that cross at less run on into each other; a loop turns by more than half a turn
+_BETWEEN = 8  # samples from one knot of a piece to the next
 _BLOCK = 16  # chords in one bounding box of the crossing search
 
 
@@ -107,6 +108,10 @@ def _samples(piece: Piece, least: float) -> tuple[Floats, Points]:
         return np.array([piece.t0, piece.t1]), np.array([piece.a, piece.b])
     u = np.unique(np.concatenate((np.linspace(0, 1, _EVEN), _GRADED, 1 - _GRADED)))
     t = piece.t0 + (piece.t1 - piece.t0) * u
+    if isinstance(piece, Smooth) and piece.knots:  # a loop may lie between any two of them
+        knots = piece.spread(2)
+        t = np.concatenate((t, *(knots[:-1] + share * np.diff(knots) for share in np.linspace(0, 1, _BETWEEN, endpoint=False))))
+        t = np.unique(t)[:: 1 if piece.t0 < piece.t1 else -1]
     z = piece.at(t)
     keep = np.minimum(np.abs(z - z[0]), np.abs(z - z[-1])) > least
     keep[[0, -1]] = True

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,9 +14,11 @@ from typing import Any
 import ezdxf
 import numpy as np
 import pytest
+import shapely
 
 from camgen import pipeline
 from camgen import spec as specs
+from camgen.arcfit import fit_arcs
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.followers import DiscCam
 from camgen.linkages import slider_travel
@@ -24,6 +28,7 @@ from camgen.readback import Shape, read_stl, shape_of, slice_mesh
 from camgen.report import Report, to_html
 from camgen.rings import Ring, bore_circle, fit_circle
 from camgen.rolling import mounted
+from camgen.sampling import facet_contour
 
 SPEC = Path(__file__).parent.parent / "specs" / "disc-cam.toml"
 INCH = 25.4
@@ -557,3 +562,60 @@ def test_a_cam_that_reaches_the_followers_axle() -> None:
     made = [mechanism(arm.format(far), "geometry.base_radius=40") for far in (45, 70)]
     reach = [{f.code: f for f in each.limits()}["INTERFERENCE"] for each in made]
     assert [f.ok for f in reach] == [False, True]
+
+
+# ---- tables of many points -------------------------------------------------------------------------------------------
+
+
+def table_of(count: int, steps: int = 1) -> list[dict[str, Any]]:
+    """A rise of 10 mm in cycloidal steps as a table; a return by the law itself."""
+    u = np.linspace(0, 1, count)
+    s = 10 * (u - np.sin(math.tau * steps * u) / (math.tau * steps))
+    points = [[float(a), float(b)] for a, b in zip(120 * u, s, strict=True)]
+    return [
+        {"kind": "rise", "span_deg": 120.0, "lift": 10.0, "law": {"name": "table", "points": points}},
+        {"kind": "return", "span_deg": 240.0, "to": 0.0, "law": "cycloidal"},
+    ]
+
+
+def test_a_table_of_2000_points_costs_no_more_than_a_law(tmp_path: Path) -> None:
+    """Processor time and memory of a build in a process of its own."""
+    (tmp_path / "spec.toml").write_text(specs.dump(mechanism(segments=table_of(2000))))
+    code = (
+        "import resource, sys, time\nfrom pathlib import Path\nfrom camgen import pipeline\n"
+        "report = pipeline.build(Path(sys.argv[1]) / 'spec.toml', Path(sys.argv[1]), frozenset(['dxf']))\n"
+        "print(report.ok, time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=True)
+    ok, seconds, kilobytes = done.stdout.split()
+    assert ok == "True" and float(seconds) < 5 and float(kilobytes) < 300_000
+
+
+@pytest.mark.parametrize("count", [5, 61, 400])
+def test_outline_of_a_table_is_the_envelope_through_all_its_knots(count: int) -> None:
+    """Facets and arcs keep to their tolerance from the profile, which is computed point by point."""
+    for steps in (1, 3) if count > 60 else (1,):
+        cam = mechanism("geometry.base_radius=30", segments=table_of(count, steps)).cam
+        z = cam.profile(np.linspace(0, math.tau, 20_001))
+        assert cam.undercuts == () and len(cam.outline.pieces) == 2
+        for ring in (facet_contour(cam.outline, 1e-3), facet_contour(fit_arcs(cam.outline, 1e-3), 1e-6)):
+            ends = np.column_stack([ring, np.roll(ring, -1)])
+            edges = shapely.linestrings(np.stack([ends.real, ends.imag], -1))
+            points = shapely.points(z.real, z.imag)
+            off = shapely.distance(points, edges[shapely.STRtree(edges).nearest(points)])
+            assert np.max(off) < 1e-3 + 2e-6
+        length = np.sum(np.abs(np.diff(cam.profile(np.linspace(0, math.tau, 400_001)))))
+        assert cam.outline.length == pytest.approx(length, rel=1e-8)
+
+
+def test_undercuts_between_the_knots_of_a_table_are_all_found() -> None:
+    """A face cannot follow steps: as many places are cut away as where room for it, by the formula, is missing."""
+    flat = 'geometry.follower={motion="translating",shape="flat"}'
+    cam = mechanism(flat, "geometry.base_radius=30", segments=table_of(400, 5)).cam
+    theta = np.linspace(0, math.tau, 200_001)
+    room = 30 + cam.program(theta) + cam.program(theta, 2)
+    missing = np.flatnonzero(np.diff(np.sign(room)) < 0).size
+    assert missing >= 3 and len(cam.undercuts) == missing
+    middles = [(cut.begin + cut.end) / 2 for cut in cam.undercuts]
+    inside = [np.any(room[(theta > cut.begin) & (theta < cut.end)] < 0) for cut in cam.undercuts]
+    assert all(inside) and middles == sorted(middles)

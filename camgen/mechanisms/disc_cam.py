@@ -304,10 +304,11 @@ class DiscCamDrive(Mechanism):
         """Largest pressure angle of each cam over the turn, deg; it jumps at the program's breaks and at an undercut's ends."""
         found = []
         for cam in self.cams:
-            breaks = [float(b) for b in self.program.breaks]
+            breaks = [float(b) for b in self.program.corners]
             ends = [c % math.tau for cut in cam.undercuts for c in (cut.begin, cut.end)]
             marks = sorted({*breaks, *(c for c in ends if breaks[0] < c < breaks[-1])})
-            found.append(math.degrees(max(greatest(cam.pressure_angle, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(marks))))
+            stretches = [(a + 1e-9, b - 1e-9, self.program.knots(a, b)) for a, b in pairwise(marks)]
+            found.append(math.degrees(max(greatest(cam.pressure_angle, *stretch)[1] for stretch in stretches)))
         return found
 
     @cached_property
