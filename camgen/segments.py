@@ -27,7 +27,7 @@ from pydantic import BeforeValidator, Field
 from camgen.errors import Fault, FileError, SpecError
 from camgen.motion import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.program import Program, Segment, matched
-from camgen.spec import Data, Length, Record, unknown
+from camgen.spec import Data, Length, Record, read_bytes, unknown
 from camgen.tolerances import LAW_CLOSES
 
 MATCHED = "matched"
@@ -250,13 +250,9 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
     Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
     """
     try:
-        if path.exists() and not (path.is_file() and path.stat().st_size <= _MOST_BYTES):
-            raise FileError(path, f"is no file of at most {_MOST_BYTES / 1e6:.0f} MB: a table was expected")
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_bytes(path, _MOST_BYTES, "a table of angle and displacement").decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(path, "is not text: a table of angle and displacement was expected") from None
-    except (OSError, ValueError) as error:
-        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
     points: list[tuple[float, float]] = []
     faults = []
     for number, line in enumerate(text.splitlines(), start=1):

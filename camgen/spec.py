@@ -11,7 +11,9 @@ schema    class -> JSON Schema, for editors
 from __future__ import annotations
 
 import math
+import os
 import re
+import stat
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import deepcopy
@@ -25,6 +27,10 @@ from pydantic_core.core_schema import ErrorType
 from camgen.errors import Fault, FileError, SpecError
 
 Data = dict[str, Any]
+
+_MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
+_DEEPEST = 32  # tables and lists in one another; no spec needs ten
+_SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
 
 Length = Annotated[float, Field(ge=1e-3, le=1e6)]  # mm; a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6)]  # g
@@ -106,14 +112,10 @@ S = TypeVar("S", bound=Spec)
 def read(path: Path) -> Data:
     """Tables of a TOML file.
 
-    FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML.
+    FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
+    deeper than any spec.
     """
-    try:
-        raw = Path(path).read_bytes()
-    except IsADirectoryError:
-        raise FileError(path, "is a folder, a spec file was expected") from None
-    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
-        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    raw = read_bytes(path, _MOST_BYTES, "a spec file")
     try:
         text = raw.decode("utf-8-sig")
         data = tomllib.loads(text)
@@ -126,7 +128,33 @@ def read(path: Path) -> Data:
     if not data:
         expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
         raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
+    if _depth(data) > _DEEPEST:
+        raise SpecError([Fault("TOML", f"nested {_depth(data)} deep", _SHALLOWER)], str(path))
     return data
+
+
+def read_bytes(path: Path, most: int, what: str) -> bytes:
+    """A file's bytes; FileError where it cannot be read, is no plain file (a pipe may wait for ever), or has more than `most`."""
+    try:
+        status = os.stat(path)
+        if stat.S_ISDIR(status.st_mode):
+            raise FileError(path, f"is a folder, {what} was expected")
+        if not stat.S_ISREG(status.st_mode):
+            raise FileError(path, f"is no file but a pipe or a device, {what} was expected")
+        if status.st_size > most:
+            raise FileError(path, f"has {status.st_size / 1e6:.0f} MB, {what} of at most {most / 1e6:.0f} MB was expected")
+        return Path(path).read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
+        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _depth(value: Any) -> int:
+    """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
+    deepest, level = 0, [value]
+    while level := [item for item in level if isinstance(item, dict | list)]:
+        deepest += 1
+        level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
+    return deepest
 
 
 def _place(before: str) -> str:
@@ -137,7 +165,7 @@ def _place(before: str) -> str:
 def _syntax_fault(text: str, error: Exception) -> Fault:
     """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
     if isinstance(error, RecursionError):
-        return Fault("TOML", "", "tables and lists nested less deeply")
+        return Fault("TOML", "", _SHALLOWER)
     said = re.fullmatch(r"(?s)(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
     if said is None:  # a number or a date that Python cannot hold comes without a place
         return Fault("TOML", "", str(error).partition(";")[0])
@@ -163,6 +191,9 @@ def override(data: Data, setting: str) -> Data:
         value = parsed["value"] if len(parsed) == 1 else text
     except (ValueError, RecursionError):
         value = text.strip()
+    deep = len(tables) + 1 + _depth(value)
+    if deep > _DEEPEST:
+        raise SpecError([Fault("--set", f"nested {deep} deep", _SHALLOWER)])
     changed = deepcopy(data)
     table = changed
     for depth, name in enumerate(tables, 1):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -298,3 +301,44 @@ def test_bad_values_of_the_uniform_swing_cam(starter: Path, setting: str) -> Non
         validate(load("uniform-swing"), override(read(starter), setting))
     path = setting.partition("=")[0]
     assert all(fault.path.startswith(path) and fault.value and fault.expected for fault in caught.value.faults)
+
+
+# ---- files and tables that no spec has -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("depth", [33, 600, 5000])
+@pytest.mark.parametrize("form", ["dotted", "header", "inline", "list"])
+def test_tables_nested_too_deep_are_a_fault(tmp_path: Path, depth: int, form: str) -> None:
+    """From a file and from --set; the deepest that a real spec has is segment.0.law.points.0.0."""
+    keys = ".".join("a" * depth)
+    text = {
+        "dotted": f"{keys} = 1", "header": f"[{keys}]\nb = 1", "inline": "a = " + "{a = " * depth + "1" + "}" * depth,
+        "list": "a = " + "[" * depth + "]" * depth,
+    }[form]  # fmt: skip
+    (tmp_path / "deep.toml").write_text(text)
+    with pytest.raises(SpecError, match="nested"):
+        read(tmp_path / "deep.toml")
+    if form == "header":
+        return
+    with pytest.raises(SpecError) as caught:
+        validate(Spec, override({"mechanism": "x", "name": "y"}, text.replace(" ", "")))
+    assert len(str(caught.value)) < 1000
+
+
+def test_a_real_spec_is_not_too_deep(root: Path) -> None:
+    for path in sorted((root / "specs").glob("*.toml")):
+        assert read(path)
+    law = "law={name='polynomial',conditions=[[0,0,0],[1,0,1]]}"
+    assert override({}, f"a.b.c.d={{{law}}}")["a"]["b"]["c"]["d"]["law"]["conditions"][1] == [1, 0, 1]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes and devices in the file system")
+def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
+    """A device that never ends, a pipe that nobody fills, and a file of 11 MB: refused at once."""
+    os.mkfifo(tmp_path / "pipe")
+    with open(tmp_path / "large.toml", "wb") as file:
+        file.truncate(11_000_000)
+    for path, said in ((Path("/dev/zero"), "no file"), (tmp_path / "pipe", "no file"), (tmp_path / "large.toml", "10 MB")):
+        code = "import sys\nfrom camgen.cli import main\nmain(['build', *sys.argv[1:]])"
+        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 4 and said in done.stderr and str(path) in done.stderr
