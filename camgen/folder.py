@@ -1,21 +1,38 @@
-"""The output folder: it appears whole or not at all, replaces only what camgen made, and says what is in it."""
+"""The output folder: it appears whole or not at all, replaces only what camgen made, and says what is in it.
+
+    target    where the result is to be
+    staging   folder beside it, `.<name>-xxxxxxxx`, with `new`, the result that is being made; a lock that lives as long as
+              the build tells others that it is in use
+    exchange  target and `new` change places in one step where the system can; elsewhere the target is moved to `old` first,
+              and a build that is killed in between leaves it there for the next one to bring back
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import os
+import re
 import shutil
+import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 from types import TracebackType
+from typing import BinaryIO
 
 from camgen import __version__
 from camgen.errors import FileError
 
 MANIFEST = "manifest.json"
+SPEC = "spec.toml"
+
+_EDITED = re.compile(r"spec\.toml\.edited(-\d+)?")
+_LOCK, _MARK = "camgen.lock", b"a build of camgen works here\n"
+_AT_CWD, _EXCHANGE = -100, 2  # of renameat2 [linux/fcntl.h, linux/fs.h]
+_in_use: set[Path] = set()  # staging folders of this process, whose locks do not hold against itself
 
 
 class Staged:
@@ -23,13 +40,16 @@ class Staged:
 
     An earlier result stays as it is until the block has succeeded, and after any exception or Ctrl-C. FileError where
     the target holds anything that its manifest does not list, where it is no folder, and for any OSError in the block.
+    A spec.toml that somebody has changed since is kept beside the new one; `kept` names what it is called there.
     """
 
     def __init__(self, target: Path) -> None:
         self.target = Path(target)
+        self.kept: list[str] = []
         self._made: list[Path] = []  # parents that did not exist, outermost first
 
     def __enter__(self) -> Path:
+        self._sweep()
         self._refuse_foreign()
         parent = self.target.parent
         try:
@@ -38,6 +58,7 @@ class Staged:
                 folder.mkdir()
                 self._made.append(folder)
             self._staging = Path(tempfile.mkdtemp(prefix=f".{self.target.name}-", dir=parent))
+            self._guard = _guarded(self._staging)
             self._new = self._staging / "new"
             self._new.mkdir()  # unlike mkdtemp's folder, as open to others as the user's umask says
         except BaseException as error:
@@ -56,11 +77,13 @@ class Staged:
 
     def _replace(self) -> None:
         self._refuse_foreign()  # once more: the work took a while
+        self._keep_edited()
         old = self._staging / "old"
         try:
-            if self.target.exists():
-                os.rename(self.target, old)
-            os.rename(self._new, self.target)
+            if not (self.target.exists() and _exchanged(self._new, self.target)):
+                if self.target.exists():
+                    os.rename(self.target, old)
+                os.rename(self._new, self.target)
             self._made.clear()
         except BaseException as error:
             if old.exists() and not self.target.exists():
@@ -68,10 +91,41 @@ class Staged:
             self._explain(error)
             raise
 
+    def _keep_edited(self) -> None:
+        """Take over edited specs that earlier builds kept, and a spec.toml that is not as its build wrote it."""
+        if not (self.target / MANIFEST).is_file():
+            return
+        kept = {path.name: path.read_bytes() for path in sorted(self.target.iterdir()) if _EDITED.fullmatch(path.name)}
+        spec, made = self.target / SPEC, self._new / SPEC
+        if spec.is_file() and SPEC in changed_files(self.target, {SPEC}):
+            text = spec.read_bytes()
+            if text not in kept.values() and not (made.is_file() and made.read_bytes() == text):
+                name = next(name for name in _edited_names() if name not in kept)
+                kept[name] = text
+                self.kept.append(name)
+        for name, text in kept.items():
+            (self._new / name).write_bytes(text)
+
+    def _sweep(self) -> None:
+        """Remove the staging folders of builds that were killed; bring back a result that one of them had moved away."""
+        pattern = re.compile(re.escape(f".{self.target.name}-") + "[a-z0-9_]{8}")
+        with suppress(OSError):
+            for staging in sorted(self.target.parent.iterdir()):
+                guard = _abandoned(staging) if pattern.fullmatch(staging.name) else None
+                if guard is None:
+                    continue
+                with guard, suppress(OSError):
+                    if (staging / "old").is_dir() and not os.path.lexists(self.target):
+                        os.rename(staging / "old", self.target)
+                _remove(staging, self.target)
+
     def _discard(self) -> None:
         """Remove what is not part of the result; what cannot be removed is left behind without a word."""
         if hasattr(self, "_staging"):
-            shutil.rmtree(self._staging, ignore_errors=True)
+            if hasattr(self, "_guard"):
+                self._guard.close()
+            _in_use.discard(self._staging)
+            _remove(self._staging, self.target)
         for folder in reversed(self._made):
             try:
                 folder.rmdir()
@@ -100,6 +154,71 @@ class Staged:
             raise FileError(path, f"cannot be written: {error.strerror or error}") from error
 
 
+def _remove(staging: Path, target: Path) -> None:
+    """Remove a staging folder, unless it holds the only copy of an earlier result."""
+    if os.path.lexists(target) or not (staging / "old").exists():
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _exchanged(new: Path, target: Path) -> bool:
+    """Whether two folders have changed places in one step; False, and nothing is changed, where the system cannot do that."""
+    if sys.platform != "linux":
+        return False
+    import ctypes
+
+    swap = getattr(ctypes.CDLL(None), "renameat2", None)
+    return swap is not None and swap(_AT_CWD, os.fsencode(new), _AT_CWD, os.fsencode(target), _EXCHANGE) == 0
+
+
+def _guarded(staging: Path) -> BinaryIO:
+    """A staging folder's lock, held by this process until it is closed, or the process ends in whatever way."""
+    _in_use.add(staging)
+    guard = open(staging / _LOCK, "w+b")  # noqa: SIM115
+    _locked(guard, wait=True)
+    guard.write(_MARK)  # after the lock: what is not marked yet is not taken for left behind
+    guard.flush()
+    return guard
+
+
+def _abandoned(staging: Path) -> BinaryIO | None:
+    """The lock, taken over, of a staging folder whose build has been killed; None where it is in use, or not surely camgen's."""
+    try:
+        names = {path.name for path in staging.iterdir()}
+        if staging in _in_use or staging.is_symlink() or not {_LOCK} <= names <= {_LOCK, "new", "old"}:
+            return None
+        guard = open(staging / _LOCK, "r+b")  # noqa: SIM115
+    except OSError:
+        return None
+    try:
+        if _locked(guard, wait=False) and guard.read() == _MARK:
+            return guard
+    except OSError:
+        pass
+    guard.close()
+    return None
+
+
+def _locked(file: BinaryIO, wait: bool) -> bool:
+    """Whether this process holds the lock of an open file now; where the file system knows no locks nobody does."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.lockf(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))  # not flock, which workers would inherit
+    except OSError:
+        return False
+    return True
+
+
+def _edited_names() -> Iterator[str]:
+    yield f"{SPEC}.edited"
+    yield from (f"{SPEC}.edited-{k}" for k in count(2))
+
+
 def _foreign(folder: Path) -> Iterator[Path]:
     """What is in a folder and not in its manifest; the manifest itself first where it is not camgen's."""
     if not folder.exists():
@@ -108,6 +227,7 @@ def _foreign(folder: Path) -> Iterator[Path]:
     if (folder / MANIFEST).is_file():
         with suppress(FileError):  # not ours, so it is foreign itself
             listed = {folder / name for name in manifest_files(folder)} | {folder / MANIFEST}
+            listed |= {path for path in folder.iterdir() if _EDITED.fullmatch(path.name) and path.is_file()}
     ours = listed | {parent for path in listed for parent in path.parents}
     yield from (path for path in sorted(folder.rglob("*")) if path not in ours)
 
@@ -126,10 +246,10 @@ def manifest_files(folder: Path) -> list[str]:
         raise FileError(path, f"is not a manifest of camgen's: {error}") from None
 
 
-def changed_files(folder: Path) -> list[str]:
-    """Names of files that the manifest lists and that are not as the build wrote them."""
+def changed_files(folder: Path, among: Container[str] | None = None) -> list[str]:
+    """Names of files (among these) that the manifest lists and that are not as the build wrote them."""
     files = json.loads((folder / MANIFEST).read_bytes())["files"]
-    return [name for name, entry in files.items()
+    return [name for name, entry in files.items() if among is None or name in among
             if not isinstance(entry, dict) or entry.get("sha256") != hashlib.sha256((folder / name).read_bytes()).hexdigest()]
 
 

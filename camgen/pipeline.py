@@ -38,7 +38,8 @@ def build(
     """
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec_path, overrides)
-    with Staged(out / mechanism.name) as folder, Workers(jobs) as workers:
+    staged = Staged(out / mechanism.name)
+    with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)
         make(case, only, workers, progress)
@@ -53,7 +54,8 @@ def build(
             write_html(folder / "report.html", replace(report, animation=animation(mechanism)), figures)
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
-    return report
+    said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
+    return replace(report, remarks=[f"{said} {name}" for name in staged.kept])
 
 
 def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:

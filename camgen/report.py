@@ -46,7 +46,8 @@ class Report:
     """All that a build found out.
 
     parts: one mapping each with `name`, `count`, `material_mm3` and more; `files` in it lists the part's file names.
-    budget: the error budget by stage; files: further files of the folder to which the page links.
+    budget: the error budget by stage; files: further files of the folder to which the page links. remarks: what this run
+    did beside the result, told but not written: the same spec gives the same files.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Report:
     animation: Animation | None = None
     budget: Table | None = None
     files: Sequence[str] = ()
+    remarks: Sequence[str] = ()
 
     @property
     def ok(self) -> bool:
@@ -85,6 +87,7 @@ class Report:
                 "parts": self.parts,
                 "tables": tables,
                 "notes": self.notes,
+                **({"remarks": self.remarks} if self.remarks else {}),
             }
         )
         return plain

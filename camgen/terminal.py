@@ -64,6 +64,8 @@ def print_report(report: Report) -> None:
     failed = [finding for finding in report.findings if not finding.ok]
     for finding in failed:
         console.print(Text(f"{finding.code} ({finding.where}): {finding.message}"), soft_wrap=True)
+    for remark in report.remarks:
+        console.print(Text(remark), soft_wrap=True)
     count = len(report.findings)
     console.print(f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL")
 

@@ -230,6 +230,19 @@ def test_set_reaches_the_resolved_spec_and_check_agrees(run: Run, tmp_path: Path
 # ---- new, list, schema, version --------------------------------------------------------------------------------------
 
 
+def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root: Path) -> None:
+    build = ("build", str(root / "specs" / "disc-cam.toml"), "--only", "dxf", "-o", str(tmp_path))
+    assert "kept" not in run(*build)[1]
+    spec = tmp_path / "disc-cam" / "spec.toml"
+    written = (tmp_path / "disc-cam" / "report.json").read_bytes()
+    spec.write_text(spec.read_text() + "# mine\n")
+    code, out, _ = run(*build)
+    assert code == 0 and f"{spec} was changed since its build" in out and "kept as spec.toml.edited" in out
+    assert (tmp_path / "disc-cam" / "spec.toml.edited").read_text().endswith("# mine\n")
+    assert (tmp_path / "disc-cam" / "report.json").read_bytes() == written
+    assert run("check", str(tmp_path / "disc-cam"))[0] == 0
+
+
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_new_prints_and_writes_the_starter(run: Run, tmp_path: Path, root: Path, mechanism: str) -> None:
     text = (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")

@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import resource
+import signal
 import stat
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from camgen import folder as folders
 from camgen.errors import FileError
 from camgen.folder import Staged, write_manifest
 
@@ -78,8 +80,31 @@ def test_earlier_result_stays_while_the_new_one_is_made(tmp_path: Path) -> None:
     assert tree(tmp_path) == {"cam/a.txt": b"second"}
 
 
+@pytest.fixture
+def renames(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """A system that cannot let two folders change places."""
+    monkeypatch.setattr(folders, "_exchanged", lambda new, target: False)
+    return monkeypatch
+
+
+def test_result_replaces_an_earlier_one_by_renames(tmp_path: Path, renames: pytest.MonkeyPatch) -> None:
+    make(tmp_path / "cam", extra="only-in-the-first.txt")
+    make(tmp_path / "cam", "second")
+    assert set(tree(tmp_path)) == {f"cam/{name}" for name in ("a.txt", "sub/b.txt", "manifest.json")}
+    assert (tmp_path / "cam" / "a.txt").read_text() == "second"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="folders change places in one step on Linux alone")
+def test_there_is_a_result_at_every_moment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make(tmp_path / "cam")
+    monkeypatch.setattr(os, "rename", lambda source, target: pytest.fail("a moment without a result"))
+    make(tmp_path / "cam", "second")
+    assert (tmp_path / "cam" / "a.txt").read_text() == "second" and len(list(tmp_path.iterdir())) == 1
+
+
 @pytest.mark.parametrize("failing", [1, 2])
-def test_failed_rename_restores_the_earlier_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: int) -> None:
+def test_failed_rename_restores_the_earlier_result(tmp_path: Path, renames: pytest.MonkeyPatch, failing: int) -> None:
+    monkeypatch = renames
     make(tmp_path / "cam")
     before, calls, rename = tree(tmp_path), [], os.rename
 
@@ -95,7 +120,8 @@ def test_failed_rename_restores_the_earlier_result(tmp_path: Path, monkeypatch: 
     assert tree(tmp_path) == before
 
 
-def test_interrupt_between_the_renames_restores_the_earlier_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupt_between_the_renames_restores_the_earlier_result(tmp_path: Path, renames: pytest.MonkeyPatch) -> None:
+    monkeypatch = renames
     make(tmp_path / "cam")
     before, rename = tree(tmp_path), os.rename
 
@@ -108,6 +134,156 @@ def test_interrupt_between_the_renames_restores_the_earlier_result(tmp_path: Pat
     with pytest.raises(KeyboardInterrupt):
         make(tmp_path / "cam", "second")
     assert tree(tmp_path) == before
+
+
+def test_result_that_cannot_be_brought_back_at_once_is_not_thrown_away(tmp_path: Path, renames: pytest.MonkeyPatch) -> None:
+    """Every rename after the first fails; the next build finds the earlier result and brings it back."""
+    make(tmp_path / "cam")
+    before, rename, calls = tree(tmp_path), os.rename, []
+
+    def broken(source: Path, target: Path) -> None:
+        calls.append(target)
+        if len(calls) > 1:
+            raise OSError(errno.EIO, "Input/output error", str(source))
+        rename(source, target)
+
+    renames.setattr(os, "rename", broken)
+    with pytest.raises(OSError):
+        make(tmp_path / "cam", "second")
+    assert not (tmp_path / "cam").exists()
+    renames.undo()
+    with pytest.raises(ValueError), Staged(tmp_path / "cam"):
+        raise ValueError
+    assert tree(tmp_path) == before
+
+
+# ---- builds that were killed -----------------------------------------------------------------------------------------
+
+BUILD = """
+import os, signal, sys
+from pathlib import Path
+from camgen import folder as folders
+target, when = Path(sys.argv[1]), sys.argv[2]
+def killed(*_):
+    os.kill(os.getpid(), signal.SIGKILL)
+rename = os.rename
+def first_then_killed(source, to):
+    rename(source, to)
+    killed()
+if when == "between":
+    folders._exchanged = lambda new, old: False
+    os.rename = first_then_killed
+if when == "after":
+    folders._remove = killed
+with folders.Staged(target) as folder:
+    (folder / "a.txt").write_text("killed")
+    if when == "work":
+        killed()
+    if when == "wait":
+        print(folder.parent.name, flush=True)
+        sys.stdin.read()
+    folders.write_manifest(folder, [])
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
+@pytest.mark.parametrize("when, left", [("work", "first"), ("between", None), ("after", "killed")])
+def test_what_a_killed_build_left_is_swept_and_brought_back(tmp_path: Path, when: str, left: str | None) -> None:
+    """The next build finds a result, even if it comes to nothing itself, and nothing else lies about."""
+    target = tmp_path / "cam"
+    make(target)
+    before = tree(tmp_path)
+    done = subprocess.run([sys.executable, "-c", BUILD, str(target), when])
+    assert done.returncode == -signal.SIGKILL
+    assert len(list(tmp_path.iterdir())) == (2 if left else 1) and target.exists() is bool(left)
+    if left:
+        assert (target / "a.txt").read_text() == left
+    with pytest.raises(ValueError), Staged(target):
+        raise ValueError
+    assert [path.name for path in tmp_path.iterdir()] == ["cam"]
+    assert left == "killed" or tree(tmp_path) == before
+    make(target, "second")
+    assert (target / "a.txt").read_text() == "second" and [path.name for path in tmp_path.iterdir()] == ["cam"]
+
+
+def test_folder_of_a_build_that_runs_is_left_alone(tmp_path: Path) -> None:
+    """Another process, and another build in this one."""
+    with subprocess.Popen(
+        [sys.executable, "-c", BUILD, str(tmp_path / "cam"), "wait"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdin and other.stdout
+        name = other.stdout.readline().strip()
+        with Staged(tmp_path / "cam") as mine:
+            make(tmp_path / "cam", "second")
+            assert (tmp_path / name / "new" / "a.txt").read_text() == "killed" and mine.exists()
+            write_manifest(mine, [])
+    assert other.returncode == 0 and (tmp_path / "cam" / "a.txt").read_text() == "killed"
+    assert [path.name for path in tmp_path.iterdir()] == ["cam"]
+
+
+@pytest.mark.parametrize("name", [".cam-notes", ".cam-abcd1234", ".cam-abcd123", ".other-abcd1234", "cam-abcd1234"])
+@pytest.mark.parametrize("files", [{}, {"camgen.lock": "mine"}, {"new/a.txt": ""}])
+def test_folders_that_only_look_like_camgen_s_are_left_alone(tmp_path: Path, name: str, files: dict[str, str]) -> None:
+    for file, text in ({"old/a.txt": "mine"} | files).items():
+        (tmp_path / name / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name / file).write_text(text)
+    before = tree(tmp_path)
+    make(tmp_path / "cam")
+    assert {key: text for key, text in tree(tmp_path).items() if not key.startswith("cam/")} == before
+
+
+def test_folder_with_more_in_it_is_left_alone(tmp_path: Path) -> None:
+    stray = tmp_path / ".cam-abcd1234"
+    stray.mkdir()
+    (stray / "camgen.lock").write_bytes(folders._MARK)
+    (stray / "notes.txt").write_text("mine")
+    make(tmp_path / "cam")
+    assert (stray / "notes.txt").read_text() == "mine"
+    (stray / "notes.txt").unlink()
+    make(tmp_path / "cam")
+    assert not stray.exists()
+
+
+# ---- a spec.toml that somebody has edited ----------------------------------------------------------------------------
+
+
+def with_spec(target: Path, text: str) -> list[str]:
+    """A build of a spec; names of what it kept."""
+    staged = Staged(target)
+    with staged as folder:
+        (folder / "spec.toml").write_text(text)
+        write_manifest(folder, [])
+    return staged.kept
+
+
+@pytest.mark.parametrize("exchange", [True, False])
+def test_edited_spec_is_kept_by_this_build_and_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, exchange: bool
+) -> None:
+    if not exchange:
+        monkeypatch.setattr(folders, "_exchanged", lambda new, target: False)
+    target = tmp_path / "cam"
+    assert with_spec(target, "lift = 1") == with_spec(target, "lift = 2") == []
+    (target / "spec.toml").write_text("lift = 3  # better")
+    assert with_spec(target, "lift = 2") == ["spec.toml.edited"]
+    wanted = {"spec.toml": b"lift = 2", "spec.toml.edited": b"lift = 3  # better"}
+    for _ in range(2):
+        found = tree(target)
+        assert json.loads(found.pop("manifest.json"))["files"].keys() == {"spec.toml"} and found == wanted
+        assert with_spec(target, "lift = 2") == []
+    (target / "spec.toml").write_text("lift = 4")
+    assert with_spec(target, "lift = 2") == ["spec.toml.edited-2"]
+    assert tree(target)["spec.toml.edited"] == b"lift = 3  # better" and tree(target)["spec.toml.edited-2"] == b"lift = 4"
+    for same in ("lift = 4", "lift = 5"):  # kept already; and what the new build writes anyway
+        (target / "spec.toml").write_text(same)
+        assert with_spec(target, "lift = 5") == []
+
+
+def test_edited_spec_alone_does_not_make_a_folder_camgen_s(tmp_path: Path) -> None:
+    (tmp_path / "cam").mkdir()
+    (tmp_path / "cam" / "spec.toml.edited").write_text("mine")
+    with pytest.raises(FileError, match="not made by camgen"):
+        make(tmp_path / "cam")
 
 
 # ---- files that are not ours -----------------------------------------------------------------------------------------
