@@ -405,7 +405,7 @@ def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None)
         if len(package.items) != 1:
             raise FileError(path, f"holds {len(package.items)} objects; one part was expected")
         scale = _3MF_UNITS.get(package.unit.lower(), math.nan)
-        mesh = package.meshes[package.items[0].name].moved(package.items[0].transform)
+        mesh = package.items[0].placed
         mesh = Mesh(mesh.vertices * scale, mesh.faces)
         findings.append(Finding("MESH_UNITS", scale == 1, scale, 1, "mm", path.name, f"its unit is {package.unit.lower()}"))
     else:
