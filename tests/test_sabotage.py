@@ -362,6 +362,19 @@ def test_dxf(folder: Path, edit: Callable[[ezdxf.document.Drawing], None], codes
     assert failing(folder) == {(code, "dxf") for code in codes}
 
 
+def test_marks_that_were_asked_for_are_as_meant(tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), (*OVERRIDES, "output.center_marks=true"))
+    folder = tmp_path / "cam"
+    marks = ezdxf.readfile(folder / "cam-cam.dxf").modelspace().query("LINE[layer=='CENTER']")
+    assert report.ok and len(marks) == 6  # the shaft and two pins
+    spec = (folder / "spec.toml").read_text()
+    (folder / "spec.toml").write_text(spec.replace("center_marks = true", "center_marks = false"))
+    assert failing(folder) == {("DXF_CLOSED", "dxf")}
+    (folder / "spec.toml").write_text(spec)
+    edit_dxf(folder, lambda drawing: drawing.modelspace().query("LINE").first.translate(0, 0.1, 0))
+    assert failing(folder) == {("DXF_CLOSED", "dxf")}
+
+
 # ---- both, and the pair ----------------------------------------------------------------------------------------------
 
 
