@@ -139,7 +139,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
                 faults.append(f"no solid of {name}: {impossible}")
     with stage("write"):
         for name, part in parts.items():
-            write_dxf(case.file(name, "dxf"), part.region, part.centres, tolerance, case.mechanism.output.curves)
+            write_dxf(case.file(name, "dxf"), part.region, (), tolerance, case.mechanism.output.curves)
         for name, mesh in meshes.items():
             write_stl(case.file(name, "stl"), mesh, name)
             write_3mf(case.file(name, "3mf"), {name: mesh}, [Placed(name, name)], name)

@@ -14,15 +14,18 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.arcfit import as_circle, fit_arcs
+from camgen.distances import point_to_ring
 from camgen.dxf import add_contour, document, extent
 from camgen.outlines import Contour, Floats, Points, Region, polygon
 from camgen.sampling import facet_contour
 from camgen.solids import Mesh
 
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
-_LAYERS = {"CUT": (7, 25), "CENTER": (1, 13)}
-# Half length of the strokes of a centre mark, mm.
-_MARK = 1.0
+_CUT, _MARKS = {"CUT": (7, 25)}, {"CENTER": (1, 13)}
+# Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
+# stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
+_MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
+_NEAR = 1e-3  # mm, chord tolerance of the contours to which that way is measured
 # Digits after the point in 3MF. lib3mf works them out in float32: with 9 the fewest numbers, one in 25, come back an
 # ulp off; with more or fewer it is up to one in five.
 _DECIMALS = 9
@@ -35,7 +38,7 @@ def write_dxf(
     tolerance: float,
     curves: Literal["bulge", "lines"] = "bulge",
 ) -> None:
-    """Write a region's contours on layer CUT, a cross at each centre on layer CENTER, and nothing else.
+    """Write a region's contours on layer CUT, a mark at each centre on layer CENTER, and nothing else.
 
     Full circles are CIRCLEs; the others are arcs within tolerance ("bulge"), or chords for readers without bulges
     ("lines"), mm. Outer contour first, counter-clockwise like the holes.
@@ -49,15 +52,25 @@ def write_dxf(
         return fit_arcs(contour, tolerance)
 
     contours = [flat(contour) for contour in (region.outer, *region.holes)]
-    marks = [centre + corner for centre in centres for corner in (-_MARK * (1 + 1j), _MARK * (1 + 1j))]
-    low, high = extent([*contours, polygon(marks)] if marks else contours)
-    with document(path, _LAYERS, (low, high)) as space:
+    marks = center_marks(region, centres)
+    box = extent([*contours, *(polygon(stroke) for stroke in marks.tolist())])
+    with document(path, _CUT | _MARKS if len(marks) else _CUT, box) as space:
         for contour in contours:
             add_contour(space, contour, "CUT")
-        for centre in centres:
-            for stroke in (_MARK, _MARK * 1j):
-                a, b = centre - stroke, centre + stroke
-                space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": "CENTER"})
+        for a, b in marks.tolist():
+            space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": "CENTER"})
+
+
+def center_marks(region: Region, centres: Sequence[complex]) -> Points:
+    """Strokes of crosses at the centres, (n, 2) complex mm: they end in the open, never on a contour of the region."""
+    if not centres:
+        return np.empty((0, 2), complex)
+    rings = [facet_contour(contour, _NEAR) for contour in (region.outer, *region.holes)]
+    middles = np.array(centres, complex)
+    near = np.min([point_to_ring(middles, ring) for ring in rings], axis=0)
+    reach = np.minimum(_MARK, _MARK_SHARE * near)
+    strokes = [(z - r * way, z + r * way) for z, r in zip(middles, reach, strict=True) if r >= _SMALLEST_MARK for way in (1, 1j)]
+    return np.array(strokes, complex).reshape(-1, 2)
 
 
 def write_stl(path: Path, mesh: Mesh, name: str) -> None:

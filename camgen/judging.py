@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.crossing import crossed_at
+from camgen.export import center_marks
 from camgen.findings import Finding, at_most
 from camgen.fits import Compensation, compensated
 from camgen.jobs import Case, Progress, Workers
@@ -124,7 +125,8 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
     read = Read({}, {}, {})
     for kind in kinds:
         path = case.file(name, kind)
-        meant = expected(part, tolerance, contacts, fit if kind != "dxf" else None)
+        sent, marked = (None, mechanism.output.center_marks) if kind == "dxf" else (fit, False)
+        meant = expected(part, tolerance, contacts, sent, marked)
         if not turns:  # the place of its bore is judged as that of any hole
             meant = replace(meant, bore=None)
         judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
@@ -143,9 +145,9 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
 
 
 def expected(
-    part: Part, tolerance: float, contacts: Sequence[Contact] = (), fit: Compensation | None = None
+    part: Part, tolerance: float, contacts: Sequence[Contact] = (), fit: Compensation | None = None, marked: bool = False
 ) -> Expected:
-    """What a file of a part should hold, as plain numbers and points for the judge.
+    """What a file of a part should hold, as plain numbers and points for the judge; marked: with centre marks.
 
     With a fit the file holds the compensated part: its volume counts, and sections above the chamfer are judged as they print.
     """
@@ -173,6 +175,7 @@ def expected(
         eyes=tuple(eyes),
         tips=tuple((rolling.arm, max(_TIP * rolling.tip_radius, part.min_wall)) for rolling in swung),
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
+        marks=center_marks(part.region, part.centres if marked else ()),
     )  # fmt: skip
 
 
@@ -437,8 +440,7 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def _written(case: Case) -> dict[str, Mesh]:
     """The solid of each part's 3MF, judged there by itself."""
-    packages = {name: read_3mf(case.file(name, "3mf")) for name in case.parts}
-    return {name: mesh for name, package in packages.items() for mesh in package.meshes.values()}
+    return {name: item.mesh for name in case.parts for item in read_3mf(case.file(name, "3mf")).items[:1]}
 
 
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -456,14 +458,13 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.interference import judge_plate
     from camgen.packing import bed_fit
 
-    bed, plates, written = case.mechanism.print.bed, _plates(case), _written(case)
+    bed, plates, written = case.mechanism.print, _plates(case), _written(case)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
-    height = case.mechanism.print.bed_height
-    fits = [bed_fit(name, case.parts[name].count, mesh.vertices, bed, height)[1] for name, mesh in written.items()]
-    short = (Counter({part.name: part.count for part in case.parts.values()}) - laid).total()
-    said = f"{laid.total()} copies laid out, {short} missing"
-    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
-    on_plates = [finding for path in plates for finding in judge_plate(path, bed, PLATE_GAP)]
+    counts = {name: part.count for name, part in case.parts.items()}
+    fits = [bed_fit(name, counts[name], mesh.vertices, bed.bed, bed.bed_height)[1] for name, mesh in written.items()]
+    short = (Counter(counts) - laid).total()
+    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", f"{laid.total()} laid out, {short} missing")
+    on_plates = [finding for path in plates for finding in judge_plate(path, bed.bed, PLATE_GAP)]
     copies = [judge_copies(path, written) for path in plates]
     return Outcome([*(fit for fit in fits if not fit.ok), missing, *copies, *on_plates])
 
@@ -490,8 +491,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def _plates(case: Case) -> list[Path]:
     """The plate files of a build, in their order."""
-    found = list(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"))
-    return sorted(found, key=lambda path: (len(path.name), path.name))
+    return sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"), key=lambda path: (len(path.name), path.name))
 
 
 def _machine_files(case: Case) -> list[str]:

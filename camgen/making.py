@@ -54,7 +54,8 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
     if "dxf" in only:
         from camgen.drawing import write_drawing
 
-        write_dxf(case.file(name, "dxf"), part.region, part.centres, tolerance, mechanism.output.curves)
+        centres = part.centres if mechanism.output.center_marks else ()
+        write_dxf(case.file(name, "dxf"), part.region, centres, tolerance, mechanism.output.curves)
         write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
     if not only & {"stl", "3mf"}:
         return None

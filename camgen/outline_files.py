@@ -12,19 +12,23 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from camgen.distances import inside
 from camgen.errors import FileError
 from camgen.findings import Finding, at_most
 from camgen.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
-from camgen.rings import Floats, Points, Ring
+from camgen.rings import Floats, Ints, Points, Ring
 from camgen.tolerances import CHAIN_GAP, CURVE_CHORDS, SAME_POINT
 
 ENDINGS = (".dxf", ".stl", ".3mf")
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
+_MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
+_MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
 _LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
 _RIVAL = 0.25  # of the outline's area: a contour within it that is larger is no bore
 _BEYOND = 1e12  # mm, and bulge: what no drawing means
@@ -95,8 +99,11 @@ def read_outline(path: Path, height: float | None = None, layer: str | None = No
     found = _looks_like(content)
     if found not in (kind, ""):
         raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
-    outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
-    return _judged(path, outline)
+    try:
+        outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
+        return _judged(path, outline)
+    except OverflowError as error:
+        raise FileError(path, f"takes {error}") from None
 
 
 def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Ring, Finding]:
@@ -109,18 +116,33 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
         raise FileError(path, f"holds {len(rings)} closed contour(s): there is no contour={rank}")
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     picked, which = ordered[rank - 1], "the largest" if rank == 1 else f"number {rank} by size"
+    left, low, right, high = picked.box
+    size = max(right - left, high - low)
+    if not _LEAST_SIZE <= size <= _MOST_SIZE:
+        taken = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
+        raise FileError(path, f"has an outline {size:.4g} mm across; {taken}")
     said, rivals = f"{which} of {len(rings)} closed contour(s) is the outline", []
     if contour is None:
-        inner = [ring for ring in ordered[1:] if picked.encloses(complex(ring.points[0]))]
+        starts = np.array([ring.points[0] for ring in ordered])
+        inner = 1 + _enclosed(picked, starts[1:])
         rivals = [
-            ring for ring in inner
-            if abs(ring.area) > _RIVAL * abs(picked.area)
-            or any(ring.encloses(complex(other.points[0])) for other in inner if abs(other.area) < abs(ring.area))
+            k for i, k in enumerate(inner.tolist())
+            if abs(ordered[k].area) > _RIVAL * abs(picked.area) or len(_enclosed(ordered[k], starts[inner[i + 1 :]]))
         ]  # fmt: skip
     if rivals:
-        ranks = ", ".join(str(next(k for k, ring in enumerate(ordered, 1) if ring is rival)) for rival in rivals[:5])
+        ranks = ", ".join(str(k + 1) for k in rivals[:5])
         said += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
     return picked, at_most("CONTOUR", len(rivals), 0, "contours", path.name, said)
+
+
+def _enclosed(ring: Ring, points: Points) -> Ints:
+    """Which of the points lie inside a ring, their places in the list; those outside its box cost little."""
+    left, low, right, high = ring.box
+    near = np.flatnonzero((points.real > left) & (points.real < right) & (points.imag > low) & (points.imag < high))
+    if not len(near):
+        return near
+    facets = ring.facetted(min(1e-3 * max(right - left, high - low), 0.01))
+    return near[inside(points[near], facets)]
 
 
 def _looks_like(content: bytes) -> str:
@@ -141,17 +163,12 @@ def _looks_like(content: bytes) -> str:
 
 
 def _judged(path: Path, outline: Outline) -> Outline:
-    """The outline with a finding on its crossing itself; FileError where its size cannot be meant."""
+    """The outline with a finding on its crossing itself; FileError where it has too many points."""
     ring = outline.ring
     if ring is None:
         return outline
     if len(ring.points) > _MOST_POINTS:
         raise FileError(path, f"has an outline of {len(ring.points)} points; {_MOST_POINTS} at most are taken")
-    left, low, right, high = ring.box
-    size = max(right - left, high - low)
-    if not _LEAST_SIZE <= size <= _MOST_SIZE:
-        taken = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
-        raise FileError(path, f"has an outline {size:.4g} mm across; {taken}")
     crossing = _crossing(ring)
     finding = at_most(
         "SELF_CROSSING", 1 if crossing else 0, 0, "crossings", path.name,
@@ -188,6 +205,7 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     if math.isnan(scale):
         raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
     try:
+        _refuse_bomb(path, drawing)
         hidden = {str(each.dxf.name).lower() for each in drawing.layers if each.is_off() or each.is_frozen()}
         entities = [
             e for e in _exploded(drawing.modelspace())
@@ -198,9 +216,12 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     if layer is not None and not entities:
         known = sorted({str(e.dxf.layer) for e in drawing.modelspace()})
         raise FileError(path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}")
-    chains, passed = [], Counter[str]()
+    chains, passed, chords = [], Counter[str](), 0
     for entity in entities:
         chain = _chain(entity, CURVE_CHORDS / scale)
+        chords += len(chain.bulges) if chain else 0
+        if chords > _MOST_CHORDS:
+            raise FileError(path, f"has curves of more than {_MOST_CHORDS} chords within {CURVE_CHORDS:g} mm")
         if chain is None:
             passed[entity.dxftype()] += 1
         elif not (np.all(np.abs(chain.points) * scale < _BEYOND) and np.all(np.abs(chain.bulges) < _BEYOND)):
@@ -239,6 +260,25 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     return Outline(picked, (units, closed, chosen), said)
 
 
+def _refuse_bomb(path: Path, drawing: Any) -> None:
+    """FileError where blocks within blocks stand for more than _MOST_ENTITIES, or one holds itself."""
+    inside: dict[str, list[tuple[str, int]]] = {}
+    counts: dict[str, int] = {}
+    for block in drawing.blocks:  # the modelspace is one of them
+        references = [(str(e.dxf.name).lower(), max(e.mcount, 1)) for e in block if e.dxftype() == "INSERT"]
+        inside[block.name.lower()] = references
+        counts[block.name.lower()] = len(block)
+    try:
+        for name in TopologicalSorter({name: {other for other, _ in held} for name, held in inside.items()}).static_order():
+            counts[name] = counts.get(name, 0) + sum(times * counts[other] for other, times in inside.get(name, ()))
+    except CycleError as error:
+        raise FileError(path, f"has a block that holds itself: {error.args[1][0]}") from None
+    most = max(counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace)
+    if most > _MOST_ENTITIES:
+        said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
+        raise FileError(path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read")
+
+
 def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
     """The entities, with block references replaced by what they show."""
     for entity in entities:
@@ -256,8 +296,7 @@ def _chain(entity: Any, tolerance: float) -> _Chain | None:
         return _Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
     if kind in ("SPLINE", "ELLIPSE"):
         try:
-            points = _periodic(entity, tolerance) if kind == "SPLINE" and entity.control_points else None
-            points = _plane(entity.flattening(tolerance)) if points is None else points
+            points = _spline(entity, tolerance) if kind == "SPLINE" else _ellipse(entity, tolerance)
         except (ValueError, ZeroDivisionError, IndexError):
             return None
         return _open_or_closed(points, np.zeros(len(points) - 1)) if len(points) > 1 else None
@@ -286,21 +325,40 @@ def _chain(entity: Any, tolerance: float) -> _Chain | None:
     return _open_or_closed(points, bulges)
 
 
-def _periodic(entity: Any, tolerance: float) -> Points | None:
-    """Chords of a spline whose knots are not clamped at its ends, as those of closed ones; None of any other.
+def _ellipse(entity: Any, tolerance: float) -> Points:
+    """Chords of an ellipse in even steps of its parameter t, of which c + a cos t + b sin t is at most |a| step^2 / 8 off."""
+    dxf = entity.dxf
+    centre, a, b = (complex(p.x, p.y) for p in (dxf.center, dxf.major_axis, entity.minor_axis))
+    sweep = (dxf.end_param - dxf.start_param) % math.tau or math.tau
+    count = max(math.ceil(sweep / math.sqrt(8 * tolerance / dxf.major_axis.magnitude)), 6)
+    if count > _MOST_POINTS:
+        raise OverflowError(f"{count} chords for ELLIPSE #{dxf.handle}; {_MOST_POINTS} at most are made")
+    t = dxf.start_param + np.linspace(0, sweep, count + 1)
+    points = centre + a * np.cos(t) + b * np.sin(t)
+    return np.append(points[:-1], points[:1]) if sweep == math.tau else points
 
-    It is drawn from knot p to knot n alone, p its degree and n the number of its control points.
+
+def _spline(entity: Any, tolerance: float) -> Points:
+    """Chords of a spline, which is drawn from knot p to knot n, p its degree and n the number of its control points.
+
+    Between them lies all of a clamped one, and of a closed one whose knots are not clamped what is meant.
     """
-    knots, degree = np.array(entity.knots, float), int(entity.dxf.degree)
-    points = np.array(entity.control_points, float)
+    if not len(entity.control_points) and len(entity.fit_points) > _MOST_FIT_POINTS:
+        many = len(entity.fit_points)
+        raise OverflowError(f"{many} points to fit SPLINE #{entity.dxf.handle} to; {_MOST_FIT_POINTS} at most do")
+    if entity.dxf.degree > _MOST_DEGREE:
+        raise OverflowError(f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; {_MOST_DEGREE} at most is read")
+    tool = entity.construction_tool()
+    knots, degree = np.array(tool.knots(), float), int(tool.degree)
+    points, weights = np.array([p.xyz for p in tool.control_points], float), np.array(tool.weights(), float)
     if len(knots) != len(points) + degree + 1 or np.any(np.diff(knots) < 0):
         raise ValueError("a knot vector that does not fit")
     begin, end = knots[degree], knots[-1 - degree]
-    if not end > begin or (knots[0] == begin and knots[-1] == end):
-        return None
+    if not end > begin:
+        raise ValueError("a knot vector of no length")
     from scipy.interpolate import BSpline
 
-    weights = np.array(entity.weights, float) if len(entity.weights) else np.ones(len(points))
+    weights = weights if len(weights) else np.ones(len(points))
     curve = BSpline(knots, np.column_stack([points[:, :2] * weights[:, None], weights]), degree)
 
     def at(t: Floats) -> Points:
@@ -314,9 +372,9 @@ def _periodic(entity: Any, tolerance: float) -> Points | None:
         off = [np.abs(at(t[:-1] + share * step) - z[:-1] - share * np.diff(z)) for share in (0.25, 0.5, 0.75)]
         far = np.flatnonzero(~(np.max(off, axis=0) <= tolerance))
         if not len(far):
-            break
+            return at(t)
         t = np.sort(np.concatenate([t, t[far] + step[far] / 2]))
-    return at(t)
+    raise OverflowError(f"more than {_MOST_POINTS} chords for SPLINE #{entity.dxf.handle}")
 
 
 def _plane(points: Iterable[Any]) -> Points:
@@ -345,11 +403,12 @@ def _joined(chains: Sequence[_Chain]) -> tuple[list[Ring], list[_Chain]]:
     if not pieces:
         return rings, []
     ends = np.array([z for chain in pieces for z in (chain.points[0], chain.points[-1])])
-    near: list[list[int]] = [[] for _ in ends]
-    for a, b in cKDTree(np.column_stack([ends.real, ends.imag])).query_pairs(CHAIN_GAP):
-        near[a].append(b)
-        near[b].append(a)
-    partner = [found[0] if len(found) == 1 and len(near[found[0]]) == 1 else -1 for found in near]
+    places = np.column_stack([ends.real, ends.imag])
+    apart, near = cKDTree(places).query(places, 3, distance_upper_bound=np.nextafter(CHAIN_GAP, 1))
+    paired = np.isfinite(apart).sum(axis=1) == 2  # each end and one other
+    own = np.arange(len(ends))
+    other = np.where(paired, np.where(near[:, 0] == own, near[:, 1], near[:, 0]), 0)
+    partner = np.where(paired & paired[other], other, -1).tolist()
     used = [False] * len(pieces)
     loose = []
     # runs that begin at a free end first; what is left goes round
@@ -386,9 +445,13 @@ def _gap(loose: Sequence[_Chain]) -> tuple[float, str]:
     if not loose:
         return 0.0, ""
     ends = np.array([z for chain in loose for z in (chain.points[0], chain.points[-1])])
-    apart = np.abs(ends[:, None] - ends) + np.where(np.eye(len(ends)), np.inf, 0)
-    a, b = np.unravel_index(int(np.argmin(apart)), apart.shape)
-    gap = float(apart[a, b])
+    from scipy.spatial import cKDTree
+
+    rows = np.column_stack([ends.real, ends.imag])
+    apart, near = cKDTree(rows).query(rows, 2)
+    a = int(np.argmin(apart[:, 1]))
+    b = int(near[a, 0] if near[a, 0] != a else near[a, 1])
+    gap = float(abs(ends[a] - ends[b]))
     places = " and ".join(f"({z.real:.4f}, {z.imag:.4f})" for z in (ends[a], ends[b]))
     if gap <= CHAIN_GAP:
         return max(gap, CHAIN_GAP), f"the contour branches or is drawn twice: more than two ends meet at {places}"
@@ -405,7 +468,7 @@ def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None)
         if len(package.items) != 1:
             raise FileError(path, f"holds {len(package.items)} objects; one part was expected")
         scale = _3MF_UNITS.get(package.unit.lower(), math.nan)
-        mesh = package.meshes[package.items[0].name].moved(package.items[0].transform)
+        mesh = package.items[0].placed
         mesh = Mesh(mesh.vertices * scale, mesh.faces)
         findings.append(Finding("MESH_UNITS", scale == 1, scale, 1, "mm", path.name, f"its unit is {package.unit.lower()}"))
     else:

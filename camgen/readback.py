@@ -7,6 +7,8 @@ them), a slice of a mesh a list of rings. Rings, shapes and circles are those of
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,9 +27,13 @@ from camgen.rings import bore_circle as bore_circle
 from camgen.rings import fit_circle as fit_circle
 from camgen.rings import hole_circles as hole_circles
 from camgen.rings import shape_of as shape_of
-from camgen.tolerances import SAME_POINT
+from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
+from camgen.unpacking import refuse_bomb
 
 CUT_LAYER, MARK_LAYER = "CUT", "CENTER"
+# What an entity says of its place and shape; all else (visibility, width, colour, line type) is to be as nobody set it.
+_SHAPE = {"handle", "owner", "layer", "count", "flags", "center", "radius", "start", "end", "elevation", "extrusion"}
+_NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes millimetres then
 
 
 # ---- DXF ---------------------------------------------------------------------------------------------------------
@@ -37,8 +43,9 @@ CUT_LAYER, MARK_LAYER = "CUT", "CENTER"
 class DrawingFault:
     """What is wrong with one entity of the CUT layer.
 
-    kind: "open" (size = the gap, mm), "duplicate", "entity" (not a closed polyline or circle), "number" (not finite),
-    "zero_length" (size = how many segments), "plane" (mirrored or raised off z = 0).
+    kind: "open" (size = the gap, mm), "duplicate", "entity" (not a closed polyline or circle, or not in the modelspace),
+    "number" (not finite), "zero_length" (size = how many segments), "plane" (mirrored or raised off z = 0), "look"
+    (invisible, with a width, in a colour of its own...), "layer" (off, frozen, locked or not plotted).
     """
 
     kind: str
@@ -48,16 +55,15 @@ class DrawingFault:
 
 @dataclass(frozen=True)
 class DxfDrawing:
-    """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), closed rings per layer, faults of CUT."""
+    """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
+
+    cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks.
+    """
 
     units: int | None
-    rings: dict[str, tuple[Ring, ...]]
+    cut: tuple[Ring, ...]
+    marks: Points
     faults: tuple[DrawingFault, ...]
-
-    @property
-    def cut(self) -> tuple[Ring, ...]:
-        """The rings to cut, in the file's order."""
-        return self.rings.get(CUT_LAYER, ())
 
 
 def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
@@ -72,8 +78,10 @@ def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
         points, bulges = centre + radius * np.array([1 + 0j, -1]), np.ones(2)
         raised = entity.dxf.center.z
     elif kind == "LWPOLYLINE":
-        rows = np.array(entity.get_points("xyb"), float).reshape(-1, 3)
+        rows = np.array(entity.get_points("xybse"), float).reshape(-1, 5)
         points, bulges, raised = rows[:, 0] + 1j * rows[:, 1], rows[:, 2], entity.dxf.elevation
+        if rows[:, 3:].any():
+            faults.append(DrawingFault("look", 1, f"{name} has a width"))
     else:
         return None, [DrawingFault("entity", 1, f"{name} is not a closed polyline or a circle")]
     if not (np.isfinite(points).all() and np.isfinite(bulges).all()):
@@ -102,8 +110,9 @@ def _same(a: Ring, b: Ring) -> bool:
 def read_dxf(path: str | Path) -> DxfDrawing:
     """Read a DXF file; FileError when it cannot be read, is no DXF or is cut short.
 
-    Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) become rings. Whatever
-    else lies on CUT is a fault, and so is whatever lies elsewhere and is no centre mark: somebody's laser will cut it.
+    Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) on CUT become rings, LINEs on
+    CENTER marks. Whatever else there is, or looks otherwise than drawn plainly, is a fault: somebody's laser will cut it,
+    or leave it out.
     """
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
@@ -117,23 +126,52 @@ def read_dxf(path: str | Path) -> DxfDrawing:
         raise FileError(path, error.strerror or str(error)) from None
     except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
         raise FileError(path, f"not a valid DXF file: {error}") from None
-    rings: dict[str, list[Ring]] = {}
-    faults: list[DrawingFault] = []
+    rings: list[Ring] = []
+    marks: list[tuple[complex, complex]] = []
+    faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
     for entity in drawing.modelspace():
-        layer = str(entity.dxf.layer).upper()  # names of layers ignore case
-        if layer != CUT_LAYER and (layer, entity.dxftype()) != (MARK_LAYER, "LINE"):
-            faults.append(
-                DrawingFault("entity", 1, f"{entity.dxftype()} #{entity.dxf.handle} on layer {layer} is no part of a cut")
-            )
+        layer, kind = str(entity.dxf.layer).upper(), entity.dxftype()  # names of layers ignore case
+        if (layer, kind) == (MARK_LAYER, "LINE"):
+            start, end = entity.dxf.start, entity.dxf.end
+            marks.append((complex(*start.vec2), complex(*end.vec2)))
+            if start.z or end.z:
+                faults.append(DrawingFault("plane", 1, f"LINE #{entity.dxf.handle} is raised off the plane z = 0"))
+        elif layer != CUT_LAYER:
+            faults.append(DrawingFault("entity", 1, f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"))
             continue
-        ring, wrong = _ring_of(entity)
-        if layer == CUT_LAYER:
+        else:
+            ring, wrong = _ring_of(entity)
             faults += wrong
-            if ring is not None and any(_same(ring, other) for other in rings.get(layer, ())):
-                faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
-        if ring is not None:
-            rings.setdefault(layer, []).append(ring)
-    return DxfDrawing(drawing.header.get("$INSUNITS"), {layer: tuple(found) for layer, found in rings.items()}, tuple(faults))
+            if ring is not None:
+                if any(_same(ring, other) for other in rings):
+                    faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
+                rings.append(ring)
+        faults += _looks(entity)
+    ends = np.array(marks, complex).reshape(-1, 2)
+    return DxfDrawing(drawing.header.get("$INSUNITS"), tuple(rings), ends, tuple(faults))
+
+
+def _looks(entity: Any) -> Iterator[DrawingFault]:
+    """What is set of an entity that could hide it, thicken it or send it to another tool."""
+    for key, value in entity.dxfattribs().items():
+        if key not in _SHAPE and value != entity.dxf.dxf_default_value(key):
+            yield DrawingFault("look", 1, f"{entity.dxftype()} #{entity.dxf.handle} has {key} {value}")
+
+
+def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
+    """Layers of what is cut or marked that some program would not show, plot or send to the machine."""
+    for layer in drawing.layers:
+        states = {"off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked()}
+        said = ", ".join(name for name, there in {**states, "not plotted": not layer.dxf.plot}.items() if there)
+        if said and str(layer.dxf.name).upper() in (CUT_LAYER, MARK_LAYER):
+            yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
+
+
+def _elsewhere(drawing: Any) -> Iterator[DrawingFault]:
+    """What is drawn outside the modelspace: on paper, or in blocks."""
+    for block in drawing.blocks:
+        if len(block) and not block.is_modelspace:
+            yield DrawingFault("entity", len(block), f"{block.name} holds {len(block)} entities, and the modelspace alone is cut")
 
 
 # ---- meshes ------------------------------------------------------------------------------------------------------
@@ -141,10 +179,14 @@ def read_dxf(path: str | Path) -> DxfDrawing:
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangle mesh: vertices (n, 3) mm, faces (m, 3) their indices, counter-clockwise seen from outside."""
+    """Triangle mesh: vertices (n, 3) mm, faces (m, 3) their indices, counter-clockwise seen from outside.
+
+    normals: (m, 3) as the file stores them, None where it was not asked for them or a mesh has none.
+    """
 
     vertices: Floats
     faces: Ints
+    normals: Floats | None = None
 
     def moved(self, transform: Floats) -> Mesh:
         """Image under a (3, 4) transform: rotation and shift, applied to column vectors."""
@@ -153,23 +195,35 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Item:
-    """One thing to build: the name of its object and its (3, 4) transform."""
+    """One thing to build: the name of its object, the mesh, and the (3, 4) transform that places it."""
 
     name: str
+    mesh: Mesh
     transform: Floats
+
+    @property
+    def placed(self) -> Mesh:
+        """The mesh in its place."""
+        return self.mesh.moved(self.transform)
 
 
 @dataclass(frozen=True)
 class Package:
-    """A 3MF file as read in lib3mf's strict mode: unit, warnings, meshes by object name, build items.
+    """A 3MF file: its unit, what is built, and what is wrong with it as a package.
 
-    `items` are the meshes as placed: components of an assembly are resolved to the meshes they are made of.
+    items: meshes as placed; components of an assembly are resolved to the meshes they are made of.
+    warnings: lib3mf's own, objects of one name, of another type than model or that nothing builds, vertices that no
+    triangle uses (left out of the meshes).
     """
 
     unit: str
     warnings: tuple[str, ...]
-    meshes: dict[str, Mesh]
     items: tuple[Item, ...]
+
+    @property
+    def meshes(self) -> dict[str, Mesh]:
+        """The meshes that are built, by the names of their objects."""
+        return {item.name: item.mesh for item in self.items}
 
 
 def _indexed(corners: Floats) -> Mesh:
@@ -201,8 +255,11 @@ def _indexed(corners: Floats) -> Mesh:
     return Mesh(flat[first], number[stand_in].reshape(-1, 3))
 
 
-def read_stl(path: str | Path) -> Mesh:
-    """Read an STL file, binary or text; FileError with the reason when it is cut short, too long or not finite."""
+def read_stl(path: str | Path, normals: bool = False) -> Mesh:
+    """Read an STL file, binary or text; FileError with the reason when it is cut short, too long or not finite.
+
+    normals: keep the stored ones, which many programs leave at zero; FileError then where the file is text.
+    """
     try:
         data = Path(path).read_bytes()
     except OSError as error:
@@ -210,13 +267,16 @@ def read_stl(path: str | Path) -> Mesh:
     count = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * count:
         row = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-        corners = np.frombuffer(data, row, offset=84)["corners"].astype(float)
+        rows = np.frombuffer(data, row, offset=84)
+        corners, stored = rows["corners"].astype(float), rows["normal"].astype(float) if normals else None
     elif data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
+        if normals:
+            raise FileError(path, "is an STL in text; a binary one was expected")
         if not re.search(rb"endsolid[^\n]*\s*$", data):
             raise FileError(path, "STL text cut short: it does not end in endsolid")
         words = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data)
         try:
-            corners = np.array(words, float).reshape(-1, 3, 3)
+            corners, stored = np.array(words, float).reshape(-1, 3, 3), None
         except ValueError as error:
             raise FileError(path, f"STL text with a wrong vertex: {error}") from None
     elif len(data) < 84:
@@ -226,7 +286,8 @@ def read_stl(path: str | Path) -> Mesh:
         raise FileError(path, f"{change}: {len(data)} bytes, but a header of {count} triangles asks for {84 + 50 * count}")
     if not np.isfinite(corners).all():
         raise FileError(path, "a vertex is not finite")
-    return _indexed(corners)
+    mesh = _indexed(corners)
+    return Mesh(mesh.vertices, mesh.faces, stored)
 
 
 def _array(records: list[Any], kind: type, columns: int) -> NDArray[Any]:
@@ -235,12 +296,16 @@ def _array(records: list[Any], kind: type, columns: int) -> NDArray[Any]:
 
 
 def read_3mf(path: str | Path, strict: bool = True) -> Package:
-    """Read a 3MF file with lib3mf, in strict mode unless it is another program's; FileError when it refuses."""
+    """Read a 3MF file with lib3mf, in strict mode unless it is another program's.
+
+    FileError when it is refused, in a unit that there is not, or places far too much.
+    """
     import lib3mf
 
     try:
         if not Path(path).read_bytes().startswith(b"PK"):
             raise FileError(path, "not a 3MF file: it is no zip archive")
+        refuse_bomb(path)
         model = lib3mf.get_wrapper().CreateModel()
         reader = model.QueryReader("3mf")
         reader.SetStrictModeActive(strict)
@@ -249,37 +314,60 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
         raise FileError(path, error.strerror or str(error)) from None
     except lib3mf.ELib3MFException as error:
         raise FileError(path, f"not a valid 3MF file: {error}") from None
-    warnings = tuple(reader.GetWarning(i)[1] for i in range(reader.GetWarningCount()))
-    meshes, names = {}, {}
-    found = model.GetMeshObjects()
-    while found.MoveNext():
-        thing = found.GetCurrentMeshObject()
-        names[thing.GetUniqueResourceID()] = thing.GetName()
-        meshes[thing.GetName()] = Mesh(
+    told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
+    if any(code == _NO_UNIT for code, _ in told):
+        raise FileError(path, "names a unit that there is not in a 3MF file; millimeter was expected")
+    warnings = [text for _, text in told]
+    meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
+    inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
+    for thing in _each(model.GetMeshObjects(), "GetCurrentMeshObject"):
+        name = thing.GetName()
+        mesh, idle = _without_spare(
             _array(thing.GetVertices(), np.float32, 3).astype(float),
             _array(thing.GetTriangleIndices(), np.uint32, 3).astype(np.int64),
         )
-    assemblies = {}
-    found = model.GetComponentsObjects()
-    while found.MoveNext():
-        thing = found.GetCurrentComponentsObject()
-        assemblies[thing.GetUniqueResourceID()] = [thing.GetComponent(i) for i in range(thing.GetComponentCount())]
-
-    def placed(identity: int, outer: Floats) -> list[Item]:
-        if identity in names:
-            return [Item(names[identity], outer[:3])]
-        parts = []
-        for component in assemblies[identity]:
-            inner = _matrix(component.GetTransform())
-            parts += placed(component.GetObjectResource().GetUniqueResourceID(), outer @ inner)
-        return parts
-
+        meshes[thing.GetUniqueResourceID()] = name, mesh
+        warnings += [f"object '{name}' has {idle} vertices that no triangle uses"] if idle else []
+    for thing in _each(model.GetComponentsObjects(), "GetCurrentComponentsObject"):
+        parts = [thing.GetComponent(i) for i in range(thing.GetComponentCount())]
+        inside[thing.GetUniqueResourceID()] = [
+            (part.GetObjectResource().GetUniqueResourceID(), _matrix(part.GetTransform())) for part in parts
+        ]
+    kinds = {thing.GetUniqueResourceID(): thing for thing in _each(model.GetObjects(), "GetCurrentObject")}
+    warnings += [
+        f"object '{thing.GetName()}' is of type {thing.GetType().name.lower()}, not model"
+        for thing in kinds.values() if thing.GetType() != lib3mf.ObjectType.Model
+    ]  # fmt: skip
+    names = Counter(name for name, _ in meshes.values())
+    warnings += [f"{count} objects have the name '{name}'" for name, count in names.items() if count > 1]
     items: list[Item] = []
-    found = model.GetBuildItems()
-    while found.MoveNext():
-        item = found.GetCurrent()
-        items += placed(item.GetObjectResource().GetUniqueResourceID(), _matrix(item.GetObjectTransform()))
-    return Package(model.GetUnit().name, warnings, meshes, tuple(items))
+    waiting = [
+        (item.GetObjectResource().GetUniqueResourceID(), _matrix(item.GetObjectTransform()))
+        for item in _each(model.GetBuildItems(), "GetCurrent")
+    ][::-1]
+    built = set()
+    while waiting:
+        number, outer = waiting.pop()
+        built.add(number)
+        if number in meshes:
+            items.append(Item(*meshes[number], outer[:3]))
+        else:
+            waiting += [(part, outer @ inner) for part, inner in reversed(inside[number])]
+    warnings += [f"nothing builds object '{thing.GetName()}'" for number, thing in kinds.items() if number not in built]
+    return Package(model.GetUnit().name, tuple(warnings), tuple(items))
+
+
+def _each(iterator: Any, current: str) -> Iterator[Any]:
+    """What one of lib3mf's iterators runs through."""
+    while iterator.MoveNext():
+        yield getattr(iterator, current)()
+
+
+def _without_spare(vertices: Floats, faces: Ints) -> tuple[Mesh, int]:
+    """A mesh less the vertices that no triangle uses, and how many these were."""
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    return Mesh(vertices[used], (np.cumsum(used) - 1)[faces]), int(np.count_nonzero(~used))
 
 
 def _matrix(transform: Any) -> Floats:
@@ -292,13 +380,15 @@ class MeshFaults:
     """What keeps a mesh from bounding a solid, counted, and what it bounds.
 
     Edges of one triangle only (open), run twice the same way (flipped), of more than two triangles (crowded);
-    triangles without area; bodies (joined by edges); signed volume, mm^3, negative when inside out.
+    triangles without area; stored normals that are not the triangle's own, which harm no solid; bodies (joined by edges);
+    signed volume, mm^3, negative when inside out.
     """
 
     open_edges: int
     flipped_edges: int
     crowded_edges: int
     degenerate: int
+    turned_normals: int
     bodies: int
     volume: float
 
@@ -326,9 +416,17 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
         flipped_edges=int(np.count_nonzero((uses == 2) & (balance != 0))),
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~normals.any(axis=1))),
+        turned_normals=0 if mesh.normals is None else _turned(mesh.normals, normals),
         bodies=_components(len(mesh.faces), face[joined], face[joined + 1]),
         volume=float(np.einsum("ij,ij->", corners[:, 0] - middle, normals) / 6),
     )
+
+
+def _turned(stored: Floats, own: Floats) -> int:
+    """How many of the stored unit normals are not those of their triangles, which have the directions `own`, (m, 3)."""
+    size = np.linalg.norm(own, axis=1, keepdims=True)
+    off = np.linalg.norm(stored - own / np.where(size == 0, 1, size), axis=1)
+    return int(np.count_nonzero(~(off <= NORMAL_ROUNDING) & (size[:, 0] > 0)))
 
 
 def _components(count: int, a: Ints, b: Ints) -> int:

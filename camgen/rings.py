@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 
+_MOST_FACETS = 5_000_000  # of one ring: beyond it no memory serves
+
 
 @dataclass(frozen=True)
 class Ring:
@@ -100,13 +102,18 @@ class Ring:
         return Ring(turn * self.points + shift, self.bulges)
 
     def facetted(self, tolerance: float) -> Points:
-        """Vertices (m,) complex of a polygon inscribed in the outline, its chords within `tolerance` mm of the arcs."""
+        """Vertices (m,) complex of a polygon inscribed in the outline, its chords within `tolerance` mm of the arcs.
+
+        OverflowError where that takes millions of chords.
+        """
         sweep = 4 * np.arctan(self.bulges)
         chord = self.ends - self.points
         radius = np.abs(chord) / np.where(sweep == 0, 1, 2 * np.abs(np.sin(sweep / 2)))
         step = 2 * np.arccos(np.maximum(1 - tolerance / np.maximum(radius, tolerance), 0.0))
         step = np.minimum(step, np.pi / 3)  # six chords on a full circle, however small it is
         count = np.where(sweep == 0, 1, np.maximum(np.ceil(np.abs(sweep) / step), 1)).astype(int)
+        if count.sum() > _MOST_FACETS:
+            raise OverflowError(f"{count.sum()} chords within {tolerance:g} mm of an outline; {_MOST_FACETS} at most are made")
         edge = np.repeat(np.arange(len(count)), count)
         half = sweep[edge] / 2
         u = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)) / count[edge]

@@ -80,6 +80,9 @@ class Output(Record):
     """How files are written."""
 
     curves: Literal["bulge", "lines"] = "bulge"
+    center_marks: Annotated[
+        bool, Field(description="whether the drawing to be cut (DXF) has marks at centres, on a layer CENTER; no unit")
+    ] = False
 
 
 class Spec(Record):

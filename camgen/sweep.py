@@ -43,9 +43,8 @@ def sweep(path: Path, assembly: Assembly) -> tuple[list[Finding], list[Row]]:
     for item in package.items:
         mount = queues[item.name][numbers[item.name]]
         numbers[item.name] += 1
-        mesh = package.meshes[item.name].moved(item.transform)
         bodies.append(
-            Body(f"{item.name}-{numbers[item.name]}", slabs_of(mesh), courses[mount.drive.name], at=-mount.drive.centre)
+            Body(f"{item.name}-{numbers[item.name]}", slabs_of(item.placed), courses[mount.drive.name], at=-mount.drive.centre)
         )
     bodies += [Body(s.name, _slabs(s), courses[s.drive.name]) for s in assembly.stand_ins]
     present = {body.name for body in bodies}

@@ -11,6 +11,9 @@ INTERSECTION = 1e-12
 # Largest relative rounding of a coordinate by the float32 of STL and 3MF: half an ulp, 2**-24.
 FLOAT32_ROUNDING = 2.0**-24
 
+# A triangle's unit normal as an STL stores it against the one of its corners: float32 and slivers; a turned one is 2 off.
+NORMAL_ROUNDING = 1e-4
+
 # Corners of a crossed body that are nearer than so many float32 roundings in each coordinate are made one.
 MERGED_STEPS = 8
 

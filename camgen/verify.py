@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +41,8 @@ class Expected:
     tells its place. Judged elsewhere, by how parts move, are the outer contour of a part that is `rolled` upon, joints at
     the `eyes`, and what lies in the discs `tips` (centre, radius); rolled is the section that a drawing shows, or the first
     of a mesh.
-    undo: how a mesh was changed for the printer, None where it was not.
+    undo: how a mesh was changed for the printer, None where it was not. marks: (n, 2), ends of each stroke of a
+    drawing's centre marks, none where nobody asked for them.
     """
 
     part: str
@@ -57,6 +58,7 @@ class Expected:
     eyes: tuple[complex, ...] = ()
     tips: tuple[tuple[complex, float], ...] = ()
     undo: Undo | None = None
+    marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
 
 
 @dataclass(frozen=True)
@@ -94,9 +96,10 @@ def judge_dxf(path: Path, expected: Expected) -> Judged:
     """Units, closed contours, holes and walls of a drawing that is to be cut."""
     drawing, where = read_dxf(path), path.name
     units = drawing.units or 0
+    faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
     closed = at_most(
-        "DXF_CLOSED", len(drawing.faults), 0, "contours", where,
-        "; ".join(f.message for f in drawing.faults) or f"{len(drawing.cut)} contours, each one closed entity",
+        "DXF_CLOSED", len(faults), 0, "contours", where,
+        "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
     )  # fmt: skip
     findings = [
         Finding("DXF_UNITS", units == MILLIMETRES, units, MILLIMETRES, "$INSUNITS", where,
@@ -108,18 +111,27 @@ def judge_dxf(path: Path, expected: Expected) -> Judged:
     return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, 0.0, findings)
 
 
+def _misplaced(marks: Points, wanted: Points) -> list[str]:
+    """What is wrong with the strokes of centre marks, in the order in which they are meant."""
+    if len(marks) != len(wanted):
+        return [f"{len(marks)} strokes of centre marks instead of {len(wanted)} (output.center_marks)"]
+    off = float(np.max(np.abs(marks - wanted), initial=0.0))
+    return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
+
+
 def judge_mesh(path: Path, expected: Expected) -> Judged:
     """Watertightness, volume, sections and walls of the one solid in an STL or 3MF file."""
     where = path.name
     if path.suffix != ".3mf":
-        return judge_solid(read_stl(path), expected, where)
+        return judge_solid(read_stl(path, normals=True), expected, where)
     package = read_3mf(path)
     remarks = _remarks(package)
-    remarks += [] if len(package.items) == 1 else [f"{len(package.items)} objects instead of 1"]
+    names = [item.name for item in package.items]
+    remarks += [] if names == [expected.part] else [f"holds {', '.join(names[:5]) or 'nothing'} instead of {expected.part} alone"]
     if remarks:
         return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
     (item,) = package.items
-    return judge_solid(package.meshes[item.name].moved(item.transform), expected, where)
+    return judge_solid(item.placed, expected, where)
 
 
 def _remarks(package: Package) -> list[str]:
@@ -133,9 +145,10 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
     count = faults.count + abs(faults.bodies - 1)
     findings = [
         at_most(
-            "WATERTIGHT", count, 0, "faults", where,
+            "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
             f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
-            f"{faults.degenerate} degenerate triangles, {faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+            f"{faults.degenerate} degenerate triangles, {faults.turned_normals} stored normals that are not the triangle's own, "
+            f"{faults.bodies} body(ies) of {len(mesh.faces)} triangles",
         )
     ]  # fmt: skip
     if count:

@@ -221,7 +221,7 @@ def gdal(path: Path) -> Problem:
     meta, _, shapes, columns = pyogrio.raw.read(path)
     layers = columns[list(meta["fields"]).index("Layer")]
     contours = [shapely.from_wkb(shape) for shape, layer in zip(shapes, layers, strict=True) if layer == "CUT"]
-    wrong = [f"layer {layer}" for layer in sorted(set(layers) - {"CUT", "CENTER"})]
+    wrong = [f"layer {layer}" for layer in sorted(set(layers) - {"CUT"})]
     wrong += ["an open contour" for contour in contours if not contour.is_closed]
     wrong += ["a contour that crosses itself" for contour in contours if contour.is_closed and not contour.is_simple]
     if wrong or not contours:

@@ -16,7 +16,7 @@ ROWS = (
     {"errors", "tolerances"},
     {"motion", "findings", "spec", "standards"},
     {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
-    | {"linkages", "dynamics", "landmarks", "tips"},
+    | {"linkages", "dynamics", "landmarks", "tips", "unpacking"},
     {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "nearness"},
     {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
     | {"contact_tips"},
@@ -75,6 +75,7 @@ JUDGES = {
     "undoing",
     "rings",
     "distances",
+    "unpacking",
 }
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",

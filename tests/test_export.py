@@ -36,6 +36,7 @@ def test_dxf_holds_what_is_cut_and_nothing_else(tmp_path, curves):
     assert not doc.audit().errors and not doc.audit().fixes
     assert doc.header["$INSUNITS"] == 4 and doc.header["$MEASUREMENT"] == 1
     assert np.allclose(doc.header["$EXTMIN"], (-25, -25, 0)) and np.allclose(doc.header["$EXTMAX"], (37, 25, 0))
+    assert {layer.dxf.name for layer in doc.layers} == {"0", "Defpoints", "CUT", "CENTER"}
     cut = [e for e in doc.modelspace() if e.dxf.layer == "CUT"]
     assert [e.dxftype() for e in cut] == ["LWPOLYLINE"] * 4 + ["CIRCLE"]
     for entity, contour in zip(cut, [part.region.outer, *part.region.holes], strict=True):
@@ -49,6 +50,26 @@ def test_dxf_holds_what_is_cut_and_nothing_else(tmp_path, curves):
     middles = [complex(*((e.dxf.start + e.dxf.end) / 2).vec2) for e in marks]
     assert np.allclose(middles[::2], part.centres) and np.allclose(middles[1::2], part.centres)
     assert all(len(layout) == 0 for layout in doc.layouts if layout.name != "Model")
+
+
+@pytest.mark.parametrize("radius, strokes", [(0.2, 0), (0.5, 2), (1, 2), (2.5, 2), (30, 2)])
+def test_marks_end_in_the_open_and_are_shorter_than_a_radius(tmp_path, radius, strokes):
+    """1 mm of half a stroke ended on the contour of a hole of radius 1, and readers made one wire of both."""
+    region = Region(circle(0, 50), (circle(3 + 1j, radius),))
+    write_dxf(tmp_path / "d.dxf", region, [3 + 1j, -49.99], TOLERANCE)
+    lines = ezdxf.readfile(tmp_path / "d.dxf").modelspace().query("LINE")
+    assert len(lines) == strokes  # on the rim there is no room
+    for line in lines:
+        assert np.isclose((line.dxf.end - line.dxf.start).magnitude, min(2.0, 0.8 * radius), atol=2e-3)
+        assert (line.dxf.end - line.dxf.start).magnitude < radius
+        assert all(abs(complex(*end.vec2) - 3 - 1j) < 0.5 * radius for end in (line.dxf.start, line.dxf.end))
+
+
+def test_without_marks_there_is_no_layer_for_them(tmp_path):
+    part = cam()
+    write_dxf(tmp_path / "cam.dxf", part.region, (), TOLERANCE)
+    doc = ezdxf.readfile(tmp_path / "cam.dxf")
+    assert {e.dxf.layer for e in doc.modelspace()} == {"CUT"} and "CENTER" not in doc.layers
 
 
 def test_dxf_of_a_disc_is_two_circles(tmp_path):

@@ -11,6 +11,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from stl_rows import TRIANGLE, with_own_normals
 
 from camgen import pipeline
 from camgen.contact import rolling_contact
@@ -20,7 +21,6 @@ from camgen.readback import bore_circle, read_stl, shape_of, slice_mesh
 from camgen.solids import solid
 
 SPEC = Path(__file__).parent.parent / "specs" / "eccentric-drive.toml"
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 Change = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -77,7 +77,7 @@ def edit_stl(folder: Path, part: str, change: Change) -> None:
     corners = triangles["corners"].astype(float)
     plane = change(corners[..., 0] + 1j * corners[..., 1], corners[..., 2])
     triangles["corners"] = np.stack([plane.real, plane.imag, corners[..., 2]], axis=-1)
-    path.write_bytes(data[:84] + triangles.tobytes())
+    path.write_bytes(data[:84] + with_own_normals(triangles).tobytes())
 
 
 def near(at: complex, radius: float, change: Callable[[np.ndarray], np.ndarray]) -> Change:

@@ -7,6 +7,8 @@ import json
 import math
 import subprocess
 import sys
+import time
+import tracemalloc
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -518,6 +520,119 @@ def test_a_drawing_of_nothing_and_of_text(tmp_path: Path) -> None:
             read_outline(drawing(tmp_path / "d.dxf", draw))
     with pytest.raises(FileError, match="No such file"):
         read_outline(tmp_path / "none.dxf")
+
+
+def nine_nested_blocks(space: Any) -> None:
+    space.doc.blocks.new("b0").add_circle((0, 0), A)
+    for k in range(1, 10):
+        block = space.doc.blocks.new(f"b{k}")
+        for _ in range(10):
+            block.add_blockref(f"b{k - 1}", (0, 0))
+    space.add_blockref("b9", (0, 0))
+
+
+def great_grid(space: Any) -> None:
+    space.doc.blocks.new("b").add_circle((0, 0), A)
+    rows = {"row_count": 30_000, "row_spacing": 1, "column_count": 30_000, "column_spacing": 1}
+    space.add_blockref("b", (0, 0), dxfattribs=rows)
+
+
+def block_in_itself(space: Any) -> None:
+    block = space.doc.blocks.new("b")
+    for x in range(2):
+        block.add_blockref("B", (x, 0))
+    space.add_blockref("b", (0, 0))
+
+
+def thin_ellipses(space: Any) -> None:
+    for k in range(200):
+        space.add_ellipse((0, 0), (1e6 + k, 0), 1e-6)
+
+
+def endless_ellipse(space: Any) -> None:
+    space.add_ellipse((0, 0), (1e11, 0), 1e-6)
+
+
+def endless_spline(space: Any) -> None:
+    space.add_open_spline([(1e11 * math.cos(k), 1e11 * math.sin(k)) for k in range(2000)])
+
+
+def stiff_spline(space: Any) -> None:
+    space.add_open_spline([(math.cos(k), math.sin(k)) for k in range(2000)]).dxf.degree = 1000
+
+
+def spline_through_too_much(space: Any) -> None:
+    space.add_spline([(math.cos(k), math.sin(k)) for k in range(20_000)])
+
+
+def great_arcs(space: Any) -> None:
+    space.add_lwpolyline([(5e4 * (k % 2), k * 1e-3, 1) for k in range(2000)], format="xyb", close=True)
+
+
+@pytest.mark.parametrize(
+    "draw, said",
+    [
+        (nine_nested_blocks, "some 1e9 entities"), (great_grid, "900000000 entities"), (block_in_itself, "holds itself"),
+        (thin_ellipses, "2000000 chords"), (endless_ellipse, "chords for ELLIPSE"), (endless_spline, "chords for SPLINE"),
+        (stiff_spline, "degree of 1000"), (spline_through_too_much, "20000 points to fit"), (great_arcs, "chords within"),
+    ],
+)  # fmt: skip
+def test_what_a_small_file_stands_for_is_counted_first(tmp_path: Path, draw: Draw, said: str) -> None:
+    path = drawing(tmp_path / "bomb.dxf", draw)
+    tracemalloc.start()
+    start = time.process_time()
+    with pytest.raises(FileError, match=f"bomb.dxf.*{said}"):
+        read_outline(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert time.process_time() - start < 30 and peak < 3e8
+
+
+def test_loose_lines_and_holes_by_the_thousand_are_read(tmp_path: Path) -> None:
+    """2,500 free lines took a table of all ends against all others, 2,000 holes were compared with one another."""
+
+    def loose(space: Any) -> None:
+        for k in range(2500):
+            space.add_line((k, 0), (k + 0.4, 1))
+
+    def holes(space: Any) -> None:
+        space.add_circle((0, 0), 1000)
+        for k in range(2000):
+            space.add_circle((10 * (k % 50) - 250, 10 * (k // 50) - 200), 2)
+
+    tracemalloc.start()
+    outline = read_outline(drawing(tmp_path / "loose.dxf", loose))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert outline.ring is None and peak < 3e8
+    assert outline.findings[-1].measured == pytest.approx(1)  # from (k + 0.4, 1) to (k + 1.4, 1), and along y = 0
+    start = time.process_time()
+    outline = read_outline(drawing(tmp_path / "holes.dxf", holes))
+    assert outline.ring is not None and all(f.ok for f in outline.findings) and time.process_time() - start < 30
+
+
+def test_a_package_of_many_copies_is_counted_first(tmp_path: Path) -> None:
+    package(tmp_path / "disc.3mf", trimesh.creation.cylinder(A, 6.0), "millimeter")
+    with zipfile.ZipFile(tmp_path / "disc.3mf") as archive:
+        files = {name: archive.read(name).decode() for name in archive.namelist()}
+    nested = "".join(
+        f'<object id="{k}"><components>' + f'<component objectid="{k - 1}"/>' * 10 + "</components></object>"
+        for k in range(2, 12)
+    )
+    text = files["3D/3dmodel.model"].replace("</resources>", nested + "</resources>")
+    files["3D/3dmodel.model"] = text.replace('objectid="1"/></build', 'objectid="11"/></build')
+    with zipfile.ZipFile(tmp_path / "disc.3mf", "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    with pytest.raises(FileError, match=r"disc\.3mf: places some 1e10 copies"):
+        read_outline(tmp_path / "disc.3mf")
+
+
+@pytest.mark.parametrize("unit", ["parsec", "Millimeter"])
+def test_a_unit_that_there_is_not_is_refused(tmp_path: Path, unit: str) -> None:
+    package(tmp_path / "disc.3mf", trimesh.creation.cylinder(A, 6.0), unit)
+    with pytest.raises(FileError, match="unit that there is not"):
+        read_outline(tmp_path / "disc.3mf")
 
 
 # ---- wrong followers ---------------------------------------------------------------------------------------------------

@@ -151,6 +151,8 @@ def write_dxf(path: Path, *, units: int | None = 4, damage: str = "") -> Path:
     if damage == "entity":
         space.add_line((0, 0), (10, 0), dxfattribs={"layer": "CUT"})
     space.add_line((0, 0), (10, 0), dxfattribs={"layer": "CENTER"})
+    if damage == "mark":
+        space.add_line((0, 0), (10, 0, 1), dxfattribs={"layer": "CENTER"})
     if damage == "lettering":
         space.add_text("name", dxfattribs={"layer": "TEXT"})
     doc.saveas(path)
@@ -160,6 +162,7 @@ def write_dxf(path: Path, *, units: int | None = 4, damage: str = "") -> Path:
 def test_dxf_as_written(tmp_path: Path) -> None:
     drawing = read_dxf(write_dxf(tmp_path / "part.dxf"))
     assert drawing.units == 4 and drawing.faults == () and len(drawing.cut) == 2
+    assert drawing.marks.tolist() == [[0, 10]]
     shape = shape_of(drawing.cut)
     # A bulge of 1/2 over 10 mm: r = 6.25, sweep 4 atan(1/2).
     sweep = 4 * np.arctan(0.5)
@@ -178,10 +181,10 @@ def test_dxf_units_are_what_the_header_says(tmp_path: Path) -> None:
     assert read_dxf(path).units is None
 
 
-@pytest.mark.parametrize("damage", ["open", "nan", "zero_length", "plane", "duplicate", "entity", "lettering"])
+@pytest.mark.parametrize("damage", ["open", "nan", "zero_length", "plane", "duplicate", "entity", "lettering", "mark"])
 def test_dxf_damage_is_named(tmp_path: Path, damage: str) -> None:
     (fault,) = read_dxf(write_dxf(tmp_path / "part.dxf", damage=damage)).faults
-    assert fault.kind == {"nan": "number", "lettering": "entity"}.get(damage, damage)
+    assert fault.kind == {"nan": "number", "lettering": "entity", "mark": "plane"}.get(damage, damage)
     if damage == "open":
         assert fault.size == 10
 

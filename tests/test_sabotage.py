@@ -12,6 +12,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from stl_rows import TRIANGLE, with_own_normals
 
 from camgen import pipeline
 from camgen.errors import FileError
@@ -25,7 +26,6 @@ from camgen.verify import Expected, Section, _judge_sections, judge_mesh
 # No windows, so that the cam's holes are alike in a mirror and only the profile tells.
 OVERRIDES = ("parts.windows=0", "name='cam'", "parts.make='cams'", "parts.bore=8")
 SPEC = Path(__file__).parent.parent / "specs" / "uniform-swing.toml"
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 @pytest.fixture(scope="module")
@@ -55,10 +55,12 @@ def test_a_sound_build_passes(folder: Path) -> None:
 # ---- STL -------------------------------------------------------------------------------------------------------------
 
 
-def edit_stl(folder: Path, edit: Callable[[np.ndarray], np.ndarray]) -> None:
+def edit_stl(folder: Path, edit: Callable[[np.ndarray], np.ndarray], normals: bool = False) -> None:
+    """Change an STL's triangles; their normals follow, unless they are what is changed."""
     path = folder / "cam-cam.stl"
     data = path.read_bytes()
     triangles = edit(np.frombuffer(data[84:], TRIANGLE).copy())
+    triangles = triangles if normals else with_own_normals(triangles)
     path.write_bytes(data[:80] + np.uint32(len(triangles)).tobytes() + triangles.tobytes())
 
 
@@ -204,6 +206,32 @@ def test_stl_with_a_bad_triangle(folder: Path, edit: Callable[[np.ndarray], np.n
     assert failing(folder) == {("WATERTIGHT", "stl")}
 
 
+def blind(triangles: np.ndarray) -> np.ndarray:
+    triangles["normal"] = 0
+    return triangles
+
+
+def reversed_normals(triangles: np.ndarray) -> np.ndarray:
+    triangles["normal"] *= -1
+    return triangles
+
+
+def one_normal(triangles: np.ndarray) -> np.ndarray:
+    triangles["normal"][7] = np.nan
+    return triangles
+
+
+@pytest.mark.parametrize("edit, count", [(blind, None), (reversed_normals, None), (one_normal, 1)])
+def test_stl_whose_stored_normals_are_not_those_of_its_triangles(
+    folder: Path, edit: Callable[[np.ndarray], np.ndarray], count: int | None
+) -> None:
+    """admesh and some slicers go by them; nothing else is wrong with the file."""
+    edit_stl(folder, edit, normals=True)
+    (finding,) = (f for f in pipeline.check(folder).findings if not f.ok)
+    triangles = (len((folder / "cam-cam.stl").read_bytes()) - 84) // 50
+    assert (finding.code, finding.where, finding.measured) == ("WATERTIGHT", "cam-cam.stl", count or triangles)
+
+
 def flipped(triangles: np.ndarray) -> np.ndarray:
     triangles["corners"][7] = triangles["corners"][7][::-1].copy()
     return triangles
@@ -273,9 +301,50 @@ def swell_bore(drawing: ezdxf.document.Drawing) -> None:
     circles(drawing, 4)[0].dxf.radius = 6.5
 
 
+def of_cut_layer(change: str) -> Callable[[ezdxf.document.Drawing], None]:
+    return lambda drawing: getattr(drawing.layers.get("CUT"), change)()
+
+
+def unplotted(drawing: ezdxf.document.Drawing) -> None:
+    drawing.layers.get("CUT").dxf.plot = 0
+
+
+def rim_with(**attributes: object) -> Callable[[ezdxf.document.Drawing], None]:
+    return lambda drawing: rim(drawing).update_dxf_attribs(attributes)
+
+
+def widen_one_segment(drawing: ezdxf.document.Drawing) -> None:
+    rim(drawing)[5] = (*rim(drawing)[5][:2], 0, 0.5, rim(drawing)[5][4])
+
+
+def drill_on_paper(drawing: ezdxf.document.Drawing) -> None:
+    drawing.paperspace().add_circle((3, 3), 2, dxfattribs={"layer": "CUT"})
+
+
+def drill_in_a_block(drawing: ezdxf.document.Drawing) -> None:
+    drawing.blocks.new("drilled").add_circle((3, 3), 2, dxfattribs={"layer": "CUT"})
+
+
+def mark_a_centre(drawing: ezdxf.document.Drawing) -> None:
+    drawing.modelspace().add_line((-1, 0), (1, 0), dxfattribs={"layer": "CENTER"})
+
+
 @pytest.mark.parametrize(
     ("edit", "codes"),
     [
+        pytest.param(of_cut_layer("off"), {"DXF_CLOSED"}, id="layer off"),
+        pytest.param(of_cut_layer("freeze"), {"DXF_CLOSED"}, id="layer frozen"),
+        pytest.param(of_cut_layer("lock"), {"DXF_CLOSED"}, id="layer locked"),
+        pytest.param(unplotted, {"DXF_CLOSED"}, id="layer not plotted"),
+        pytest.param(rim_with(invisible=1), {"DXF_CLOSED"}, id="invisible contour"),
+        pytest.param(rim_with(const_width=2), {"DXF_CLOSED"}, id="contour with a width"),
+        pytest.param(rim_with(transparency=0x020000FF - 255), {"DXF_CLOSED"}, id="transparent contour"),
+        pytest.param(rim_with(thickness=5), {"DXF_CLOSED"}, id="contour drawn upwards"),
+        pytest.param(rim_with(linetype="CENTER2"), {"DXF_CLOSED"}, id="dashed contour"),
+        pytest.param(widen_one_segment, {"DXF_CLOSED"}, id="segment with a width"),
+        pytest.param(drill_on_paper, {"DXF_CLOSED"}, id="hole in paper space"),
+        pytest.param(drill_in_a_block, {"DXF_CLOSED"}, id="hole in a block"),
+        pytest.param(mark_a_centre, {"DXF_CLOSED"}, id="mark that nobody asked for"),
         pytest.param(push(shrink), {"MOTION_ERROR"}, id="10 um shrink"),
         pytest.param(push(one_vertex), {"MOTION_ERROR"}, id="moved vertex"),
         pytest.param(shift_bore, {"MOTION_ERROR"}, id="shifted bore"),
@@ -291,6 +360,19 @@ def swell_bore(drawing: ezdxf.document.Drawing) -> None:
 def test_dxf(folder: Path, edit: Callable[[ezdxf.document.Drawing], None], codes: set[str]) -> None:
     edit_dxf(folder, edit)
     assert failing(folder) == {(code, "dxf") for code in codes}
+
+
+def test_marks_that_were_asked_for_are_as_meant(tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), (*OVERRIDES, "output.center_marks=true"))
+    folder = tmp_path / "cam"
+    marks = ezdxf.readfile(folder / "cam-cam.dxf").modelspace().query("LINE[layer=='CENTER']")
+    assert report.ok and len(marks) == 6  # the shaft and two pins
+    spec = (folder / "spec.toml").read_text()
+    (folder / "spec.toml").write_text(spec.replace("center_marks = true", "center_marks = false"))
+    assert failing(folder) == {("DXF_CLOSED", "dxf")}
+    (folder / "spec.toml").write_text(spec)
+    edit_dxf(folder, lambda drawing: drawing.modelspace().query("LINE").first.translate(0, 0.1, 0))
+    assert failing(folder) == {("DXF_CLOSED", "dxf")}
 
 
 # ---- both, and the pair ----------------------------------------------------------------------------------------------
@@ -376,6 +458,58 @@ def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:
 def test_a_damaged_assembly_is_told(folder: Path, edit: Callable[[str], str]) -> None:
     edit_3mf(folder, "cam-assembly.3mf", edit)
     assert failing(folder) == {("ROUND_TRIP", "3mf")}
+
+
+SPARE = ("</vertices>", '<vertex x="1e4" y="0" z="0"/></vertices>')
+
+
+def with_impostor(text: str, name: str = "cam") -> str:
+    """The object is made larger and built; a good one of that name lies beside it."""
+    start, end = text.index("<object "), text.index("</object>") + len("</object>")
+    good = text[start:end].replace('name="cam"', f'name="{name}"')
+    good = re.sub(r'id="\d+"', 'id="4711"', re.sub(r'UUID="\w+', 'UUID="0000abcd', good), count=1)
+    large = re.sub(r'([xy])="([-\d.e]+)"', lambda m: f'{m[1]}="{1.2 * float(m[2]):.9g}"', text[start:end])
+    return text[:start] + large + good + text[end:]
+
+
+@pytest.mark.parametrize("name", ["cam", "assembly"])
+@pytest.mark.parametrize(
+    "edit, said",
+    [
+        pytest.param(with_impostor, "have the name 'cam'", id="two of one name"),
+        pytest.param(lambda text: with_impostor(text, "kit"), "nothing builds object 'kit'", id="unbuilt object"),
+        pytest.param(lambda text: text.replace('type="model"', 'type="support"'), "of type support", id="support"),
+        pytest.param(lambda text: text.replace(*SPARE), "1 vertices that no triangle uses", id="spare vertex"),
+        pytest.param(lambda text: text.replace('unit="millimeter"', 'unit="micron"'), "unit is MicroMeter", id="micron"),
+    ],
+)  # fmt: skip
+def test_a_package_that_is_not_plain_is_told(folder: Path, name: str, edit: Callable[[str], str], said: str) -> None:
+    edit_3mf(folder, f"cam-{name}.3mf", edit)
+    failed = [f for f in pipeline.check(folder).findings if not f.ok]
+    assert {f.where for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {f"cam-{name}.3mf"}
+
+
+def test_a_unit_that_there_is_not_is_no_millimetre(folder: Path) -> None:
+    edit_3mf(folder, "cam-cam.3mf", lambda text: text.replace('unit="millimeter"', 'unit="parsec"'))
+    with pytest.raises(FileError, match=r"cam-cam\.3mf.*[Uu]nit"):
+        pipeline.check(folder)
+
+
+def nested(text: str) -> str:
+    """Ten to the eighth copies: components of components, ten in each."""
+    first = re.search(r'<object id="(\d+)"', text)
+    assert first is not None
+    last, objects = int(first[1]), ""
+    for number in range(5000, 5008):
+        objects += f'<object id="{number}"><components>' + f'<component objectid="{last}"/>' * 10 + "</components></object>"
+        last = number
+    return text.replace("</resources>", objects + "</resources>").replace("</build>", f'<item objectid="{last}"/></build>')
+
+
+def test_copies_are_counted_before_they_are_placed(folder: Path) -> None:
+    edit_3mf(folder, "cam-cam.3mf", nested)
+    with pytest.raises(FileError, match=r"cam-cam\.3mf: places 11111111. copies.*10000 at most"):
+        pipeline.check(folder)
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"camgen": "1", "files": 3}', "[" * 100_000])

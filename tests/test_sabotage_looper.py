@@ -10,12 +10,12 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from stl_rows import TRIANGLE, with_own_normals
 
 from camgen import pipeline
 from camgen.errors import FileError
 
 SPEC = Path(__file__).parent.parent / "specs" / "chain-stitch-looper.toml"
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 KINDS = frozenset({"dxf", "stl"})
 # Clear of its needles by 1.1 mm, so that no damage is found by the way that grazing turns into a strike.
 SETTINGS = ("name='x'", "geometry.p6_setback=1.5", "geometry.blade_length=36")
@@ -49,7 +49,7 @@ def edit(path: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
     data = path.read_bytes()
     triangles = np.frombuffer(data[84:], TRIANGLE).copy()
     triangles["corners"] = change(triangles["corners"].astype(float))
-    path.write_bytes(data[:84] + triangles.tobytes())
+    path.write_bytes(data[:84] + with_own_normals(triangles).tobytes())
 
 
 def near(c: np.ndarray, axis: int, value: float) -> np.ndarray:
