@@ -242,7 +242,10 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
             expected = item["msg"]
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
-        shown = "" if item["type"] == "missing" else _shown(_at(data, path))
+        value = _at(data, path)
+        shown = "" if item["type"] == "missing" else _shown(value)
+        if item["type"] in ("too_long", "too_short") and isinstance(value, list):
+            shown = f"a list of {len(value)}"
         found.setdefault(dotted, Fault(dotted, shown, expected, nearest))
     return list(found.values())
 
@@ -313,6 +316,9 @@ def _words(node: Data | None, root: Data) -> str:
     return " or ".join(dict.fromkeys(_simple_words(member, root) for member in _members(node or {}, root))) or "a value"
 
 
+_COUNTS = {"minItems": "at least", "maxItems": "at most"}
+
+
 def _simple_words(node: Data, root: Data) -> str:
     if "const" in node or "enum" in node:
         return _one_of(node.get("enum") or [node["const"]])
@@ -322,7 +328,8 @@ def _simple_words(node: Data, root: Data) -> str:
     if kind == "array":
         if "prefixItems" in node:
             return "a list of " + ", ".join(_words(item, root) for item in node["prefixItems"])
-        return f"a list, each item {_words(node.get('items'), root)}"
+        bounds = " and ".join(f"{word} {node[key]}" for key, word in _COUNTS.items() if key in node)
+        return f"a list{f' of {bounds}' if bounds else ''}, each item {_words(node.get('items'), root)}"
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
     bounds = " and ".join(f"{sign} {node[key]:.12g}" for key, sign in signs.items() if key in node)
     name = {"number": "a number", "integer": "a whole number", "boolean": "true or false", "string": "text"}.get(
