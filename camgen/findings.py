@@ -31,6 +31,8 @@ def at_most(code: str, measured: float, limit: float, unit: str, where: str, mes
     return Finding(code, bool(measured <= limit), float(measured), float(limit), unit, where, message)
 
 
-def at_least(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:
-    """A finding that holds when measured >= limit; nan never holds."""
-    return Finding(code, bool(measured >= limit), float(measured), float(limit), unit, where, message)
+def at_least(
+    code: str, measured: float, limit: float, unit: str, where: str, message: str, tolerance: float = 0.0
+) -> Finding:
+    """A finding that holds when measured >= limit - tolerance; nan never holds. The limit is told as it was written."""
+    return Finding(code, bool(measured >= limit - tolerance), float(measured), float(limit), unit, where, message)

@@ -330,6 +330,16 @@ def test_interrupted_build_leaves_the_earlier_result(tmp_path: Path, sent: signa
     assert [path.name for path in tmp_path.iterdir()] == ["cam"] and not list((tmp_path / "cam").iterdir())
 
 
+def test_a_signal_that_the_shell_ignores_ends_nothing(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, str(tmp_path), "0.5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),  # as nohup does
+    )  # fmt: skip
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGHUP)
+    assert "that was all" in process.communicate()[1] and process.returncode == FileError.exit_code
+
+
 @pytest.mark.parametrize("seconds, shown", [("1.6", True), ("0.2", False)])
 def test_step_of_over_a_second_is_shown_on_a_terminal(tmp_path: Path, seconds: str, shown: bool) -> None:
     terminal, side = pty.openpty()
