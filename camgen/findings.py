@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 
@@ -20,6 +21,26 @@ class Finding:
     def as_dict(self) -> dict[str, object]:
         """The finding as report.json lists it."""
         return asdict(self)
+
+
+@dataclass(frozen=True)
+class NotJudged:
+    """A code that was left out: why, as a sentence; needs: what would let it be judged, in a few words."""
+
+    code: str
+    why: str
+    needs: str
+
+    def as_dict(self) -> dict[str, object]:
+        """The same as report.json lists it."""
+        return {"code": self.code, "why": self.why}
+
+
+def left_out(not_judged: Sequence[NotJudged]) -> str:
+    """One line: the codes that were not judged, by what they need; empty where all were."""
+    needs = dict.fromkeys(each.needs for each in not_judged)
+    groups = [(", ".join(each.code for each in not_judged if each.needs == need), need) for need in needs]
+    return "; ".join(f"{codes} ({'need' if ',' in codes else 'needs'} {need})" for codes, need in groups)
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.

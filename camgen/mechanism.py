@@ -214,7 +214,8 @@ class Apart:
     """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns.
 
     planes: heights z of the ground at which their sections are compared, mm; gap: least distance that is wanted, mm,
-    0 where they may graze: slide on each other.
+    0 where they may graze: slide on each other. drawn: parts whose own drawing shows another section ->
+    the part whose drawing shows the one that is meant, and whether it is the mirror image in Oy.
     """
 
     name: str
@@ -222,6 +223,7 @@ class Apart:
     b: str
     planes: tuple[float, ...] = (0.0,)
     gap: float = 0.0
+    drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
 Contact = Rolling | Pin | Slide | Traced | Apart

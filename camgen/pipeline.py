@@ -42,7 +42,7 @@ def build(
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)
         make(case, only, workers, progress)
-        report, columns = judge(case, [kind for kind in KINDS if kind in only], workers, progress)
+        report, columns = judge(case, [kind for kind in KINDS if kind in only], workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
@@ -65,7 +65,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
         raise FileError(folder / lost, "is listed in manifest.json and not there")
     kinds = [kind for kind in KINDS if any(path.name in listed or path.exists() for path in _files(case, kind))]
     with Workers(jobs) as workers:
-        report = judge(case, kinds, workers, progress)[0]
+        report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in ("dxf", "stl", "3mf") for path in _files(case, kind)} | {"spec.toml"}
     judged |= {name for name in listed if name.endswith(".3mf")}
     changed = [name for name in changed_files(folder) if name not in judged]

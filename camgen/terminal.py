@@ -39,6 +39,8 @@ def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
 # always shown; the others give way, the last first, where the terminal is narrow.
 _ALWAYS = ("finding", "measured", "limit", "")
 _GIVE_WAY = {"unit": None, "where": 12, "margin": None}
+_COLUMNS = ("finding", "measured", "limit", "margin", "unit", "where", "")
+_OPEN = "not judged"
 _WIDE = 52  # characters of "where" at most
 _BETWEEN = 2  # characters between columns
 
@@ -50,29 +52,38 @@ def print_report(report: Report) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    from camgen.findings import left_out
+
     class Terminal(Console):
         def on_broken_pipe(self) -> None:
             raise BrokenPipeError  # `main` knows what to do; rich would end with the code of a finding that fails
 
     rows = [_cells(report, finding, of) for finding, of in _condensed(report.findings)]
+    rows += [dict.fromkeys(_COLUMNS, "") | {"finding": each.code, "where": each.why, "": _OPEN} for each in report.not_judged]
     # A table that goes to a file or a pipe is as wide as it needs to be.
     console = Terminal(highlight=False, width=None if sys.stdout.isatty() else 240)
     widths = _widths(rows, console.width)
     console.width = max(console.width, sum(widths.values()) + _BETWEEN * len(widths))
     table = Table(title=Text(printable(f"{report.name} ({report.mechanism})")), title_justify="left", box=box.SIMPLE_HEAD,
                   pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))  # fmt: skip
-    for column in (name for name in rows[0] if name in widths) if rows else ():
+    for column in (name for name in _COLUMNS if name in widths):
         justify: Any = "right" if column in ("measured", "limit", "margin") else "left"
         table.add_column(column, justify=justify, overflow="ellipsis", no_wrap=True, width=widths[column])
-    styles = {"ok": "green", "FAIL": "bold red"}
+    styles = {"ok": "green", "FAIL": "bold red", _OPEN: "bold red"}
     for row in rows:
         table.add_row(*(Text(text, styles.get(text, "") if not name else "") for name, text in row.items() if name in widths))
     console.print(table)
     failed = [finding for finding in report.findings if not finding.ok]
     for finding in failed:
         console.print(Text(printable(f"{finding.code} ({finding.where}): {finding.message}")), soft_wrap=True)
+    for each in report.not_judged:
+        console.print(Text(printable(f"{each.code} {_OPEN}: {each.why}")), soft_wrap=True)
+    for text in report.warnings:
+        console.print(Text(printable(f"note: {text}")), soft_wrap=True)
     count = len(report.findings)
-    console.print(f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL")
+    verdict = f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL"
+    open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
+    console.print(Text(printable(verdict + open_)), soft_wrap=True)
 
 
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:

@@ -122,7 +122,7 @@ def test_json_is_strict_and_has_the_contract_s_shape(tmp_path: Path) -> None:
         raise AssertionError(f"{word} is no JSON")
 
     data = json.loads(text, parse_constant=refuse)
-    assert list(data)[:7] == ["camgen", "name", "mechanism", "ok", "findings", "numbers", "parts"]
+    assert list(data)[:8] == ["camgen", "name", "mechanism", "ok", "findings", "not_judged", "numbers", "parts"]
     assert data["ok"] is False
     keys = ["code", "ok", "measured", "limit", "unit", "where", "message"]
     assert [list(finding) for finding in data["findings"]] == [keys] * 3

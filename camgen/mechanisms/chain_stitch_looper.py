@@ -216,8 +216,9 @@ class ChainStitchLooper(Mechanism):
         gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
         beside = (t1.imag + t5.imag) / 2
         spreaders = {"P1": "lower-spreader", "P2": "upper-spreader"}
-        pairs = [("N1/P1", "N2/P1", "N2/P2", "N1/P2")]
-        found = [Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap) for name in pairs[0]]
+        drawn = {"lower-spreader": ("needle-section", True), "upper-spreader": ("needle-section", False)}
+        pairs = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
+        found = [Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn) for name in pairs]
         return (*found, Apart("P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap))
 
     # ---- checks and study --------------------------------------------------------------------------------------------
