@@ -75,6 +75,12 @@ class Masses(Record):
             "output": Body("C", "B", self.output_crank_g / 1e3, output, self.output_crank_kg_m2),
         }
 
+    def centres(self, t: TakeUp) -> dict[str, object]:
+        """Both centres of mass, by their keys in a spec."""
+        bodies = self.bodies(t)
+        coupler, output = complex(bodies["coupler"].centre), complex(bodies["output"].centre)
+        return {"masses.coupler_centre": (coupler.real, coupler.imag), "masses.output_crank_centre": output.real}
+
     def balanced(self, t: TakeUp) -> dict[str, Body]:
         """The bodies with counterweights: the coupler's centre at B, then the output crank's, with the coupler's mass, at C."""
         bodies = self.bodies(t)

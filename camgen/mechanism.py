@@ -14,14 +14,17 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
+from typing import Self
 
 import numpy as np
 
 from camgen.findings import Finding
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
-from camgen.spec import Spec
-from camgen.standards import Bought
+from camgen.spec import Spec, validate
+from camgen.standards import DENSITY, Bought
 
 
 @dataclass(frozen=True)
@@ -307,6 +310,18 @@ class Mechanism(Spec, ABC):
     @abstractmethod
     def study(self) -> Study:
         """Named numbers, curves and tables for the report."""
+
+    def found(self) -> Mapping[str, object]:
+        """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
+        return {"material.density": self.material.density or DENSITY[self.material.name]}
+
+    def resolved(self) -> Self:
+        """The same with everything filled in that was found: a spec that makes the same files."""
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        for key, value in self.found().items():
+            *tables, last = key.split(".")
+            reduce(getitem, tables, data)[last] = value
+        return validate(type(self), data)
 
     def assembly(self) -> Assembly | None:
         """The whole machine, swept for interference and laid out for printing; None where only single parts are made."""

@@ -37,7 +37,7 @@ def build(
     Raises SpecError, DesignError or FileError; failed findings do not raise.
     """
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec_path, overrides)
+    mechanism = read_mechanism(spec_path, overrides).resolved()
     with Staged(out / mechanism.name) as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import re
 import struct
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from camgen.jobs import read_mechanism
 from camgen.pipeline import KINDS, build, check
 from camgen.report import Report
 from camgen.terminal import print_report
@@ -152,3 +155,43 @@ def test_key_that_cannot_act_on_a_file_is_told(
     print_report(report)
     assert told in " ".join(report.warnings) and len(report.warnings) == bool(told)
     assert ("note: " in capsys.readouterr().out) is bool(told)
+
+
+# ---- what was found --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name, settings, found",
+    [
+        ("disc-cam", (), {"geometry.base_radius", "material.density"}),
+        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, "
+                      "pivot_distance=70, arm=60}",), {"geometry.base_radius", "material.density"}),
+        ("indexing-cam", ("motor.speed_rpm=45",), {
+            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "material.density"}),
+        ("thread-take-up", (), {
+            "masses.coupler_centre", "masses.output_crank_centre", "material.density"}),
+        ("chain-stitch-looper", (), {"timing.needle_stroke", "material.density"}),
+    ],
+)  # fmt: skip
+def test_resolved_spec_holds_what_was_found_and_builds_the_same_bytes(
+    tmp_path: Path, name: str, settings: tuple[str, ...], found: set[str]
+) -> None:
+    kinds = frozenset({"dxf", "stl", "3mf"} if name == "disc-cam" and not settings else {"dxf"})
+    text = (SPECS / f"{name}.toml").read_text("utf-8")
+    spec = tmp_path / "left-open.toml"
+    open_keys = "base_radius" if name == "disc-cam" else "coupler_centre|output_crank_centre"
+    spec.write_text(re.sub(rf"(?m)^({open_keys}) = .*$", "", text), "utf-8")
+    build(spec, tmp_path, kinds, settings)
+    first = {path.name: path.read_bytes() for path in (tmp_path / name).iterdir()}
+    written = tomllib.loads(first["spec.toml"].decode())
+    given = read_mechanism(spec, settings)
+    assert {key for key, value in given.found().items() if at(written, key) == pytest.approx(value, abs=0)} == found
+    (tmp_path / "again.toml").write_bytes(first["spec.toml"])
+    build(tmp_path / "again.toml", tmp_path / "b", kinds)
+    assert {path.name: path.read_bytes() for path in (tmp_path / "b" / name).iterdir()} == first
+
+
+def at(data: dict[str, Any], key: str) -> Any:
+    for step in key.split("."):
+        data = data[step]
+    return data

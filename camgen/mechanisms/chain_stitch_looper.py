@@ -166,6 +166,10 @@ class ChainStitchLooper(Mechanism):
         """The figures that the parts are made to; DesignError where no such mechanism exists."""
         return self.stitch.design(self.geometry.mode == "published")
 
+    def found(self) -> Mapping[str, object]:
+        """The needles' stroke, and what every mechanism fills in."""
+        return {**super().found(), "timing.needle_stroke": self.design.needle_stroke}
+
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """How far the spreaders have moved, mm, or its derivative to the shaft's angle; (n,)."""
         return self.design.moved(theta, order)

@@ -222,6 +222,10 @@ class DiscCamDrive(Mechanism):
         size = smallest(make, math.radians(self.allowed.pressure_angle_deg), self.allowed.least_radius, low, high)
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
 
+    def found(self) -> Mapping[str, object]:
+        """The base radius, and what every mechanism fills in."""
+        return {**super().found(), "geometry.base_radius": self.base_radius}
+
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
         """The cam; with conjugate closure also the second one."""

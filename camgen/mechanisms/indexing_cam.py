@@ -247,6 +247,21 @@ class IndexingCam(Mechanism):
         ]  # fmt: skip
         return Program(tuple(segments))
 
+    def found(self) -> Mapping[str, object]:
+        """The span of the return and the spring by the law, and what every mechanism fills in."""
+        found = {**super().found(), "geometry.return_deg": self._return_deg}
+        if self.unloader.torque == "law":
+            found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
+        return found
+
+    @property
+    def _balance(self) -> float:
+        return 1.0 if self.unloader.balance is None else self.unloader.balance
+
+    @property
+    def _design_rpm(self) -> float:
+        return abs(self.motor.speed_rpm) if self.unloader.design_rpm is None else self.unloader.design_rpm
+
     @cached_property
     def cams(self) -> Mapping[str, DiscCam]:
         """The cam engine for each cam by its part's name; DesignError where there is no such follower."""
@@ -360,9 +375,9 @@ class IndexingCam(Mechanism):
         if u.torque == "crank":
             assert None not in (u.stiffness_n_mm, u.crank, u.guide, u.stretch, u.lead_deg)
             return CrankSpring(u.stiffness_n_mm, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)  # type: ignore[arg-type]
-        omega = (u.design_rpm or self.motor.speed_rpm) * math.tau / 60
+        omega = self._design_rpm * math.tau / 60
         period = math.radians(self.geometry.rise_deg) / omega
-        return law_torque(self.law, (u.balance or 1.0) * self.load.inertia_kg_m2 * stroke / period**2)
+        return law_torque(self.law, self._balance * self.load.inertia_kg_m2 * stroke / period**2)
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""

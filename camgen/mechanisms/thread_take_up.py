@@ -158,6 +158,10 @@ class ThreadTakeUp(Mechanism):
             refuse_open(found.linkage)
         return found
 
+    def found(self) -> Mapping[str, object]:
+        """Centres of mass, and what every mechanism fills in."""
+        return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {})}
+
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Feed (mm) or its derivative to theta, (n,)."""
         return self.take_up.feed(theta, order)
