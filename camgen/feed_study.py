@@ -226,7 +226,7 @@ def strengths(
     for pin, lever in levers.items():
         force = peaks[f"peak_reaction_{pin}_n"]
         stress = 32 * force * lever / (math.pi * diameter**3)
-        holds = rpm * math.sqrt(bears / stress) if stress else math.inf
+        holds = abs(rpm) * math.sqrt(bears / stress) if stress else math.inf
         remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
         found.append(at_most("PIN_STRESS", stress, bears, "MPa", f"pin {pin.upper()}", remark))
     torque = 1000 * peaks["peak_torque_n_m"]

@@ -37,6 +37,10 @@ if TYPE_CHECKING:
     from camgen.closure import Sections
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
+_CLOCKWISE = (
+    "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
+    "curves over them; speeds and torques are positive counter-clockwise."
+)
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 _HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
 _BESIDE = 4.0  # chord tolerances from the ends of a layer
@@ -108,7 +112,8 @@ def judge(
         [_part_record(case, part, files) for part in case.parts.values()],
         [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
-        [*study.notes, *more.notes], None, budget, (*_SIDE_FILES, *_machine_files(case)),
+        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
+        None, budget, (*_SIDE_FILES, *_machine_files(case)),
         not_judged(asked, files, findings, lacks), unheard(mechanism, files),
     )  # fmt: skip
     return report, columns

@@ -311,6 +311,17 @@ class Mechanism(Spec, ABC):
     def study(self) -> Study:
         """Named numbers, curves and tables for the report."""
 
+    @property
+    def speed(self) -> float:
+        """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""
+        motor = getattr(self, "motor", None)
+        return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
+
+    @property
+    def sense(self) -> int:
+        """Sense in which theta runs: -1 where the input shaft turns clockwise."""
+        return -1 if self.speed < 0 else 1
+
     def found(self) -> Mapping[str, object]:
         """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
         return {"material.density": self.material.density or DENSITY[self.material.name]}

@@ -83,6 +83,8 @@ def _files(case: Case, kind: str) -> list[Path]:
 def animation(mechanism: Mechanism) -> Animation:
     """One turn of the exact mechanism, as the report shows it moving."""
     theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
+    if mechanism.sense < 0:  # as time goes on
+        theta = np.mod(-theta, 2 * math.pi)
     poses = mechanism.poses(theta)
     bodies = []
     for part in mechanism.parts():

@@ -19,7 +19,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import Fault, FileError, SpecError
@@ -29,6 +29,29 @@ Data = dict[str, Any]
 Length = Annotated[float, Field(ge=1e-3, le=1e6)]  # mm; a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6)]  # g
 Clearance = Annotated[float, Field(ge=0, le=10)]
+
+
+def turning(least: float = 0.0) -> AfterValidator:
+    """Check of a speed: not 0, and either way at least so many rpm."""
+
+    def check(value: float) -> float:
+        if not (value and abs(value) >= least):
+            raise ValueError(f"a number other than 0{f', at least {least:g} either way' if least else ''}; below 0: clockwise")
+        return value
+
+    return AfterValidator(check)
+
+
+Rpm = Annotated[
+    float,
+    Field(
+        ge=-1e6,
+        le=1e6,
+        description="rpm, not 0; below 0 the shaft turns clockwise. Angles theta are counter-clockwise either way, so a "
+        "clockwise machine passes them from 360 down to 0. The program of a cam runs in the sense of turning: on a clockwise "
+        "cam it lies the other way round. A linkage keeps its shape and passes its places in the other order.",
+    ),
+]
 
 
 class Record(BaseModel):

@@ -27,7 +27,7 @@ from camgen.outlines import Floats, Points
 from camgen.parts import Part
 from camgen.program import Program
 from camgen.segments import LawChoice, SegmentTable, law_of, program, program_faults
-from camgen.spec import Length, Record, validate
+from camgen.spec import Length, Record, Rpm, turning, validate
 from camgen.stitch import HARMONIC, Condition, Design, Stitch, ratio_conditions, ratio_range, to_and_fro
 from camgen.tolerances import SAME_POINT
 
@@ -75,9 +75,9 @@ class Timing(Record):
 
 
 class Motor(Record):
-    """What drives the machine."""
+    """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
 
-    speed_rpm: Annotated[float, Field(gt=0, le=1e6)] = 3000.0
+    speed_rpm: Annotated[Rpm, turning()] = 3000.0
 
 
 class Limits(Record):
@@ -165,6 +165,11 @@ class ChainStitchLooper(Mechanism):
     def design(self) -> Design:
         """The figures that the parts are made to; DesignError where no such mechanism exists."""
         return self.stitch.design(self.geometry.mode == "published")
+
+    @property
+    def sense(self) -> int:
+        """Always 1: nothing of the shaft is made, and its angle is counted in its sense of turning."""
+        return 1
 
     def found(self) -> Mapping[str, object]:
         """The needles' stroke, and what every mechanism fills in."""
@@ -335,7 +340,7 @@ class ChainStitchLooper(Mechanism):
             "top_outline_area_mm2": self.bodies.top_outline().area,
             "needle_section_area_mm2": self.bodies.section_outline().area,
         }
-        return study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, self.motor.speed_rpm)
+        return study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 
