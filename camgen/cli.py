@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from camgen import __version__
-from camgen.errors import CamgenError, Fault, FileError, SpecError
+from camgen.errors import CamgenError, Fault, FileError, SpecError, printable
 
 if TYPE_CHECKING:
     from camgen.mechanism import Mechanism
@@ -247,7 +247,7 @@ def _known(name: str) -> type[Mechanism]:
 def _hand_over(text: str, file: Path | None) -> None:
     """Print the text, or write it to a new file."""
     if file is None:
-        click.echo(text, nl=False)
+        click.echo(printable(text, keep="\n"), nl=False)
         return
     try:
         with open(file, "x", encoding="utf-8") as stream:
@@ -311,7 +311,8 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
     if as_json:
         import json
 
-        click.echo(json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False))
+        text = json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False)
+        click.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
     raise click.exceptions.Exit(worst)
 
 
@@ -324,7 +325,7 @@ def _explained(error: CamgenError | OSError) -> CamgenError:
 
 def _complain(error: CamgenError) -> None:
     """Print a user's error on stderr."""
-    click.echo(f"error: {error}", err=True)
+    click.echo(printable(f"error: {error}", keep="\n"), err=True)
 
 
 def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
@@ -336,7 +337,8 @@ def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback."""
     for asked in (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])):
-        signal.signal(asked, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
+        if signal.getsignal(asked) is not signal.SIG_IGN:  # such as under nohup
+            signal.signal(asked, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what stdout's encoding does not
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
@@ -368,7 +370,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         click.echo("interrupted; earlier results are as they were", err=True)
         return INTERRUPTED
     except click.ClickException as error:
-        error.show()
+        told = io.StringIO()
+        error.show(told)
+        click.echo(printable(told.getvalue(), keep="\n"), nl=False, err=True)
         return error.exit_code
     except CamgenError as error:
         _complain(error)
@@ -380,6 +384,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         while place is not None and place.tb_next is not None:
             place = place.tb_next
         at = f"{Path(place.tb_frame.f_code.co_filename).name}:{place.tb_lineno}" if place else "?"
-        click.echo(f"internal error: {type(error).__name__}: {error} ({at}); please report it with the spec", err=True)
+        said = f"internal error: {type(error).__name__}: {error} ({at}); please report it with the spec"
+        click.echo(printable(said, keep="\n"), err=True)
         return INTERNAL
     return 0

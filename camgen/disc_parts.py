@@ -52,13 +52,13 @@ class ShaftHole(Record):
         return circle(0j, self.bore / 2), self.bore / 2
 
     def notes(self) -> tuple[str, ...]:
-        """What the drawing says beside the numbers."""
-        drawn, bore = "drawn at cam angle 0, turns counter-clockwise", f"hole A: bore {self.bore:g}"
+        """What the drawing says of the hole beside the numbers."""
+        bore = f"hole A: bore {self.bore:g}"
         if self.shaft == "keyway":
-            return drawn, f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore"
+            return (f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore",)
         if self.shaft == "d-flat":
-            return drawn, f"{bore}, flat on +Y {self.flat_depth:g} below its top"
-        return (drawn,)
+            return (f"{bore}, flat on +Y {self.flat_depth:g} below its top",)
+        return ()
 
 
 class Parts(ShaftHole):
@@ -69,6 +69,11 @@ class Parts(ShaftHole):
     pin_diameter: Length = 3.0
     rim: Length = 8.0
     back: Thickness = 3.0
+
+
+def turning_note(sense: int) -> str:
+    """What the drawing of a cam says of its turning; sense: -1 clockwise."""
+    return f"drawn at cam angle 0, turns {'counter-clockwise' if sense > 0 else 'clockwise'}"
 
 
 def holes_in(

@@ -7,6 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 
+def printable(text: str, keep: str = "") -> str:
+    """The text with what does not print written as an escape, as `repr` does: nothing in it steers a terminal.
+
+    keep: characters that stay, such as the line breaks of a message.
+    """
+    return "".join(c if c.isprintable() or c in keep else c.encode("unicode_escape").decode() for c in text)
+
+
 class CamgenError(Exception):
     """Base of all errors that a user can cause; `exit_code` is what the command line returns."""
 
@@ -35,7 +43,7 @@ class Fault:
     def __str__(self) -> str:
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
         found = f": {self.value} - expected" if self.value else " -"
-        return f"{self.path}{found} {self.expected}{hint}"
+        return printable(f"{self.path}{found} {self.expected}{hint}")
 
 
 class SpecError(CamgenError):

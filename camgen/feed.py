@@ -30,11 +30,13 @@ _PINS = (Pin("O", "crank"), Pin("A", "coupler", "crank"), Pin("B", "output", "co
 class FeedDiagram:
     """Extremes of the feed over a turn: `turns` are all angles where it turns back (rad) and `lengths` there, mm.
 
-    let_down: angle from the greatest feed on to the least, rad; ratio: of that angle to the rest of the turn.
+    let_down: angle from the greatest feed on to the least, rad; ratio: of that angle to the rest of the turn; sense: -1
+    where the crank turns clockwise, so passes the angles backwards.
     """
 
     turns: Floats
     lengths: Floats
+    sense: int = 1
 
     @property
     def longest(self) -> tuple[float, float]:
@@ -56,7 +58,7 @@ class FeedDiagram:
     @property
     def let_down(self) -> float:
         """Angle over which the thread is let down, rad."""
-        return (self.shortest[1] - self.longest[1]) % TURN
+        return self.sense * (self.shortest[1] - self.longest[1]) % TURN
 
     @property
     def ratio(self) -> float:
@@ -82,7 +84,10 @@ class NearStop:
 
 @dataclass(frozen=True)
 class TakeUp:
-    """Lengths mm, angles rad, guides complex mm in the machine's axes; branch +1 has B to the left of the way A to C."""
+    """Lengths mm, angles rad, guides complex mm in the machine's axes; branch +1 has B to the left of the way A to C.
+
+    sense: of the crank's turning, -1 clockwise.
+    """
 
     crank: float
     coupler: float
@@ -93,6 +98,7 @@ class TakeUp:
     branch: int
     guides: tuple[complex, complex]
     tilt: float = 0.0
+    sense: int = 1
 
     def interchanged(self) -> TakeUp:
         """The take-up with coupler and output crank interchanged, the eye's arm kept."""
@@ -139,7 +145,7 @@ class TakeUp:
     @cached_property
     def diagram(self) -> FeedDiagram:
         """Extremes of the feed."""
-        return FeedDiagram(*extremes(self.feed))
+        return FeedDiagram(*extremes(self.feed), self.sense)
 
     def supply(self, theta: Floats) -> Floats:
         """Thread let down since the feed was greatest, (n,) mm."""
@@ -245,7 +251,7 @@ class TakeUp:
         """
         coupler, output = self.rates(theta)
         relative = {"A": 1 - coupler, "B": coupler - output, "C": output}
-        return {name: speed * float(np.nanmean(np.abs(forces.reactions[name]) * np.abs(w))) for name, w in relative.items()}
+        return {name: abs(speed) * float(np.nanmean(np.abs(forces.reactions[name]) * np.abs(w))) for name, w in relative.items()}
 
 
 def _still(place: complex, order: int) -> Jet:

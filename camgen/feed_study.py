@@ -79,6 +79,12 @@ class Masses(Record):
             "output": Body("C", "B", self.output_crank_g / 1e3, output, self.output_crank_kg_m2),
         }
 
+    def centres(self, t: TakeUp) -> dict[str, object]:
+        """Both centres of mass, by their keys in a spec."""
+        bodies = self.bodies(t)
+        coupler, output = complex(bodies["coupler"].centre), complex(bodies["output"].centre)
+        return {"masses.coupler_centre": (coupler.real, coupler.imag), "masses.output_crank_centre": output.real}
+
     def balanced(self, t: TakeUp) -> dict[str, Body]:
         """The bodies with counterweights: the coupler's centre at B, then the output crank's, with the coupler's mass, at C."""
         bodies = self.bodies(t)
@@ -241,7 +247,7 @@ def strengths(
     for pin, lever in levers.items():
         force = peaks[f"peak_reaction_{pin}_n"]
         stress = 32 * force * lever / (math.pi * diameter**3)
-        holds = rpm * math.sqrt(bears / stress) if stress else math.inf
+        holds = abs(rpm) * math.sqrt(bears / stress) if stress else math.inf
         remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
         found.append(at_most("PIN_STRESS", stress, bears, "MPa", f"pin {pin.upper()}", remark))
     torque = 1000 * peaks["peak_torque_n_m"]

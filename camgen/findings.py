@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 
@@ -22,6 +23,26 @@ class Finding:
         return asdict(self)
 
 
+@dataclass(frozen=True)
+class NotJudged:
+    """A code that was left out: why, as a sentence; needs: what would let it be judged, in a few words."""
+
+    code: str
+    why: str
+    needs: str
+
+    def as_dict(self) -> dict[str, object]:
+        """The same as report.json lists it."""
+        return {"code": self.code, "why": self.why}
+
+
+def left_out(not_judged: Sequence[NotJudged]) -> str:
+    """One line: the codes that were not judged, by what they need; empty where all were."""
+    needs = dict.fromkeys(each.needs for each in not_judged)
+    groups = [(", ".join(each.code for each in not_judged if each.needs == need), need) for need in needs]
+    return "; ".join(f"{codes} ({'need' if ',' in codes else 'needs'} {need})" for codes, need in groups)
+
+
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.
 ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "BED_FIT"})
 
@@ -31,6 +52,8 @@ def at_most(code: str, measured: float, limit: float, unit: str, where: str, mes
     return Finding(code, bool(measured <= limit), float(measured), float(limit), unit, where, message)
 
 
-def at_least(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:
-    """A finding that holds when measured >= limit; nan never holds."""
-    return Finding(code, bool(measured >= limit), float(measured), float(limit), unit, where, message)
+def at_least(
+    code: str, measured: float, limit: float, unit: str, where: str, message: str, tolerance: float = 0.0
+) -> Finding:
+    """A finding that holds when measured >= limit - tolerance; nan never holds. The limit is told as it was written."""
+    return Finding(code, bool(measured >= limit - tolerance), float(measured), float(limit), unit, where, message)

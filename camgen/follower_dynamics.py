@@ -101,14 +101,14 @@ def arm_contact(cam: DiscCam, theta: Floats, effort: Floats, friction: float = 0
     return Contact(force, np.where(np.isinf(force), math.inf, torque))
 
 
-def pair_contact(cam: DiscCam, theta: Floats, effort: Floats, friction: float = 0.0) -> Contact:
+def pair_contact(cam: DiscCam, theta: Floats, effort: Floats, friction: float = 0.0, sense: int = 1) -> Contact:
     """Contact of a conjugate pair: the second tip on the turned cam bears what the first cannot; force is 0 or more.
 
     Mirrored in the line of centres, the second pair at theta is the first at pi - theta, turning the other way; the
     program must have s(pi - theta) = -s(theta), as a uniform swing has.
     """
-    first = arm_contact(cam, theta, np.maximum(effort, 0), friction)
-    second = arm_contact(cam, math.pi - theta, np.maximum(-effort, 0), friction, -1)
+    first = arm_contact(cam, theta, np.maximum(effort, 0), friction, sense)
+    second = arm_contact(cam, math.pi - theta, np.maximum(-effort, 0), friction, -sense)
     pushes = effort >= 0
     return Contact(np.where(pushes, first.force, second.force), np.where(pushes, first.torque, -second.torque))
 

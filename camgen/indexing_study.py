@@ -41,8 +41,8 @@ _ERRATA = (
 class IndexingStudy:
     """Numbers, curves and findings of an indexing drive.
 
-    swing: of the follower, rad; omega: cam shaft, rad/s; dwell_torque: of the process on the link in a dwell, N m;
-    closing: torque at the follower that presses it on the one cam, N m, None for a conjugate pair.
+    swing: of the follower, rad; omega: cam shaft, rad/s, below 0 clockwise; dwell_torque: of the process on the link in a
+    dwell, N m; closing: torque at the follower that presses it on the one cam, N m, None for a conjugate pair.
     """
 
     program: Program
@@ -156,9 +156,9 @@ class IndexingStudy:
         _, turning, found = self._fine
         rise, back = self._spans
         stroke, still = self.load.ratio * self.swing, ~turning
-        fastest = stroke / rise * self.omega * self.law.c_v
+        fastest = stroke / rise * abs(self.omega) * self.law.c_v
         numbers = {
-            "turn_period_s": rise / self.omega,
+            "turn_period_s": rise / abs(self.omega),
             "turn_to_dwell_ratio": (rise + back) / (math.tau - rise - back) if still.any() else math.inf,
             "link_peak_speed_deg_s": math.degrees(fastest),
             "link_peak_acceleration_deg_s2": math.degrees(stroke * self.law.c_a * (self.omega / rise) ** 2),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import repeat
 from pathlib import Path
@@ -26,11 +26,11 @@ from camgen.mechanism import Apart, Contact, Mechanism, Plot, Rolling, Study, Ta
 from camgen.outlines import Floats, Region
 from camgen.parts import Part
 from camgen.readback import Mesh, read_3mf, slice_mesh
-from camgen.report import Report
+from camgen.report import Report, motion_plots
 from camgen.rings import Ring, Shape
 from camgen.rolling import judge_motion, judge_pair, judge_tip, judged_angles, mounted
 from camgen.sampling import facet_contour
-from camgen.tolerances import SPEED_WINDOW_DEG
+from camgen.scope import ANY, SOLID, Stage, not_judged, passing_by, reading, unheard
 from camgen.undoing import printed
 from camgen.verify import Expected, Section, Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
 
@@ -38,6 +38,10 @@ if TYPE_CHECKING:
     from camgen.closure import Sections
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
+_CLOCKWISE = (
+    "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
+    "curves over them; speeds and torques are positive counter-clockwise."
+)
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 _HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
 _BESIDE = 4.0  # chord tolerances from the ends of a layer
@@ -66,14 +70,18 @@ class Read:
     moves: dict[str, bool]
 
 
-def judge(case: Case, kinds: Sequence[str], workers: Workers, progress: Progress) -> tuple[Report, dict[str, Floats]]:
+def judge(
+    case: Case, kinds: Sequence[str], workers: Workers, progress: Progress, lacks: str
+) -> tuple[Report, dict[str, Floats]]:
     """Judge the files of a case: the report, and the columns of motion.csv.
 
     kinds: of files that are there, of "dxf", "stl", "3mf" and "report"; the last asks for what only a reader wants.
+    lacks: why others are not there: "no STL ..." goes on with it.
     """
     mechanism, names = case.mechanism, list(case.parts)
     files = [kind for kind in kinds if kind != "report"]
-    waiting = [workers.start(stage, case, files) for stage in _stages(mechanism, files)]  # the longest first
+    asked = _stages(mechanism, files)
+    waiting = [workers.start(stage.work, case, files) for stage in asked if stage.work is not None and stage.runs(files)]
     reading = workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
     limits, study = mechanism.limits(), mechanism.study()
     parts: list[Outcome] = []
@@ -99,14 +107,15 @@ def judge(case: Case, kinds: Sequence[str], workers: Workers, progress: Progress
     numbers: dict[str, float] = {}
     for each in found:  # of two parts with a figure of one name the first one drives
         numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
+    findings = (*limits, *(finding for outcome in outcomes for finding in outcome.findings))
     report = Report(
-        mechanism.name, mechanism.mechanism,
-        (*limits, *(finding for outcome in outcomes for finding in outcome.findings)),
-        numbers,
+        mechanism.name, mechanism.mechanism, findings, numbers,
         [_part_record(case, part, files) for part in case.parts.values()],
         [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
-        [*study.notes, *more.notes], None, budget, (*_SIDE_FILES, *_machine_files(case)),
+        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
+        None, budget, (*_SIDE_FILES, *_machine_files(case)),
+        not_judged(asked, files, findings, lacks), unheard(mechanism, files),
     )  # fmt: skip
     return report, columns
 
@@ -258,41 +267,13 @@ def _moved(
         except ValueError:  # told by MOTION_ERROR
             recovered[kind] = np.full(theta.shape, np.nan)
         columns[f"recovered_{kind}_{unit}"] = scale * recovered[kind]
-    return Outcome(plots=_motion_plots(columns, unit)), columns, mechanism.recovered(theta, recovered)
+    return Outcome(plots=motion_plots(columns, unit)), columns, mechanism.recovered(theta, recovered)
 
 
 def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
     """The contact that drives, where its part was read from any file."""
     rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling) and not contact.inside]
     return next((contact for contact in rollings if read[contact.part].shapes), None)
-
-
-def _motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
-    """Motion, speed and error over the cam angle, wanted and recovered."""
-    theta, label = columns["theta_deg"], "cam angle, deg"
-    kinds = [name.split("_")[1] for name in columns if name.startswith("recovered_")]
-    recovered = {kind: columns[f"recovered_{kind}_{unit}"] for kind in kinds}
-    step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(theta) - 1) / 360))
-
-    def speed(s: Floats) -> Floats:
-        turn = s[:-1]  # one period, averaged over the window as SPEED_RIPPLE does
-        mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * 360 / len(turn))
-        return np.append(mean, mean[0])
-
-    def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
-        return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
-
-    wanted, reachable = columns[f"wanted_{unit}"], columns[f"reachable_{unit}"]
-    return [
-        Plot("Swing" if unit == "deg" else "Stroke", label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
-        Plot(
-            "Speed",
-            label,
-            f"{unit} per deg of cam angle, mean of {SPEED_WINDOW_DEG:g} deg",
-            [("wanted", theta, speed(wanted)), *from_files(speed)],
-        ),
-        Plot("Motion error", label, unit, from_files(lambda s: s - reachable)),
-    ]
 
 
 def _linkage(
@@ -389,21 +370,20 @@ def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
 
 # ---- the whole, from its files alone ---------------------------------------------------------------------------------
 
-Stage = Callable[[Case, Sequence[str]], Outcome]
-
 
 def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
-    """The stages that this mechanism needs for files of these kinds."""
-    stages: list[Stage] = []
-    if "stl" in kinds or "3mf" in kinds:
-        if any(isinstance(contact, Apart) for contact in mechanism.contacts()):
-            stages.append(pass_by)
-        whole = mechanism.assembly() is not None and "3mf" in kinds
-        stages += [judge_assembly] if "3mf" in kinds else []
-        stages += [sweep_assembly, judge_plates] if whole else [fit_bed]
-    if mechanism.assembly() is not None or mechanism.bought():
-        stages.append(list_parts)
-    return stages
+    """The stages that this mechanism asks for, in the order of the report, then those that are done as parts are read."""
+    stages, whole = [], mechanism.assembly() is not None
+    if passing_by(mechanism):
+        stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
+    stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
+    if whole:
+        stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
+    laid_out = whole and "3mf" in kinds
+    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))
+    if whole or mechanism.bought():
+        stages.append(Stage((), work=list_parts))
+    return [*stages, *reading(mechanism)]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -416,7 +396,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     numbers: dict[str, float] = {}
     columns: dict[str, Floats] = {}
     plots = []
-    for kind in (kind for kind in kinds if kind != "dxf"):
+    for kind in kinds:
         cleared = judge_clearance(kind, case.folder, mechanism.name, pairs, mechanism.poses, mechanism.accuracy.chord_tolerance)
         findings += cleared.findings
         numbers |= cleared.numbers

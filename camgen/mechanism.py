@@ -14,14 +14,17 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
+from typing import Self
 
 import numpy as np
 
 from camgen.findings import Finding
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
-from camgen.spec import Spec
-from camgen.standards import Bought
+from camgen.spec import Spec, validate
+from camgen.standards import DENSITY, Bought
 
 
 @dataclass(frozen=True)
@@ -214,7 +217,8 @@ class Apart:
     """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns.
 
     planes: heights z of the ground at which their sections are compared, mm; gap: least distance that is wanted, mm,
-    0 where they may graze: slide on each other.
+    0 where they may graze: slide on each other. drawn: parts whose own drawing shows another section ->
+    the part whose drawing shows the one that is meant, and whether it is the mirror image in Oy.
     """
 
     name: str
@@ -222,6 +226,7 @@ class Apart:
     b: str
     planes: tuple[float, ...] = (0.0,)
     gap: float = 0.0
+    drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
 Contact = Rolling | Pin | Slide | Traced | Apart
@@ -305,6 +310,29 @@ class Mechanism(Spec, ABC):
     @abstractmethod
     def study(self) -> Study:
         """Named numbers, curves and tables for the report."""
+
+    @property
+    def speed(self) -> float:
+        """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""
+        motor = getattr(self, "motor", None)
+        return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
+
+    @property
+    def sense(self) -> int:
+        """Sense in which theta runs: -1 where the input shaft turns clockwise."""
+        return -1 if self.speed < 0 else 1
+
+    def found(self) -> Mapping[str, object]:
+        """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
+        return {"material.density": self.material.density or DENSITY[self.material.name]}
+
+    def resolved(self) -> Self:
+        """The same with everything filled in that was found: a spec that makes the same files."""
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        for key, value in self.found().items():
+            *tables, last = key.split(".")
+            reduce(getitem, tables, data)[last] = value
+        return validate(type(self), data)
 
     def assembly(self) -> Assembly | None:
         """The whole machine, swept for interference and laid out for printing; None where only single parts are made."""

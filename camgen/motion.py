@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from typing import Any, Protocol
@@ -66,6 +66,20 @@ class Law:
     def __call__(self, u: Any, order: int = 0) -> Floats:
         """Displacement (order 0) or its derivative to u, (n,)."""
         return self.formula(np.asarray(u, float), order)
+
+
+def reversed_law(law: Law) -> Law:
+    """The law passed backwards: law(1) - law(1 - u), again from 0."""
+    top, breaks = float(law(1.0)), tuple(1 - b for b in reversed(law.breaks))
+
+    def formula(u: Floats, order: int) -> Floats:
+        back = 1 - u
+        back = np.where(np.isin(u, breaks), np.nextafter(back, 0.0), back)  # the later side is the earlier one there
+        value = law.formula(back, order)
+        return np.asarray(top - value if order == 0 else -((-1) ** order) * value)
+
+    before, after = ([top - end[0], *(-((-1) ** k) * v for k, v in enumerate(end[1:], 1))] for end in reversed(law.ends))
+    return replace(law, formula=formula, breaks=breaks, ends=(tuple(before), tuple(after)))
 
 
 def smoothness(formula: Formula, ends: Ends, peaks: Sequence[float]) -> int:

@@ -232,8 +232,8 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     others = ", ".join(f"{count} {kind}" for kind, count in sorted(passed.items()))
     if not chains:
         raise FileError(path, f"holds no outline: {others or 'it is empty'}")
-    units = Finding(
-        "DXF_UNITS", code in (_MILLIMETRES, _UNITLESS), code, _MILLIMETRES, "$INSUNITS", path.name,
+    units = at_most(
+        "DXF_UNITS", code not in (_MILLIMETRES, _UNITLESS), 0, "faults", path.name,
         "drawn in millimetres" if code == _MILLIMETRES else
         "the drawing names no unit: taken as millimetres" if code == _UNITLESS else
         f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",

@@ -37,13 +37,13 @@ def build(
     Raises SpecError, DesignError or FileError; failed findings do not raise.
     """
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec_path, overrides)
+    mechanism = read_mechanism(spec_path, overrides).resolved()
     staged = Staged(out / mechanism.name)
     with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)
         make(case, only, workers, progress)
-        report, columns = judge(case, [kind for kind in KINDS if kind in only], workers, progress)
+        report, columns = judge(case, [kind for kind in KINDS if kind in only], workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
@@ -67,7 +67,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
         raise FileError(folder / lost, "is listed in manifest.json and not there")
     kinds = [kind for kind in KINDS if any(path.name in listed or path.exists() for path in _files(case, kind))]
     with Workers(jobs) as workers:
-        report = judge(case, kinds, workers, progress)[0]
+        report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in ("dxf", "stl", "3mf") for path in _files(case, kind)} | {"spec.toml"}
     judged |= {name for name in listed if name.endswith(".3mf")}
     changed = [name for name in changed_files(folder) if name not in judged]
@@ -85,6 +85,8 @@ def _files(case: Case, kind: str) -> list[Path]:
 def animation(mechanism: Mechanism) -> Animation:
     """One turn of the exact mechanism, as the report shows it moving."""
     theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
+    if mechanism.sense < 0:  # as time goes on
+        theta = np.mod(-theta, 2 * math.pi)
     poses = mechanism.poses(theta)
     bodies = []
     for part in mechanism.parts():

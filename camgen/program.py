@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.motion import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial
+from camgen.motion import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial, reversed_law
 from camgen.tolerances import LAW_CLOSES
 
 _BESIDE = 1e-12  # of a segment, from a break to the law on either side of it
@@ -73,6 +73,11 @@ class Program:
             mine = which == k
             result[mine] = segment.at(angle[mine] - starts[k], order)
         return result
+
+    def backwards(self) -> Program:
+        """The same passed from its end to its beginning: s(-theta); segments keep the kind that they have by themselves."""
+        back = [Segment(s.kind, s.span, s.end, -s.scale, reversed_law(s.law)) for s in reversed(self.segments)]
+        return Program(tuple(back), -self.begin)
 
     def jumps(self, order: int) -> Floats:
         """Step of the derivative of this order at each joint, the first joint first, (n,)."""

@@ -10,7 +10,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
@@ -24,9 +24,11 @@ from numpy.typing import ArrayLike
 
 from camgen import __version__
 from camgen.errors import FileError
-from camgen.findings import ROUTINE, Finding
+from camgen.findings import ROUTINE, Finding, NotJudged, left_out
 from camgen.mechanism import Plot, Table
 from camgen.moving import Animation, frames, player
+from camgen.outlines import Floats
+from camgen.tolerances import SPEED_WINDOW_DEG
 
 Path = str | PathLike[str]
 
@@ -46,8 +48,9 @@ class Report:
     """All that a build found out.
 
     parts: one mapping each with `name`, `count`, `material_mm3` and more; `files` in it lists the part's file names.
-    budget: the error budget by stage; files: further files of the folder to which the page links. remarks: what this run
-    did beside the result, told but not written: the same spec gives the same files.
+    budget: the error budget by stage; files: further files of the folder to which the page links; not_judged: codes that
+    were left out; warnings: sentences that a person should read before the parts are made; remarks: what this run did
+    beside the result, told but not written: the same spec gives the same files.
     """
 
     name: str
@@ -61,6 +64,8 @@ class Report:
     animation: Animation | None = None
     budget: Table | None = None
     files: Sequence[str] = ()
+    not_judged: Sequence[NotJudged] = ()
+    warnings: Sequence[str] = ()
     remarks: Sequence[str] = ()
 
     @property
@@ -83,14 +88,44 @@ class Report:
                 "mechanism": self.mechanism,
                 "ok": self.ok,
                 "findings": [finding.as_dict() for finding in self.findings],
+                "not_judged": [each.as_dict() for each in self.not_judged],
                 "numbers": self.numbers,
                 "parts": self.parts,
                 "tables": tables,
                 "notes": self.notes,
+                "warnings": self.warnings,
                 **({"remarks": self.remarks} if self.remarks else {}),
             }
         )
         return plain
+
+
+def motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
+    """Motion, speed and error over the cam angle, wanted and recovered."""
+    theta, label = columns["theta_deg"], "cam angle, deg"
+    kinds = [name.split("_")[1] for name in columns if name.startswith("recovered_")]
+    recovered = {kind: columns[f"recovered_{kind}_{unit}"] for kind in kinds}
+    step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(theta) - 1) / 360))
+
+    def speed(s: Floats) -> Floats:
+        turn = s[:-1]  # one period, averaged over the window as SPEED_RIPPLE does
+        mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * 360 / len(turn))
+        return np.append(mean, mean[0])
+
+    def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
+        return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
+
+    wanted, reachable = columns[f"wanted_{unit}"], columns[f"reachable_{unit}"]
+    return [
+        Plot("Swing" if unit == "deg" else "Stroke", label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
+        Plot(
+            "Speed",
+            label,
+            f"{unit} per deg of cam angle, mean of {SPEED_WINDOW_DEG:g} deg",
+            [("wanted", theta, speed(wanted)), *from_files(speed)],
+        ),
+        Plot("Motion error", label, unit, from_files(lambda s: s - reachable)),
+    ]
 
 
 def to_json(report: Report) -> str:
@@ -103,14 +138,17 @@ def to_html(report: Report, figures: Sequence[str] = ()) -> str:
     turn = frames(report.animation) if report.animation else {}
     failed = sum(not finding.ok for finding in report.findings)
     verdict = f"{failed} of {len(report.findings)} checks fail" if failed else f"All {len(report.findings)} checks hold"
+    if report.not_judged:
+        verdict += f"; NOT JUDGED: {escape(left_out(report.not_judged))}"
     page = Template(files("camgen").joinpath("page.html").read_text(encoding="utf-8"))
     return page.substitute(
         name=escape(report.name),
         mechanism=escape(report.mechanism),
         version=escape(__version__),
         verdict=verdict,
-        state="ok" if report.ok else "bad",
-        findings=_findings(report.findings),
+        state="ok" if report.ok and not report.not_judged else "bad",
+        findings="".join(f"<p><b>{escape(text)}</b></p>" for text in report.warnings)
+        + _findings(report.findings, report.not_judged),
         animation=player(report.animation) if report.animation else "",
         numbers=_section("Numbers", _numbers(report.numbers)),
         plots=_section("Curves", _plots(report.plots, figures)),
@@ -200,19 +238,26 @@ def _used(finding: Finding) -> float | None:
     return part / whole if part >= 0 and whole > 0 else None
 
 
-def _findings(findings: Sequence[Finding]) -> str:
-    """The failing ones first; of many parts the routine checks that hold are folded away."""
+def _findings(findings: Sequence[Finding], not_judged: Sequence[NotJudged]) -> str:
+    """What fails first, then what was not judged; of many parts the routine checks that hold are folded away."""
     routine = [finding for finding in findings if finding.ok and finding.code in ROUTINE]
     if len(findings) <= _FOLDED_FROM:
-        return _findings_table(findings)
-    shown = _findings_table([finding for finding in findings if finding not in routine])
+        return _findings_table(findings, not_judged)
+    shown = _findings_table([finding for finding in findings if finding not in routine], not_judged)
     summary = f"<summary>{len(routine)} routine checks of files and solids hold</summary>"
     return f"{shown}<details>{summary}{_findings_table(routine)}</details>"
 
 
-def _findings_table(findings: Sequence[Finding]) -> str:
-    rows = []
+def _findings_table(findings: Sequence[Finding], not_judged: Sequence[NotJudged] = ()) -> str:
+    open_rows = [
+        f'<tr class="bad"><td class="mark"><b>NOT JUDGED</b></td><th scope="row"><code>{escape(each.code)}</code>'
+        f"<p>{escape(each.why)}</p></th><td></td><td></td><td></td></tr>"
+        for each in not_judged
+    ]
+    rows: list[str] = []
     for finding in sorted(findings, key=lambda finding: finding.ok):
+        if finding.ok:
+            rows, open_rows = [*rows, *open_rows], []
         used, state = _used(finding), "ok" if finding.ok else "bad"
         bar = "<td></td>"
         if used is not None:
@@ -229,7 +274,7 @@ def _findings_table(findings: Sequence[Finding]) -> str:
             f'<td class="n">{_text(finding.limit)}{unit}</td>{bar}</tr>'
         )
     head = "".join(f'<th scope="col">{name}</th>' for name in ("Verdict", "Check", "Measured", "Limit", "Of the limit"))
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join([*rows, *open_rows])}</tbody></table>"
 
 
 def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], ready: bool = False) -> str:

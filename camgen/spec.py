@@ -21,7 +21,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import Fault, FileError, SpecError
@@ -35,6 +35,29 @@ _SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
 Length = Annotated[float, Field(ge=1e-3, le=1e6)]  # mm; a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6)]  # g
 Clearance = Annotated[float, Field(ge=0, le=10)]
+
+
+def turning(least: float = 0.0) -> AfterValidator:
+    """Check of a speed: not 0, and either way at least so many rpm."""
+
+    def check(value: float) -> float:
+        if not (value and abs(value) >= least):
+            raise ValueError(f"a number other than 0{f', at least {least:g} either way' if least else ''}; below 0: clockwise")
+        return value
+
+    return AfterValidator(check)
+
+
+Rpm = Annotated[
+    float,
+    Field(
+        ge=-1e6,
+        le=1e6,
+        description="rpm, not 0; below 0 the shaft turns clockwise. Angles theta are counter-clockwise either way, so a "
+        "clockwise machine passes them from 360 down to 0. The program of a cam runs in the sense of turning: on a clockwise "
+        "cam it lies the other way round. A linkage keeps its shape and passes its places in the other order.",
+    ),
+]
 
 
 class Record(BaseModel):
@@ -276,7 +299,10 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
             expected = item["msg"]
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
-        shown = "" if item["type"] == "missing" else _shown(_at(data, path))
+        value = _at(data, path)
+        shown = "" if item["type"] == "missing" else _shown(value)
+        if item["type"] in ("too_long", "too_short") and isinstance(value, list):
+            shown = f"a list of {len(value)}"
         found.setdefault(dotted, Fault(dotted, shown, expected, nearest))
     return list(found.values())
 
@@ -347,6 +373,9 @@ def _words(node: Data | None, root: Data) -> str:
     return " or ".join(dict.fromkeys(_simple_words(member, root) for member in _members(node or {}, root))) or "a value"
 
 
+_COUNTS = {"minItems": "at least", "maxItems": "at most"}
+
+
 def _simple_words(node: Data, root: Data) -> str:
     if "const" in node or "enum" in node:
         return _one_of(node.get("enum") or [node["const"]])
@@ -356,7 +385,8 @@ def _simple_words(node: Data, root: Data) -> str:
     if kind == "array":
         if "prefixItems" in node:
             return "a list of " + ", ".join(_words(item, root) for item in node["prefixItems"])
-        return f"a list, each item {_words(node.get('items'), root)}"
+        bounds = " and ".join(f"{word} {node[key]}" for key, word in _COUNTS.items() if key in node)
+        return f"a list{f' of {bounds}' if bounds else ''}, each item {_words(node.get('items'), root)}"
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
     bounds = " and ".join(f"{sign} {node[key]:.12g}" for key, sign in signs.items() if key in node)
     name = {"number": "a number", "integer": "a whole number", "boolean": "true or false", "string": "text"}.get(

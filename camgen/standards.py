@@ -74,6 +74,11 @@ class MotorFace:
         return self.screw.through(grip + self.depth) if self.plain else self.screw.length(grip, self.depth)
 
 
+def turning_text(rpm: float) -> str:
+    """A speed for the list of parts; one below 0 is clockwise."""
+    return f"{abs(rpm):g} rpm{' clockwise' if rpm < 0 else ''}"
+
+
 @dataclass(frozen=True)
 class Bought:
     """A line of the parts list that is bought: what, by which standard, which size, how many."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from threading import Lock, Timer
 from typing import TYPE_CHECKING, Any
+
+from camgen.errors import printable
 
 if TYPE_CHECKING:
     from camgen.findings import Finding
@@ -33,6 +35,16 @@ def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     return rows
 
 
+# Columns of the table and how many characters each needs at least, None: all. Those that stand ahead of the others are
+# always shown; the others give way, the last first, where the terminal is narrow.
+_ALWAYS = ("finding", "measured", "limit", "")
+_GIVE_WAY = {"unit": None, "where": 12, "margin": None}
+_COLUMNS = ("finding", "measured", "limit", "margin", "unit", "where", "")
+_OPEN = "not judged"
+_WIDE = 52  # characters of "where" at most
+_BETWEEN = 2  # characters between columns
+
+
 def print_report(report: Report) -> None:
     """The findings as a table on stdout, then the verdict."""
     from rich import box
@@ -40,34 +52,61 @@ def print_report(report: Report) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    from camgen.findings import left_out
+
     class Terminal(Console):
         def on_broken_pipe(self) -> None:
             raise BrokenPipeError  # `main` knows what to do; rich would end with the code of a finding that fails
 
+    rows = [_cells(report, finding, of) for finding, of in _condensed(report.findings)]
+    rows += [dict.fromkeys(_COLUMNS, "") | {"finding": each.code, "where": each.why, "": _OPEN} for each in report.not_judged]
     # A table that goes to a file or a pipe is as wide as it needs to be.
     console = Terminal(highlight=False, width=None if sys.stdout.isatty() else 240)
-    title = f"{report.name} ({report.mechanism})"
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in ("finding", "measured", "limit", "margin"):
-        table.add_column(column, justify="left" if column == "finding" else "right", no_wrap=True)
-    table.add_column("unit", no_wrap=True)
-    table.add_column("where", overflow="ellipsis", no_wrap=True, max_width=52)
-    table.add_column("", no_wrap=True)
-    for finding, of in _condensed(report.findings):
-        margin = abs(finding.limit - finding.measured)
-        numbers = (finding.measured, finding.limit, margin if finding.ok else -margin)
-        verdict = Text("ok", "green") if finding.ok else Text("FAIL", "bold red")
-        short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ")
-        where = short if of == 1 else f"tightest of {of}: {short}"
-        table.add_row(finding.code, *(f"{n:.4g}" for n in numbers), finding.unit, Text(where), verdict)
+    widths = _widths(rows, console.width)
+    console.width = max(console.width, sum(widths.values()) + _BETWEEN * len(widths))
+    table = Table(title=Text(printable(f"{report.name} ({report.mechanism})")), title_justify="left", box=box.SIMPLE_HEAD,
+                  pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))  # fmt: skip
+    for column in (name for name in _COLUMNS if name in widths):
+        justify: Any = "right" if column in ("measured", "limit", "margin") else "left"
+        table.add_column(column, justify=justify, overflow="ellipsis", no_wrap=True, width=widths[column])
+    styles = {"ok": "green", "FAIL": "bold red", _OPEN: "bold red"}
+    for row in rows:
+        table.add_row(*(Text(text, styles.get(text, "") if not name else "") for name, text in row.items() if name in widths))
     console.print(table)
     failed = [finding for finding in report.findings if not finding.ok]
     for finding in failed:
-        console.print(Text(f"{finding.code} ({finding.where}): {finding.message}"), soft_wrap=True)
-    for remark in report.remarks:
-        console.print(Text(remark), soft_wrap=True)
+        console.print(Text(printable(f"{finding.code} ({finding.where}): {finding.message}")), soft_wrap=True)
+    for each in report.not_judged:
+        console.print(Text(printable(f"{each.code} {_OPEN}: {each.why}")), soft_wrap=True)
+    for text in (*report.warnings, *report.remarks):
+        console.print(Text(printable(f"note: {text}")), soft_wrap=True)
     count = len(report.findings)
-    console.print(f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL")
+    verdict = f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL"
+    open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
+    console.print(Text(printable(verdict + open_)), soft_wrap=True)
+
+
+def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
+    """A row of the table by its columns; of: how many findings it stands for."""
+    margin = abs(finding.limit - finding.measured)
+    short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ")
+    cells = {
+        "finding": finding.code, "measured": f"{finding.measured:.4g}", "limit": f"{finding.limit:.4g}",
+        "margin": f"{margin if finding.ok else -margin:.4g}", "unit": finding.unit,
+        "where": short if of == 1 else f"tightest of {of}: {short}", "": "ok" if finding.ok else "FAIL",
+    }  # fmt: skip
+    return {name: printable(text) for name, text in cells.items()}
+
+
+def _widths(rows: Sequence[Mapping[str, str]], room: int) -> dict[str, int]:
+    """Width of each column that is shown where there are so many characters in a line."""
+    full = {name: max(len(name), *(len(row[name]) for row in rows)) for name in (*_ALWAYS, *_GIVE_WAY)} if rows else {}
+    found = {name: full[name] for name in _ALWAYS if name in full}
+    for name, least in _GIVE_WAY.items() if rows else ():
+        left = room - sum(found.values()) - _BETWEEN * len(found) - 1
+        if left >= min(full[name], least or full[name]):
+            found[name] = min(full[name], left, _WIDE)
+    return found
 
 
 class Bar:
@@ -85,7 +124,7 @@ class Bar:
 
     def _step(self, text: str, done: float | None = None) -> None:
         with self._lock:
-            self._state = text, done
+            self._state = printable(text), done
             self._draw()
 
     def _show(self) -> None:

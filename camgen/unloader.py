@@ -101,7 +101,7 @@ def torques(s: Sequence[Floats], swing: float, omega: float, load: Load, spring:
     """Torques for the follower's angle and its derivatives to theta of order 0, 1, 2, each (n,); omega: cam shaft, rad/s."""
     angle, slope, bend = s
     inertia = load.inertia * load.ratio * bend * omega**2
-    resisting = load.friction * np.sign(np.where(np.abs(slope) > 1e-12 * swing, slope, 0.0))
+    resisting = load.friction * np.sign(omega * np.where(np.abs(slope) > 1e-12 * swing, slope, 0.0))
     pull = np.zeros(len(angle)) if spring is None else spring(angle / swing)
     own = load.follower_inertia * bend * omega**2
     bare = load.ratio * (inertia + resisting) + own

@@ -102,8 +102,9 @@ def judge_dxf(path: Path, expected: Expected) -> Judged:
         "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
     )  # fmt: skip
     findings = [
-        Finding("DXF_UNITS", units == MILLIMETRES, units, MILLIMETRES, "$INSUNITS", where,
-                "drawn in millimetres" if units == MILLIMETRES else "the header does not say millimetres (4)"),
+        at_most("DXF_UNITS", units != MILLIMETRES, 0, "faults", where,
+                "drawn in millimetres" if units == MILLIMETRES else
+                f"$INSUNITS of the header is {units}, millimetres are {MILLIMETRES}"),
         closed,
     ]  # fmt: skip
     if not closed.ok:
@@ -254,7 +255,8 @@ def _judge_sections(
     wall = min(_wall(shape) for shapes in _distinct(sections) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
         facets = 2 * max(_WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
-        findings.append(at_least("MIN_WALL", wall, expected.min_wall - facets, "mm", where, "smallest wall between contours"))
+        remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
+        findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
     shape = sections[0][1][0]
     bore = _bore(shape, expected.bore)
     if bore is not None:

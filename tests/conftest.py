@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# On a build server the same examples each time, however long they take, so that a red run can be run again; elsewhere new ones.
-settings.register_profile("server", derandomize=True, deadline=None)
-if os.environ.get("CI"):
-    settings.load_profile("server")
+# However long examples take, for a machine may be busy; on a build server the same ones each time, so that a red run can be
+# run again, elsewhere new ones.
+settings.register_profile("camgen", derandomize=bool(os.environ.get("CI")), deadline=None)
+settings.load_profile("camgen")
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -87,7 +87,7 @@ def test_cam_within_tolerance_both_ways(tolerance: float) -> None:
     assert np.sum(turns > 1e-9) == 1  # the sharp reversal; the corner's arc runs on smoothly
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     piece=st.one_of(
         st.builds(ellipse, st.floats(1, 100), st.floats(1, 100), st.just(0.0), st.floats(0.5, 6)),

@@ -91,7 +91,7 @@ def hull(points: list[complex]) -> np.ndarray | None:
     return np.asarray(x + 1j * y)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(CORNERS, CORNERS, st.floats(0.5, 8), st.floats(0, 8), st.floats(0, 6.2))
 def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase):  # type: ignore[no-untyped-def]
     first, second = hull(a), hull(b)

@@ -330,8 +330,9 @@ main(["build", "a.toml", "-o", sys.argv[1]])
 def test_interrupted_build_leaves_the_earlier_result(tmp_path: Path, sent: signal.Signals, code: int) -> None:
     (tmp_path / "cam").mkdir()
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, str(tmp_path), "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+        [sys.executable, "-c", SLOW, str(tmp_path), "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(sent, signal.SIG_DFL),  # the shell of this run may ignore it
+    )  # fmt: skip
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     assert len(list(tmp_path.iterdir())) == 2
@@ -340,6 +341,16 @@ def test_interrupted_build_leaves_the_earlier_result(tmp_path: Path, sent: signa
     assert process.returncode == code
     assert "Traceback" not in err
     assert [path.name for path in tmp_path.iterdir()] == ["cam"] and not list((tmp_path / "cam").iterdir())
+
+
+def test_a_signal_that_the_shell_ignores_ends_nothing(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, str(tmp_path), "0.5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),  # as nohup does
+    )  # fmt: skip
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGHUP)
+    assert "that was all" in process.communicate()[1] and process.returncode == FileError.exit_code
 
 
 @pytest.mark.parametrize("seconds, shown", [("1.6", True), ("0.2", False)])

@@ -60,7 +60,7 @@ def place(theta: np.ndarray, e: float, rod: float, offset: float = 0.0) -> np.nd
     return e * np.cos(theta) + np.sqrt(rod**2 - (e * np.sin(theta) - offset) ** 2)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(0.1, 5), st.floats(12, 100), st.floats(-4, 4))
 def test_a_slider_crank_closes_from_rough_poses(e: float, rod: float, offset: float) -> None:
     joints, traced, eyes, guides = slider_crank(e, rod, offset)
@@ -128,7 +128,7 @@ def test_a_link_that_is_turned_over_has_its_holes_mirrored() -> None:
     np.testing.assert_allclose(closed.output, place(THETA, 4, 20), atol=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(1, 8), st.floats(25, 40), st.floats(20, 30), st.floats(15, 22))
 def test_a_four_bar_against_circles_that_meet(crank: float, coupler: float, output: float, frame: float) -> None:
     longest = max(frame, coupler, output)

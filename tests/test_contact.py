@@ -159,7 +159,7 @@ def star(seed: int, count: int, noise: float) -> np.ndarray:
     return radius * np.exp(1j * phi)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     seed=st.integers(0, 10**6),
     count=st.integers(12, 90),
@@ -207,7 +207,7 @@ def test_mirrored_setup_gives_the_mirrored_answer() -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_turning_part_and_ground_together(seed: int) -> None:
     """Part turned by t, ground turned by g: the angle asked at theta is that of theta - t + g, over many turns."""
     rng = np.random.default_rng(seed)
@@ -315,7 +315,7 @@ def marched(z: np.ndarray, start: complex, ahead: complex, rho: float, theta: np
     return x
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 10**6),
     noise=st.sampled_from([0.0, 0.1, 1.0, 4.0]),
@@ -343,7 +343,7 @@ def test_slides_on_noisy_polygons(seed: int, noise: float, rho: float, aside: fl
     assert np.max(np.abs(np.imag((ground[np.arange(40), k] - start) * np.conj(ahead)) - face.place)) < 1e-9
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 10**6),
     noise=st.sampled_from([0.0, 0.1, 1.0]),

@@ -90,7 +90,7 @@ def test_crossed_that_misses_is_refused() -> None:
         solid(part, 1e-3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.floats(0.3, 1.0), min_size=3, max_size=7), st.floats(0.001, 0.08) | st.just(0.0), st.floats(0, 6))
 def test_rounded_corners_are_tangent_to_their_edges(radii, radius, turn):  # type: ignore[no-untyped-def]
     n = len(radii)

@@ -71,7 +71,7 @@ def test_scale_and_sheet(tmp_path, radius, scale, sheet):
     assert f"%%c{number(2 * radius)}" in texts
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(radius=st.floats(0.5, 2000), share=st.floats(-0.5, 0.5))
 def test_nothing_leaves_the_frame(tmp_path_factory, radius, share):
     folder = tmp_path_factory.mktemp("d")

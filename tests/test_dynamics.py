@@ -181,7 +181,7 @@ def test_weights_add_up_as_point_masses() -> None:
 
 
 @given(st.lists(st.complex_numbers(max_magnitude=100), min_size=1, max_size=30))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_smallest_circle_holds_all_and_no_smaller_one_does(points: list[complex]) -> None:
     z = np.array(points)
     centre, radius = smallest_circle(z)

@@ -93,7 +93,7 @@ def test_the_published_table_stands_beside_the_exact_one() -> None:
     assert not any("Published" in table.title for table in other.tables) and not other.notes
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(0.2, 4), st.floats(60, 120), st.floats(-15, 15))
 def test_motion_is_the_plain_formula(eccentricity: float, rod: float, offset: float) -> None:
     m = design(geometry__eccentricity=eccentricity, geometry__rod=rod, geometry__offset=offset)
@@ -159,7 +159,7 @@ def test_the_papers_disc_has_no_wall() -> None:
     assert design(geometry__eccentric_diameter=6.6).parts()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(0.1, 5), st.floats(0.5, 8), st.floats(0.4, 3))
 def test_the_diameter_that_is_said_to_work_works(eccentricity: float, shaft: float, wall: float) -> None:
     keys = {"geometry__eccentricity": eccentricity, "geometry__shaft_diameter": shaft, "limits__min_wall": wall}

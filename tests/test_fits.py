@@ -59,7 +59,7 @@ def test_corners_by_steiner(d: float) -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0, 2 * math.pi), st.just(0)), min_size=5, max_size=12), st.floats(0.05, 3))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_convex_polygons_by_steiner(angles: list[tuple[float, int]], d: float) -> None:
     t = np.array(sorted({round(a, 1) % 6.2 for a, _ in angles} | {0.0, 2.0, 4.0}))
     shape = polygon((20 * np.exp(1j * t)).tolist())

@@ -124,7 +124,7 @@ def test_pin_that_meets_the_end_of_its_slot(short: float, ok: bool) -> None:
 
 
 @given(st.floats(0.1, 3), st.floats(5, 12), st.floats(0.2, 2.9))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_proven_gap_is_never_above_the_true_one(e: float, r: float, air: float) -> None:
     """Eccentric of radius r in a round hole: the air left is hole radius - e - r wherever it turns."""
     hole = disc(0, e + r + air, 720)

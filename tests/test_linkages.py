@@ -373,7 +373,7 @@ def test_four_bar_classes() -> None:
 
 
 @given(st.lists(st.floats(1, 50), min_size=4, max_size=4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_open_angles_are_where_nothing_assembles(lengths: list[float]) -> None:
     frame, crank, coupler, output = lengths
     theta = np.linspace(0.001, 179.999, 400)
@@ -477,7 +477,7 @@ def test_rates_that_are_wrong_are_seen() -> None:
     st.floats(0, 100), st.floats(0.1, 50), st.floats(0.1, 100), st.floats(0.1, 100), st.sampled_from([1, -1]),
     st.floats(-50, 50),
 )  # fmt: skip
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_closure_or_nothing(frame, crank, coupler, output, branch, theta0) -> None:
     theta = theta0 + np.linspace(0, 7, 50)
     points = {"O": Fixed(0), "C": Fixed(frame), "A": Crank("O", crank), "B": RRR("A", "C", coupler, output, branch)}
@@ -504,7 +504,7 @@ def test_closure_or_nothing(frame, crank, coupler, output, branch, theta0) -> No
 
 
 @given(st.floats(0.1, 60), st.floats(0.1, 60), st.floats(-40, 40), st.floats(-3, 3), st.sampled_from([1, -1]))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_slider_and_guide_close_or_nothing(crank, rod, offset, angle, branch) -> None:
     through = 5 + 1j * offset
     linkage = Linkage(

@@ -279,7 +279,7 @@ def test_a_layer_can_be_named(tmp_path: Path) -> None:
 # ---- the low-pass --------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(1, 20), st.floats(0, 6.28), st.integers(0, 2))
 def test_low_pass_keeps_phase_and_weighs_as_it_says(n: int, phase: float, order: int) -> None:
     theta = np.arange(720) * (math.tau / 720)

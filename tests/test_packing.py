@@ -86,7 +86,7 @@ def test_layouts_that_are_wrong_are_seen(tmp_path: Path) -> None:
 
 
 @given(st.floats(2, 60), st.floats(2, 60), st.floats(0, math.pi))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_footprint_of_a_tilted_block(width: float, height: float, tilt: float) -> None:
     corners = np.array([0, width, complex(width, height), 1j * height]) * np.exp(1j * tilt) + 7
     f = footprint(corners, BED)
@@ -95,7 +95,7 @@ def test_footprint_of_a_tilted_block(width: float, height: float, tilt: float) -
 
 
 @given(st.lists(st.tuples(st.floats(3, 80), st.floats(3, 80), st.integers(1, 4)), min_size=1, max_size=6))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_no_two_cells_meet(sizes: list[tuple[float, float, int]]) -> None:
     parts = [block(f"p{k}", *size) for k, size in enumerate(sizes)]
     meshes = meshes_of(parts)

@@ -119,7 +119,7 @@ def test_shapely_agrees(tolerance: float) -> None:
     assert 0.9 * tolerance < distance <= tolerance
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     piece=st.one_of(
         st.builds(ellipse, st.floats(1, 100), st.floats(1e-3, 100)),

@@ -151,7 +151,7 @@ def test_points_in_line_carry_nothing():
     assert len(mesh.vertices) == 8 and math.isclose(mesh.volume, 200)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(3, 60), st.integers(1, 7), st.integers(3, 30), st.floats(0, 6.2))
 def test_triangles_cover_the_region(corners, holes, facets, turn):
     def ring(centre, radius, n):
@@ -200,7 +200,7 @@ def test_long_rings_with_corners():
     assert len(covers([square.astype(np.complex64).astype(complex)])) > 12_000
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(10, 60), st.floats(0, 0.08), st.floats(-2, 2), st.sampled_from([1e-1, 1e-2, 1e-3, 1e-4]))
 def test_volume_lies_within_the_facets(mean, wave, shift, tolerance):
     part = Part("p", "", (Layer(Region(oval(mean, wave * mean, shift), (circle(0, 3),)), 0, 5),))

@@ -131,7 +131,7 @@ def test_loops_slide_only_above_the_bounds() -> None:
         assert (margins[0] > 0, margins[1] > 0) == (first, second)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.tuples(st.floats(2, 8), st.floats(0, 4)), st.tuples(st.floats(1.5, 4), st.floats(0.01, 2.5)),
     st.tuples(st.floats(1.5, 4.5), st.floats(1.5, 4.5)), st.floats(1, 2), st.floats(0.3, 2.0), st.floats(3, 8),

@@ -229,7 +229,7 @@ def test_eye_that_passes_a_guide() -> None:
 
 
 @given(st.floats(-3, 3), st.sampled_from([1, -1]), st.floats(40, 60), st.floats(0.5, 2.5))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_turned_and_mirrored_take_ups_feed_alike(tilt: float, branch: int, eye: float, angle: float) -> None:
     m, n = 40 + 15j, -80 + 160j
     base = TakeUp(30, 19, 30, 9, eye, angle, branch, (m, n))
@@ -359,7 +359,7 @@ def test_holes_that_meet_are_refused(override: str, message: str) -> None:
 
 
 @given(st.lists(st.tuples(st.complex_numbers(max_magnitude=50), st.floats(0.5, 20)), min_size=1, max_size=5))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_hull_reaches_as_far_as_its_discs(discs: list[tuple[complex, float]]) -> None:
     band = hull(discs)
     ring = facet_contour(band, 1e-4)

@@ -27,7 +27,7 @@ from camgen.outlines import Floats, Points
 from camgen.parts import Part
 from camgen.program import Program
 from camgen.segments import LawChoice, SegmentTable, law_of, program, program_faults
-from camgen.spec import Length, Record, validate
+from camgen.spec import Length, Record, Rpm, turning, validate
 from camgen.stitch import HARMONIC, Condition, Design, Stitch, ratio_conditions, ratio_range, to_and_fro
 from camgen.tolerances import SAME_POINT
 
@@ -75,9 +75,9 @@ class Timing(Record):
 
 
 class Motor(Record):
-    """What drives the machine."""
+    """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
 
-    speed_rpm: Annotated[float, Field(gt=0, le=1e6)] = 3000.0
+    speed_rpm: Annotated[Rpm, turning()] = 3000.0
 
 
 class Limits(Record):
@@ -166,6 +166,15 @@ class ChainStitchLooper(Mechanism):
         """The figures that the parts are made to; DesignError where no such mechanism exists."""
         return self.stitch.design(self.geometry.mode == "published")
 
+    @property
+    def sense(self) -> int:
+        """Always 1: nothing of the shaft is made, and its angle is counted in its sense of turning."""
+        return 1
+
+    def found(self) -> Mapping[str, object]:
+        """The needles' stroke, and what every mechanism fills in."""
+        return {**super().found(), "timing.needle_stroke": self.design.needle_stroke}
+
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """How far the spreaders have moved, mm, or its derivative to the shaft's angle; (n,)."""
         return self.design.moved(theta, order)
@@ -216,8 +225,9 @@ class ChainStitchLooper(Mechanism):
         gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
         beside = (t1.imag + t5.imag) / 2
         spreaders = {"P1": "lower-spreader", "P2": "upper-spreader"}
-        pairs = [("N1/P1", "N2/P1", "N2/P2", "N1/P2")]
-        found = [Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap) for name in pairs[0]]
+        drawn = {"lower-spreader": ("needle-section", True), "upper-spreader": ("needle-section", False)}
+        pairs = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
+        found = [Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn) for name in pairs]
         return (*found, Apart("P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap))
 
     # ---- checks and study --------------------------------------------------------------------------------------------
@@ -330,7 +340,7 @@ class ChainStitchLooper(Mechanism):
             "top_outline_area_mm2": self.bodies.top_outline().area,
             "needle_section_area_mm2": self.bodies.section_outline().area,
         }
-        return study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, self.motor.speed_rpm)
+        return study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 

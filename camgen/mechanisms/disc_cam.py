@@ -14,6 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import Annotated, Any, Literal
@@ -21,7 +22,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from camgen.disc_parts import Parts, disc_parts
+from camgen.disc_parts import Parts, disc_parts, turning_note
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.followers import DiscCam, SwingingArm, greatest
@@ -32,7 +33,7 @@ from camgen.program import Program
 from camgen.sampling import facet_contour
 from camgen.segments import SegmentTable, program, program_faults
 from camgen.sizing import least_convex, smallest
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, Rpm, turning
 from camgen.tips import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
@@ -64,7 +65,7 @@ class Geometry(Record):
 class Motor(Record):
     """What drives the cam."""
 
-    speed_rpm: Annotated[float, Field(gt=0, le=1e6)] = 60.0
+    speed_rpm: Annotated[Rpm, turning()] = 60.0
 
 
 class Limits(Record):
@@ -135,8 +136,9 @@ class DiscCamDrive(Mechanism):
 
     @cached_property
     def program(self) -> Program:
-        """The follower's motion over the turn, mm or rad."""
-        return program(self.segment, 1 / self._unit[1])
+        """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
+        made = program(self.segment, 1 / self._unit[1])
+        return made if self.sense > 0 else made.backwards()
 
     @cached_property
     def _highest(self) -> tuple[float, float]:
@@ -226,6 +228,10 @@ class DiscCamDrive(Mechanism):
         size = smallest(make, math.radians(self.allowed.pressure_angle_deg), self.allowed.least_radius, low, high)
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
 
+    def found(self) -> Mapping[str, object]:
+        """The base radius, and what every mechanism fills in."""
+        return {**super().found(), "geometry.base_radius": self.base_radius}
+
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
         """The cam; with conjugate closure also the second one."""
@@ -247,7 +253,8 @@ class DiscCamDrive(Mechanism):
         outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
         wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
         roller = 2 * (self.geometry.follower.radius or 0.0)
-        return disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
+        made = disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
+        return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """The plates turning about O, one above the other; the follower."""
@@ -386,8 +393,8 @@ class DiscCamDrive(Mechanism):
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
         unit, scale = self._unit
         f, cam, low, high = self.geometry.follower, self.cam, *self._highest
-        speed = self.motor.speed_rpm * math.tau / 60
-        peaks = [scale * speed**k * self.program.peak(k) for k in (1, 2)]
+        speed = self.speed
+        peaks = [scale * abs(speed) ** k * self.program.peak(k) for k in (1, 2)]
         numbers = {
             "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
             "base_radius_mm": self.base_radius,
@@ -424,7 +431,7 @@ class DiscCamDrive(Mechanism):
         degrees, label = np.degrees(theta), "cam angle, deg"
         names = ("Displacement", "Velocity", "Acceleration", "Jerk")
         units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
-        marks = [(table.kind, math.degrees(begin)) for table, begin in zip(self.segment, self.program.joints, strict=False)]
+        marks = [(s.kind, math.degrees(at)) for s, at in zip(self.program.segments, self.program.joints, strict=False)]
         svaj = [
             Plot(name, label, text, [("wanted", degrees, scale * speed**k * self.program(theta, k))], marks)
             for k, (name, text) in enumerate(zip(names, units, strict=True))

@@ -30,8 +30,8 @@ from camgen.linkages import RRP, Crank, Fixed, Linkage, slider_travel
 from camgen.mechanism import Contact, Eye, Mechanism, Pin, Pose, Slide, Study, Traced
 from camgen.outlines import Floats, Points, Region, circle, polygon
 from camgen.parts import Layer, Part, hull
-from camgen.spec import Length, Record
-from camgen.standards import SCREWS, Bought, Screw, fastener
+from camgen.spec import Length, Record, Rpm, turning
+from camgen.standards import SCREWS, Bought, Screw, fastener, turning_text
 from camgen.tolerances import SAME_POINT
 
 _FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
@@ -53,7 +53,7 @@ class Motor(Record):
     shaft_length: of its shaft over its face, a finding where it is too short.
     """
 
-    speed_rpm: Annotated[float, Field(ge=0.001, le=1e6)]
+    speed_rpm: Annotated[Rpm, turning(0.001)]
     boss_diameter: Length = 6.0
     diameter: Length = 21.0
     length: Length = 25.0
@@ -380,8 +380,8 @@ class EccentricDrive(Mechanism):
             ("screw of the wire clamp", p.slider_thickness + p.rod_thickness),
         )
         motor = (
-            f"{m.speed_rpm:g} rpm, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, collar {m.boss_diameter:g}, "
-            f"can {m.diameter:g} x {m.length:g}"
+            f"{turning_text(m.speed_rpm)}, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, "
+            f"collar {m.boss_diameter:g}, can {m.diameter:g} x {m.length:g}"
         )
         return (
             Bought("motor", "", motor, 1),

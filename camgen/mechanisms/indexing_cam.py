@@ -22,7 +22,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from camgen.disc_parts import ShaftHole, Thickness, holes_in
+from camgen.disc_parts import ShaftHole, Thickness, holes_in, turning_note
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.followers import DiscCam, SwingingArm
@@ -34,7 +34,7 @@ from camgen.parts import Layer, Part, windows
 from camgen.program import Program, Segment
 from camgen.sampling import facet_contour
 from camgen.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
-from camgen.spec import Length, Record, validate
+from camgen.spec import Length, Record, Rpm, turning, validate
 from camgen.spring_law import characteristic, trade_off
 from camgen.unloader import CrankSpring, Load, SpringTorque, antisymmetric, law_torque
 
@@ -69,7 +69,7 @@ class Geometry(Record):
 class Motor(Record):
     """What drives the cam shaft."""
 
-    speed_rpm: Positive = 30.0
+    speed_rpm: Annotated[Rpm, turning()] = 30.0
 
 
 class LoadTable(Record):
@@ -236,7 +236,7 @@ class IndexingCam(Mechanism):
 
     @cached_property
     def program(self) -> Program:
-        """Rise from theta = 0, outer dwell, return, inner dwell."""
+        """Rise from theta = 0, outer dwell, return, inner dwell; on a clockwise cam backwards."""
         g, swing = self.geometry, self.swing
         spans = [g.rise_deg, g.dwell_deg, self._return_deg]
         spans.append(360 - math.fsum(spans))
@@ -245,7 +245,23 @@ class IndexingCam(Mechanism):
             Segment(kind, math.radians(span), start, scale, self.law)
             for span, (kind, start, scale) in zip(spans, shape, strict=True) if span > 1e-9
         ]  # fmt: skip
-        return Program(tuple(segments))
+        made = Program(tuple(segments))
+        return made if self.sense > 0 else made.backwards()
+
+    def found(self) -> Mapping[str, object]:
+        """The span of the return and the spring by the law, and what every mechanism fills in."""
+        found = {**super().found(), "geometry.return_deg": self._return_deg}
+        if self.unloader.torque == "law":
+            found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
+        return found
+
+    @property
+    def _balance(self) -> float:
+        return 1.0 if self.unloader.balance is None else self.unloader.balance
+
+    @property
+    def _design_rpm(self) -> float:
+        return abs(self.motor.speed_rpm) if self.unloader.design_rpm is None else self.unloader.design_rpm
 
     @cached_property
     def cams(self) -> Mapping[str, DiscCam]:
@@ -299,7 +315,7 @@ class IndexingCam(Mechanism):
         title = "Return cam" if name == "return-cam" else "Indexing cam"
         return Part(
             name, title, (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
-            centres=(0j,), notes=p.notes(), bore=p.bore, min_wall=self.allowed.min_wall,
+            centres=(0j,), notes=(turning_note(self.sense), *p.notes()), bore=p.bore, min_wall=self.allowed.min_wall,
         )  # fmt: skip
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
@@ -342,7 +358,7 @@ class IndexingCam(Mechanism):
     @cached_property
     def _study(self) -> IndexingStudy:
         load = self.load
-        spring, omega = self._spring, self.motor.speed_rpm * math.tau / 60
+        spring, omega = self._spring, self.speed
         given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
         return IndexingStudy(
             self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
@@ -360,9 +376,9 @@ class IndexingCam(Mechanism):
         if u.torque == "crank":
             assert None not in (u.stiffness_n_mm, u.crank, u.guide, u.stretch, u.lead_deg)
             return CrankSpring(u.stiffness_n_mm, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)  # type: ignore[arg-type]
-        omega = (u.design_rpm or self.motor.speed_rpm) * math.tau / 60
+        omega = self._design_rpm * math.tau / 60
         period = math.radians(self.geometry.rise_deg) / omega
-        return law_torque(self.law, (u.balance or 1.0) * self.load.inertia_kg_m2 * stroke / period**2)
+        return law_torque(self.law, self._balance * self.load.inertia_kg_m2 * stroke / period**2)
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""

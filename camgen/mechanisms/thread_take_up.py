@@ -33,8 +33,8 @@ from camgen.linkages import Floats, Points, direction, four_bar, transmission_ex
 from camgen.mechanism import Contact, Eye, Mechanism, Pin, Pose, Sketch, Study, Traced
 from camgen.outlines import Contour, Region, circle
 from camgen.parts import Layer, Part, clearance, d_bore, hull, rod
-from camgen.spec import Length, Record, validate
-from camgen.standards import Bought
+from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.standards import Bought, turning_text
 from camgen.synthesis import Variable, Wish, search
 from camgen.tolerances import SAME_POINT
 
@@ -63,7 +63,7 @@ class Geometry(Record):
 class Motor(Record):
     """What drives the input crank."""
 
-    speed_rpm: Annotated[float, Field(ge=0.001, le=1e6)]
+    speed_rpm: Annotated[Rpm, turning(0.001)]
 
 
 class Wanted(Record):
@@ -121,14 +121,10 @@ class ThreadTakeUp(Mechanism):
             (p.thickness >= nozzle, "parts.thickness", p.thickness, f"at least the nozzle, {nozzle:g} mm"),
             (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
             (p.thread_height >= nozzle, "parts.thread_height", p.thread_height, f"at least the nozzle, {nozzle:g} mm"),
-            (
-                0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
-                "between a twentieth and half of shaft_diameter, so that it turns the crank",
-            ),
-            (
-                room > 0, "parts.shaft_length", p.shaft_length,
-                f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play",
-            ),
+            (0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
+             "between a twentieth and half of shaft_diameter, so that it turns the crank"),
+            (room > 0, "parts.shaft_length", p.shaft_length,
+             f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play"),
         )  # fmt: skip
         found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
         if self.masses is not None and self.motor is None:
@@ -146,7 +142,7 @@ class ThreadTakeUp(Mechanism):
         m, n = (complex(*guide) for guide in g.guides)
         found = TakeUp(
             g.input_crank, g.coupler, g.output_crank, g.frame, g.eye_distance, math.radians(g.eye_angle_deg), g.branch,
-            (m, n), math.radians(g.frame_angle_deg),
+            (m, n), math.radians(g.frame_angle_deg), self.sense,
         )  # fmt: skip
         kind = four_bar(g.frame, g.input_crank, g.coupler, g.output_crank)
         if kind.kind == "change-point":
@@ -157,6 +153,10 @@ class ThreadTakeUp(Mechanism):
         if not kind.full_turn:
             refuse_open(found.linkage)
         return found
+
+    def found(self) -> Mapping[str, object]:
+        """Centres of mass, and what every mechanism fills in."""
+        return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {})}
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Feed (mm) or its derivative to theta, (n,)."""
@@ -264,11 +264,11 @@ class ThreadTakeUp(Mechanism):
     def bought(self) -> Sequence[Bought]:
         """Motor, and screws for mounting."""
         p = self.making
-        drive = "" if self.motor is None else f"{self.motor.speed_rpm:g} rpm, "
+        drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
         screw = f"for a core hole of {p.mount_diameter:g}, at most {p.thickness:g} into the frame"
         if self.masses is not None and self.motor is not None:
-            bodies, speed = self.masses.bodies(self.take_up), self.motor.speed_rpm * math.tau / 60
-            drive += f"{force_numbers(self.take_up, bodies, speed)['peak_torque_n_m']:.3g} N m at its peak, "
+            figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self.speed)
+            drive += f"{figures['peak_torque_n_m']:.3g} N m at its peak, "
         return (
             Bought("drive", "", f"{drive}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep", 1),
             Bought("screw of the frame, from behind", "", screw, 3),
@@ -465,7 +465,7 @@ class ThreadTakeUp(Mechanism):
         def take_up(x: Floats) -> TakeUp:
             return TakeUp(
                 base.crank, base.coupler, base.output, base.frame, x[0], math.radians(x[1]), base.branch,
-                (complex(x[3], x[4]), complex(x[5], x[6])), math.radians(x[2]),
+                (complex(x[3], x[4]), complex(x[5], x[6])), math.radians(x[2]), base.sense,
             )  # fmt: skip
 
         def measure(x: Floats) -> tuple[Mapping[str, float], Sequence[float]]:

@@ -33,7 +33,7 @@ from camgen.outlines import Contour, Floats, Points, Region, circle
 from camgen.parts import Layer, Part, arrowhead, d_bore, keyed_bore, windows
 from camgen.program import uniform_swing
 from camgen.sampling import facet_contour
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, Rpm, turning
 from camgen.standards import DENSITY, Bought
 from camgen.swing_list import bought, screw_grip, steps
 from camgen.swing_machine import (
@@ -65,7 +65,7 @@ class Geometry(Record):
 class Motor(Record):
     """What drives the cam."""
 
-    speed_rpm: Annotated[float, Field(gt=0, le=1e6)] = 30.0
+    speed_rpm: Annotated[Rpm, turning()] = 30.0
 
 
 class Parts(Record):
@@ -255,7 +255,7 @@ class UniformSwing(Mechanism):
             at = spoke * (reach + free + size)
             room = float(point_to_ring(np.array([at]), rim)[0]) if inside(np.array([at]), rim)[0] else 0.0
             if min([room, *(abs(at - centre) - radius for centre, radius in holes)]) > size + free:
-                return at, size, 1j * spoke
+                return at, size, self.sense * 1j * spoke
         return None
 
     def _part_notes(self, marked: bool) -> tuple[str, ...]:
@@ -268,7 +268,8 @@ class UniformSwing(Mechanism):
         if marked:
             notes.append("engraved arrow: sense of turning of the cam that is not turned over")
         elif p.mark_depth:
-            notes.append("no room for the engraved arrow: turns counter-clockwise as drawn")
+            turns = "counter-clockwise" if self.sense > 0 else "clockwise"
+            notes.append(f"no room for the engraved arrow: turns {turns} as drawn")
         if self.geometry.closure == "conjugate":
             notes.append("two alike, one turned over about Oy, engraved faces together")
             notes.append("the tip at -Y rides on this one, the tip at +Y on the other")
@@ -374,12 +375,8 @@ class UniformSwing(Mechanism):
             findings.append(screw_grip(self._machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
-            findings.append(keeps_contact(loaded, self._load, self._speed))
+            findings.append(keeps_contact(loaded, self._load, self.speed))
         return findings
-
-    @property
-    def _speed(self) -> float:
-        return self.motor.speed_rpm * math.tau / 60
 
     @cached_property
     def _load(self) -> Load:
@@ -395,7 +392,7 @@ class UniformSwing(Mechanism):
         """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
         if not self._load.inertia:
             return None
-        return forces(self.cam, self._load, self._speed, self.nozzle.friction, self.geometry.closure == "conjugate")
+        return forces(self.cam, self._load, self.speed, self.nozzle.friction, self.geometry.closure == "conjugate")
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""
@@ -410,7 +407,7 @@ class UniformSwing(Mechanism):
         g, cam = self.geometry, self.cam
         theta = np.linspace(0, 2 * math.pi, 1441)
         radius = np.abs(cam.pitch(theta))
-        rpm = self.motor.speed_rpm
+        rpm = abs(self.motor.speed_rpm)
         speed = float(np.max(np.abs(cam.program(theta, 1))))
         numbers = {
             "swing_deg": g.swing_deg,
@@ -435,7 +432,7 @@ class UniformSwing(Mechanism):
             numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
         degrees = np.degrees(theta)
         lever = self.spring.lever if g.closure == "force" else None
-        loaded = force_study(self._forces, self._load, self._speed, lever) if self._forces else Study()
+        loaded = force_study(self._forces, self._load, self.speed, lever) if self._forces else Study()
         undercut = Table(
             "Undercut of the exact profile",
             ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),

@@ -1,0 +1,73 @@
+"""What a terminal shows: verdicts at every width, and nothing that steers it."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from test_cli import run as run  # noqa: F401  a fixture
+
+from camgen.findings import Finding, at_least, at_most
+from camgen.report import Report
+from camgen.terminal import print_report
+
+FINDINGS = (
+    at_most("MOTION_ERROR", 1.234e-5, 1.8e-3, "deg", "long-name-of-a-machine-cam.dxf, cam angle 123.456 deg", "as wanted"),
+    at_least("TRANSMISSION_ANGLE", 88.21, 45, "deg", "crank angle 90 deg", "wide"),
+    at_least("MIN_WALL", -12.345, 0.8, "mm", "long-name-of-a-machine-cam.stl", "thin"),
+)
+
+
+def shown(findings: tuple[Finding, ...], capsys: pytest.CaptureFixture[str]) -> str:
+    print_report(Report("long-name-of-a-machine", "disc-cam", findings))
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("width", [200, 120, 80, 50, 30])
+def test_table_keeps_verdict_code_measured_and_limit(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    text = re.sub(r"\x1b\[[0-9;]*m", "", shown(FINDINGS, capsys))
+    rows = [line for line in text.splitlines() if line.lstrip().startswith(("MOTION", "TRANS", "MIN_WALL  "))]
+    for finding, row in zip(FINDINGS, rows, strict=True):
+        told = {finding.code, f"{finding.measured:.4g}", f"{finding.limit:.4g}", "ok" if finding.ok else "FAIL"}
+        assert told <= set(row.split()), row
+        assert len(row) <= max(width, 50)
+    assert ("crank angle 90 deg" in text) is (width > 50)
+    assert ("margin" in text) is (width > 80)
+
+
+STEERS = "\x1b[31m\x9b5m\u202e"  # red, blinking, and from right to left
+ESCAPED = r"\x1b[31m\x9b5m\u202e"
+
+
+def test_nothing_of_a_report_steers_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    text = shown((at_most(STEERS, 1, 0, STEERS, STEERS, STEERS),), capsys)
+    assert not set(STEERS) - set("[31m5") & set(text) and text.count(ESCAPED) == 6
+
+
+@pytest.mark.parametrize("arguments", [("build", "x.toml"), ("build", "x.toml", "--json"), ("build", STEERS), (STEERS,)])
+def test_nothing_of_a_spec_or_a_name_steers_the_terminal(
+    run: object, arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch  # noqa: F811
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("x.toml").write_text(r'mechanism = "disc-cam"' + '\n"a' + "\\u001b[31m\\u009b5m\\u202e" + r'\nb" = "\u001b"', "utf-8")
+    code, out, err = run(*arguments)  # type: ignore[operator]
+    assert code in (2, 4) and r"\x1b[31m" in err
+    assert not set(STEERS) - set("[31m5") & set(out + err)
+    if "--json" in arguments:
+        assert any(fault["path"].endswith(STEERS + "\nb") for fault in json.loads(out)["faults"])
+    elif "x.toml" in arguments:
+        assert len([line for line in err.splitlines() if ESCAPED in line]) == 1  # a fault is one line
+
+
+def test_too_long_a_list_is_told_its_limit(run: object, root: Path, tmp_path: Path) -> None:  # noqa: F811
+    text = (root / "specs" / "disc-cam.toml").read_text("utf-8").partition("[[segment]]")[0]
+    (tmp_path / "a.toml").write_text(text + '[[segment]]\nkind = "dwell"\nspan_deg = 3.6\n' * 101, "utf-8")
+    code, _, err = run("build", tmp_path / "a.toml")  # type: ignore[operator]
+    assert code == 2 and "segment: a list of 101" in err and "at most 100" in err
