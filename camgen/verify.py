@@ -231,13 +231,14 @@ def _judge_sections(
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
     limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
     off, remark = level_error, f"a flat face is {level_error:.4g} mm off its height"
+    place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
     for k, (meant, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in meant.shapes)
         found = sum(1 + len(shape.holes) for shape in shapes)
         if found != count or len(shapes) != len(meant.shapes):
             off, remark = math.nan, f"{found} contours instead of {count}"
             break
-        here = _section_error(shapes, meant.shapes, expected)
+        here = _section_error(shapes, meant.shapes, expected, place)
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
@@ -284,19 +285,33 @@ def _bore(shape: Shape, diameter: float | None) -> Circle | None:
     return bore_circle(nearest, diameter)
 
 
-def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected) -> float:
+def _is_bore(ring: Ring, expected: Expected) -> bool:
+    return expected.bore is not None and abs(ring.centroid) < expected.bore / 2
+
+
+def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected) -> complex:
+    """How far the bore in a section is from its place, mm: motion tells that, and at all heights it is the same."""
+    holes = [hole for shape in shapes for hole in shape.holes]
+    bores = [hole for wanted in meant for hole in wanted.holes if _is_bore(hole, expected)]
+    return min((hole.centroid - bores[0].centroid for hole in holes), key=abs) if holes and bores else 0j
+
+
+def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex) -> float:
     """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own."""
     off, left = 0.0, list(shapes)
     for wanted in meant:
         shape, *left = sorted(left, key=lambda one: _apart(one.outer, wanted.outer))
         if len(shape.holes) != len(wanted.holes):  # the holes of another piece
             return math.inf
-        off = max(off, _contour_error(shape.outer, wanted.outer, expected, _is_eye(wanted.outer, expected)))
-        holes = list(shape.holes)
+        pairs, holes = [(shape.outer, wanted.outer)], list(shape.holes)
         for hole in wanted.holes:
             found, *holes = sorted(holes, key=lambda one: _apart(one, hole))
-            bore = expected.bore is not None and abs(hole.centroid) < expected.bore / 2
-            off = max(off, _contour_error(found, hole, expected, bore or _is_eye(hole, expected)))
+            pairs.append((found, hole))
+        for found, ring in pairs:
+            shift = found.centroid - ring.centroid if _is_eye(ring, expected) else 0j
+            if ring is not wanted.outer and _is_bore(ring, expected):
+                shift = bore_shift
+            off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance))
     return off
 
 
@@ -310,15 +325,11 @@ def _is_eye(ring: Ring, expected: Expected) -> bool:
     return any(abs(ring.centroid - at) <= near and abs(size - diameter) <= near for at, diameter in expected.eyes)
 
 
-def _contour_error(found: Ring, meant: Ring, expected: Expected, free: bool) -> float:
+def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
     """How far a contour is from the one meant, mm: the largest distance either way of points along their edges, and the
-    difference of their areas over the length.
-
-    free: the motion tells its place, so that shape and size count alone.
+    difference of their areas over the length. Arcs are facetted within the tolerance, mm.
     """
-    if free:
-        found = found.moved(shift=meant.centroid - found.centroid)
-    one, other = (ring.facetted(expected.chord_tolerance) for ring in (found, meant))
+    one, other = found.facetted(tolerance), meant.facetted(tolerance)
     area = abs(abs(found.area) - abs(meant.area)) / meant.length
     return max(area, *(float(np.max(point_to_ring(_along(a), b))) for a, b in ((one, other), (other, one))))
 

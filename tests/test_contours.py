@@ -176,7 +176,20 @@ def test_a_contour_about_a_joint_is_told(tmp_path: Path) -> None:
     assert failing("eccentric", "disc", "stl", made, tmp_path) == {"ROUND_TRIP"}
 
 
-@pytest.mark.parametrize("damage", [lambda f: f.buffer(2.6), lambda f: f.buffer(0.2), widened(0j, 4.6)])
+def test_a_bore_that_is_aside_in_the_hub_alone_is_told(tmp_path: Path) -> None:
+    """A follower runs on the plate below, whose bore is where it belongs."""
+    whole = sent("foot", "cam")
+
+    def shifted(face: Face) -> Face:
+        holes = [shapely.transform(hole, lambda z: z + 0.1) for hole in face.interiors]
+        return shapely.Polygon(face.exterior, holes)
+
+    top = max(layer.z1 for layer in whole.layers)
+    made = damaged(whole, shifted, lambda layer: layer.z1 == top)
+    assert failing("foot", "cam", "stl", made, tmp_path) == {"ROUND_TRIP"}
+
+
+@pytest.mark.parametrize("damage", [lambda f: f.buffer(2.6), lambda f: f.buffer(0.2), widened(0j, 9)])
 def test_a_wrong_chamfer_is_told(damage: Damage, tmp_path: Path) -> None:
     """An edge far beyond the outline, hardly a chamfer, and a bore that is chamfered too far, below the chamfer's top alone."""
     whole = sent("foot", "cam")
