@@ -278,11 +278,11 @@ def _eyes(joint: Joint) -> tuple[Eye, ...]:
     return (joint.eye,) if isinstance(joint, Slide) else (joint.a, joint.b)
 
 
-def eyes_of(part: str, contacts: Sequence[Contact]) -> tuple[complex, ...]:
-    """Nominal centres of a part's eyes in its joints, mm."""
+def eyes_of(part: str, contacts: Sequence[Contact]) -> tuple[tuple[complex, float], ...]:
+    """Nominal centres and diameters of a part's eyes in its joints, mm."""
     joints = [eye for contact in contacts if isinstance(contact, Pin | Slide) for eye in _eyes(contact)]
     still = [eye for contact in contacts if isinstance(contact, Traced) for eye in contact.still]
-    return tuple(eye.at for eye in (*joints, *still) if eye.part == part)
+    return tuple((eye.at, eye.diameter) for eye in (*joints, *still) if eye.part == part)
 
 
 # ---- findings --------------------------------------------------------------------------------------------------------

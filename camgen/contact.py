@@ -20,6 +20,9 @@ from camgen.rings import Floats, Ints, Ring
 # Over it an element is used past its end, 1e-10 mm along a cam of 100 mm.
 _SAME_ANGLE = 1e-12
 
+# Beside the ends of an interval, rad, its element is touched for sure: 1e-7 mm along a cam of 100 mm.
+_BESIDE = 1e-9
+
 # Queries handled at once: some ten temporary arrays of this many float64 stay in a core's cache.
 _BLOCK = 4096
 
@@ -73,6 +76,19 @@ class RollingContact:
     def touch(self, theta: ArrayLike) -> Touch:
         """As `angle`, with the pressure angle and the element that is touched."""
         return self._solve(theta, True)
+
+    @property
+    def changes(self) -> Floats:
+        """Cam angles just before and just after each at which the touch goes from one element to the next, (n,) rad.
+
+        A knife edge is there on a vertex of the outline.
+        """
+        low, high = self.breaks[:-1], self.breaks[1:]
+        wide = high - low > 2 * _BESIDE
+        u = np.concatenate([low[wide] + _BESIDE, high[wide] - _BESIDE])
+        zero, one = self.form.turned(np.array([0.0, 1.0]))
+        sense = 1 if (one - zero) % _TURN < math.pi else -1
+        return np.asarray(sense * (u - zero) % _TURN)
 
     def _solve(self, theta: ArrayLike, fully: bool) -> Touch:
         flat = np.atleast_1d(np.asarray(theta, float)).ravel()

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.crossing import crossed_at
+from camgen.crossing import crossed_at, spread
 from camgen.export import center_marks
 from camgen.findings import Finding, at_most
 from camgen.fits import Compensation, compensated
@@ -45,7 +45,6 @@ _CLOCKWISE = (
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 _HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
 _BESIDE = 4.0  # chord tolerances from the ends of a layer
-_TIP = 1.2  # times the tip radius: about a tip, whose place and size its motion on the cam tells
 _ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
 
 
@@ -128,7 +127,6 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
     mechanism, part = case.mechanism, case.parts[name]
     contacts, tolerance, fit = mechanism.contacts(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
     drives = [contact for contact in contacts if isinstance(contact, Rolling) and contact.part == name]
-    turns = any(isinstance(contact, Rolling) and name in (contact.part, contact.tip_part) for contact in contacts)
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
     read = Read({}, {}, {})
@@ -136,8 +134,6 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
         path = case.file(name, kind)
         sent, marked = (None, mechanism.output.center_marks) if kind == "dxf" else (fit, False)
         meant = expected(part, tolerance, contacts, sent, marked)
-        if not turns:  # the place of its bore is judged as that of any hole
-            meant = replace(meant, bore=None)
         judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
         findings += judged.findings
         if judged.shape is None:
@@ -158,12 +154,11 @@ def expected(
 ) -> Expected:
     """What a file of a part should hold, as plain numbers and points for the judge; marked: with centre marks.
 
-    With a fit the file holds the compensated part: its volume counts, and sections above the chamfer are judged as they print.
+    With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
+    chamfer, and those through an engraving beside holes that were made larger, as they were sent.
     """
-    rollings = [contact for contact in contacts if isinstance(contact, Rolling)]
-    rolled = any(rolling.part == part.name for rolling in rollings)
-    swung = [rolling for rolling in rollings if rolling.tip_part == part.name]
-    eyes: Sequence[complex] = ()
+    turns = any(isinstance(each, Rolling) and part.name in (each.part, each.tip_part) for each in contacts)
+    eyes: Sequence[tuple[complex, float]] = ()
     if any(isinstance(contact, Traced) for contact in contacts):
         from camgen.closure import eyes_of
 
@@ -171,54 +166,65 @@ def expected(
     sent = compensated(part, fit) if fit is not None else part
     levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
     low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
-    sections, cut = _sections(part, tolerance, low, fit is None or not fit.hole)
+    sections, engraved = _sections(part, tolerance, low)
+    cut = _spans(part).index((part.layers[part.cut].z0, part.layers[part.cut].z1))
+    if part.crossed is not None:  # what a cut shows changes with its height; the drawing has the whole region
+        under, over = spread(part.crossed)
+        levels = [max(levels[0], under), min(levels[-1], over)]
+        through = _crossings(part, part.crossed, tolerance, sections)
+        sections, cut = [*through, replace(sections[cut], heights=())], len(through)
+    if fit is not None:
+        every, sunk = _sections(sent, tolerance, levels[0])
+        sections += [replace(section, sent=True) for section in every if section.heights[-1] < low]
+        engraved = [replace(section, sent=True) for section in sunk] if fit.hole else engraved
     return Expected(
-        part.name, tuple(sections), cut,
+        part.name, (*sections, *engraved), cut,
         volume=sent.volume,
-        levels=tuple(levels) if part.crossed is None else (levels[0],),
+        levels=tuple(levels),
         facets=part.walls * tolerance,
         min_wall=part.min_wall,
         chord_tolerance=tolerance,
-        bore=part.bore if rolled or swung else None,
-        rolled=rolled,
+        bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
         eyes=tuple(eyes),
-        tips=tuple((rolling.arm, max(_TIP * rolling.tip_radius, part.min_wall)) for rolling in swung),
+        stacked=part.crossed is None,
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if marked else ()),
     )  # fmt: skip
 
 
-def _sections(part: Part, tolerance: float, low: float, engraved: bool) -> tuple[list[Section], int]:
-    """The sections of a part seen above the height `low`, from the bottom, and which of them its drawing shows.
+def _spans(part: Part) -> list[tuple[float, float]]:
+    """Lowest and highest place of each of a part's layers, mm; pieces beside each other are one."""
+    return list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
 
-    engraved: whether the bottom of an engraving is looked at too.
-    """
-    spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
-    cut = spans.index((part.layers[part.cut].z0, part.layers[part.cut].z1))
-    sections, deep = [], []
-    for z0, z1 in spans:
+
+def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], list[Section]]:
+    """The sections of a part's layers above the height `low`, from the bottom, and those through its engraving."""
+    sections, engraved = [], []
+    for z0, z1 in _spans(part):
         regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == (z0, z1)]
         shapes = tuple(_facetted(region, tolerance) for region in regions)
         bottom = max(z0, low)
         pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
         top = min((layer.z0 for layer in pockets), default=z1)
         sections.append(Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes))
-        if pockets and engraved and len(shapes) == 1 and part.crossed is None:
+        if pockets and len(shapes) == 1 and part.crossed is None:
             sunk = tuple(_facetted(layer.region, tolerance).outer for layer in pockets)
             middle = (top + min(layer.z1 for layer in pockets)) / 2
-            deep.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
-    if part.crossed is None:
-        return [*sections, *deep], cut
-    # what a cut shows changes with its height; the drawing has the whole region
-    face = _facetted(part.crossed, tolerance)
+            engraved.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
+    return sections, engraved
+
+
+def _crossings(part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]) -> list[Section]:
+    """The sections of a crossed body, whose layers those given are."""
+    face = _facetted(crossed, tolerance)
     cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
     through = []
     beside = _BESIDE * tolerance  # a wall that lies level shows in sections just under and over it alone
-    for section, (z0, z1) in zip(sections, spans, strict=True):
+    for section, (z0, z1) in zip(sections, _spans(part), strict=True):
         for z in (z0 + beside, *section.heights, z1 - beside):
             taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
             through += [Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes]
-    return [*through, replace(sections[cut], heights=())], len(through)
+    return through
 
 
 def _facetted(region: Region, tolerance: float) -> Shape:

@@ -89,10 +89,14 @@ def judge_motion(
     except ValueError as fault:
         return [at_most("MOTION_ERROR", math.nan, scale * limit, unit, where, str(fault))], {}
     meant, touch = reachable(theta), rolled.touch(theta)
-    lost = np.isnan(touch.angle)
-    error = np.where(lost, np.inf, np.abs(touch.angle - meant))
+    corners = rolled.changes
+    every = np.concatenate([theta, corners])
+    off = np.abs(np.concatenate([touch.angle - meant, rolled.angle(corners) - reachable(corners)]))
+    lost = np.isnan(off)
+    error = np.where(lost, np.inf, off)
     worst = int(np.argmax(error))
-    remark = f"{'tip rolled' if drive.face is None else 'face slid'} on the file at {len(theta)} cam angles"
+    did = "tip rolled" if drive.face is None else "face slid"
+    remark = f"{did} on the file at {len(theta)} cam angles, and at each corner of the outline"
     if lost.any():
         remark += f"; it misses the outline at {np.count_nonzero(lost)} of them"
     if not error[worst] <= limit:
@@ -103,7 +107,7 @@ def judge_motion(
             scale * error[worst],
             scale * limit,
             unit,
-            _place(where, theta[worst]),
+            _place(where, every[worst]),
             remark,
         )
     ]

@@ -1,6 +1,7 @@
 """The judge of files: what they hold, against the plain numbers and points of the parts.
 
-It knows nothing of the formulas that made the curve; the shape on which a follower rolls is judged by its motion alone.
+Every contour of every section is compared with the one that was meant, by its points, along its edges and by its area. It
+knows nothing of the formulas that made the curve; what a follower does on it is judged by `rolling`.
 """
 
 from __future__ import annotations
@@ -22,25 +23,29 @@ from camgen.undoing import printed
 
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
+_ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
 
 
 @dataclass(frozen=True)
 class Section:
-    """What cuts through some heights (mm) should show: these separate pieces, facetted within the chord tolerance."""
+    """What cuts through some heights (mm) should show: these separate pieces, facetted within the chord tolerance.
+
+    sent: as it is in a file for the printer, such as the chamfer of its foot; otherwise as it prints.
+    """
 
     heights: tuple[float, ...]
     shapes: tuple[Shape, ...]
+    sent: bool = False
 
 
 @dataclass(frozen=True)
 class Expected:
     """What a part's files should hold, as plain numbers and points.
 
-    sections: of its stack of layers, from the bottom; cut: the one that its drawing shows; volume: mm^3; levels: heights
-    of its flat faces, mm, the underside first; bore: diameter of the hole on whose centre the part turns, where the motion
-    tells its place. Judged elsewhere, by how parts move, are the outer contour of a part that is `rolled` upon, joints at
-    the `eyes`, and what lies in the discs `tips` (centre, radius); rolled is the section that a drawing shows, or the first
-    of a mesh.
+    sections: of its stack of layers, from the bottom, then of what lies below or above them; cut: the one that its drawing
+    shows; volume: mm^3; levels: heights of its flat faces, mm, the underside first: of a `stacked` part all, of another one
+    the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
+    place; eyes: centre and diameter, mm, of joints. Of these alone the place is judged elsewhere, by how parts move.
     undo: how a mesh was changed for the printer, None where it was not. marks: (n, 2), ends of each stroke of a
     drawing's centre marks, none where nobody asked for them.
     """
@@ -54,9 +59,8 @@ class Expected:
     min_wall: float
     chord_tolerance: float
     bore: float | None = None
-    rolled: bool = False
-    eyes: tuple[complex, ...] = ()
-    tips: tuple[tuple[complex, float], ...] = ()
+    eyes: tuple[tuple[complex, float], ...] = ()
+    stacked: bool = True
     undo: Undo | None = None
     marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
 
@@ -156,7 +160,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
         return Judged(tuple(findings), None)
     findings.append(_volume(faults.volume, expected, where))
     rounding = float(np.max(np.abs(mesh.vertices))) * tolerances.FLOAT32_ROUNDING
-    lifted = _lifted(mesh.vertices[:, 2], expected.levels)
+    lifted = _level_error(mesh.vertices[:, 2], expected)
     try:
         sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]
     except ValueError as error:
@@ -165,11 +169,11 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
     return _judge_sections(sections, expected, where, rounding, findings, lifted)
 
 
-def _lifted(heights: Floats, levels: Sequence[float]) -> float:
+def _level_error(heights: Floats, expected: Expected) -> float:
     """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
-    there, wanted = np.unique(heights), np.array(levels)
-    if len(levels) == 1:
-        return float(abs(there[0] - wanted[0]))
+    there, wanted = np.unique(heights), np.array(expected.levels)
+    if not expected.stacked:
+        there = there[[0, -1]]
     apart = np.abs(there[:, None] - wanted)
     return float(max(np.max(np.min(apart, axis=0)), np.max(np.min(apart, axis=1))))
 
@@ -225,43 +229,44 @@ def _volume(volume: float, expected: Expected, where: str) -> Finding:
 
 def _judge_sections(
     read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float,
-    findings: list[Finding], lifted: float = 0.0,
+    findings: list[Finding], level_error: float = 0.0,
 ) -> Judged:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
+    undo = expected.undo
     try:
         sections = [(meant, _pieces(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
-        if expected.undo is not None:
-            sections = [(meant, tuple(expected.undo(shape) for shape in shapes)) for meant, shapes in sections]
+        if undo is not None:
+            sections = [(meant, shapes if meant.sent else tuple(map(undo, shapes))) for meant, shapes in sections]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings), None)
     steps = 4.0
-    if len(expected.levels) == 1:  # a crossed body, of which one flat face is known; corners near each other are one
+    if not expected.stacked:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
-    limit = 2 * expected.chord_tolerance + steps * rounding + (expected.undo.slack if expected.undo else 0.0)
-    off, remark = lifted, f"a flat face is {lifted:.4g} mm off its height"
+    limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
+    off, remark = level_error, f"a flat face is {level_error:.4g} mm off its height"
+    place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
     for k, (meant, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in meant.shapes)
         found = sum(1 + len(shape.holes) for shape in shapes)
         if found != count or len(shapes) != len(meant.shapes):
             off, remark = math.nan, f"{found} contours instead of {count}"
             break
-        same = meant.shapes[0].outer is sections[0][0].shapes[0].outer
-        rolled = sections[0][1][0].outer if expected.rolled and same else None
-        here = _strayed(shapes, meant.shapes, expected, rolled)
+        here = _section_error(shapes, meant.shapes, expected, place)
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
-    wall = min(_wall(shape) for shapes in _distinct(sections) for shape in shapes)
+    made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
+    wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
         facets = 2 * max(_WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
-    shape = sections[0][1][0]
+    shape = made[0][1][0]
     bore = _bore(shape, expected.bore)
     if bore is not None:
         shape = shape.moved(shift=-bore.centre)
-    return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in sections))
+    return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in made))
 
 
 def _pieces(rings: Sequence[Ring]) -> tuple[Shape, ...]:
@@ -295,25 +300,33 @@ def _bore(shape: Shape, diameter: float | None) -> Circle | None:
     return bore_circle(nearest, diameter)
 
 
-def _strayed(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, rolled: Ring | None) -> float:
-    """How far the contours of a section are from those meant, mm; as many of them, and what is judged elsewhere left out.
+def _is_bore(ring: Ring, expected: Expected) -> bool:
+    return expected.bore is not None and abs(ring.centroid) < expected.bore / 2
 
-    rolled: the outer contour at the height where followers roll on it, with which the other heights are compared.
-    """
-    off = 0.0
+
+def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected) -> complex:
+    """How far the bore in a section is from its place, mm: motion tells that, and at all heights it is the same."""
+    holes = [hole for shape in shapes for hole in shape.holes]
+    bores = [hole for wanted in meant for hole in wanted.holes if _is_bore(hole, expected)]
+    return min((hole.centroid - bores[0].centroid for hole in holes), key=abs) if holes and bores else 0j
+
+
+def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex) -> float:
+    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own."""
+    off, left = 0.0, list(shapes)
     for wanted in meant:
-        shape = min(shapes, key=lambda one: _apart(one.outer, wanted.outer))
+        shape, *left = sorted(left, key=lambda one: _apart(one.outer, wanted.outer))
         if len(shape.holes) != len(wanted.holes):  # the holes of another piece
             return math.inf
-        if not _is_eye(wanted.outer, expected):
-            off = max(off, _distance(shape.outer, rolled or wanted.outer, expected))
+        pairs, holes = [(shape.outer, wanted.outer)], list(shape.holes)
         for hole in wanted.holes:
-            if _is_eye(hole, expected):
-                continue
-            found = min(shape.holes, key=lambda one: _apart(one, hole))
-            if expected.bore is not None and abs(hole.centroid) < expected.bore / 2:
-                found = found.moved(shift=hole.centroid - found.centroid)
-            off = max(off, _distance(found, hole, expected))
+            found, *holes = sorted(holes, key=lambda one: _apart(one, hole))
+            pairs.append((found, hole))
+        for found, ring in pairs:
+            shift = found.centroid - ring.centroid if _is_eye(ring, expected) else 0j
+            if ring is not wanted.outer and _is_bore(ring, expected):
+                shift = bore_shift
+            off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance))
     return off
 
 
@@ -322,16 +335,24 @@ def _apart(a: Ring, b: Ring) -> float:
 
 
 def _is_eye(ring: Ring, expected: Expected) -> bool:
-    return any(abs(ring.centroid - eye) <= 2 * expected.chord_tolerance for eye in expected.eyes)
+    """Whether a contour that is meant is that of a joint, by its place and its size."""
+    near, size = 2 * expected.chord_tolerance, 2 * math.sqrt(abs(ring.area) / math.pi)
+    return any(abs(ring.centroid - at) <= near and abs(size - diameter) <= near for at, diameter in expected.eyes)
 
 
-def _distance(a: Ring, b: Ring, expected: Expected) -> float:
-    """Largest distance of either contour's vertices from the other one, mm, those in the discs of tips left out."""
-    one, other = (ring.facetted(expected.chord_tolerance) for ring in (a, b))
-    return max(_beyond(one, other, expected), _beyond(other, one, expected))
+def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
+    """How far a contour is from the one meant, mm: the largest distance either way of points along their edges, and the
+    difference of their areas over the length. Arcs are facetted within the tolerance, mm.
+    """
+    one, other = found.facetted(tolerance), meant.facetted(tolerance)
+    area = abs(abs(found.area) - abs(meant.area)) / meant.length
+    return max(area, *(float(np.max(point_to_ring(_along(a), b))) for a, b in ((one, other), (other, one))))
 
 
-def _beyond(points: Points, ring: Points, expected: Expected) -> float:
-    for centre, radius in expected.tips:
-        points = points[np.abs(points - centre) > radius]
-    return float(np.max(point_to_ring(points, ring), initial=0.0))
+def _along(ring: Points) -> Points:
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    way = np.roll(ring, -1) - ring
+    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    edge = np.repeat(np.arange(len(ring)), count)
+    step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    return np.asarray(ring[edge] + way[edge] * step / count[edge])
