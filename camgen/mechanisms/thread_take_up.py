@@ -42,6 +42,10 @@ Disc = tuple[complex, float]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = tuple[Coordinate, Coordinate]
 
+_LASH = (
+    "free play of the feed, mm, by the play of all joints together; 7: thread that play alone may give or take is excess, of "
+    "which the source bears 7 mm"
+)
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
 
@@ -98,6 +102,7 @@ class Limits(Record):
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
     gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
     excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
+    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 7.0
     min_wall: Length = 0.8
 
 
@@ -344,6 +349,7 @@ class ThreadTakeUp(Mechanism):
                 "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
                 self.take_up.thread, self.take_up.thread_slope,
                 still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
+                lash=self.allowed.lash,
             ),
         )  # fmt: skip
 
