@@ -374,10 +374,9 @@ def judge_linkage(
     meant = _stroke(theta, motion(theta, 0), lambda t: (motion(t, 0), motion(t, 1)))
     numbers[f"stroke_recovered_{kind}_mm"] = made
     half = made * _LASH
-    remark = "free play of the output, by that of all joints at the worst angle; the limit is " + (
-        "limits.lash" if traced.lash < half else "half of the stroke: with more it is no mechanism"
-    )
-    findings.append(at_most("LASH", 2 * band, min(traced.lash, half), "mm", where, remark + "; a smaller slide_clearance lowers it"))
+    cause = "limits.lash" if traced.lash < half else "half of the stroke: with more it is no mechanism"
+    remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}; less slide_clearance lowers it"
+    findings.append(at_most("LASH", 2 * band, min(traced.lash, half), "mm", where, remark))
     if traced.stroke:
         remark = f"{made:.6f} mm recovered, {meant:.6f} mm wanted"
         findings.append(at_most("STROKE_ERROR", abs(made - meant), limit, "mm", where, remark))

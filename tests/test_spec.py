@@ -302,6 +302,6 @@ def test_bad_values_of_the_uniform_swing_cam(starter: Path, setting: str) -> Non
 
 @pytest.mark.parametrize("mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"])
 def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: str) -> None:
-    limits = schema(MECHANISMS[mechanism])["$defs"]["Limits"]["properties"]
+    limits = schema(load(mechanism))["$defs"]["Limits"]["properties"]
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
     assert told["description"].startswith("free play of") and f"; {told['default']:g}: " in told["description"]
