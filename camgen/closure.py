@@ -375,7 +375,7 @@ def judge_linkage(
     numbers[f"stroke_recovered_{kind}_mm"] = made
     half = made * _LASH
     cause = "limits.lash" if traced.lash < half else "half of the stroke: with more it is no mechanism"
-    remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}; less slide_clearance lowers it"
+    remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}"
     findings.append(at_most("LASH", 2 * band, min(traced.lash, half), "mm", where, remark))
     if traced.stroke:
         remark = f"{made:.6f} mm recovered, {meant:.6f} mm wanted"

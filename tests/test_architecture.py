@@ -17,7 +17,7 @@ ROWS = (
     {"motion", "findings", "spec", "standards"},
     {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
     | {"linkages", "dynamics", "landmarks", "tips"},
-    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "nearness"},
+    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "looper_timing", "nearness"},
     {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
@@ -50,6 +50,7 @@ SAME_ROW = {
     ("sweep", "interference"),
     ("mechanisms", "looper_study"),
     ("fits", "parts"),
+    ("looper_timing", "stitch"),
     ("packing", "export"),
     ("export", "dxf"),
     ("drawing", "dxf"),
@@ -79,7 +80,7 @@ JUDGES = {
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
     "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
-    "stitch", "looper_design", "looper_parts",
+    "stitch", "looper_design", "looper_parts", "looper_timing",
     "looper_study", "tips", "sizing", "disc_parts",
 }  # fmt: skip
 HOW_PARTS_TOUCH = {

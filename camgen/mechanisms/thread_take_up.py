@@ -42,10 +42,7 @@ Disc = tuple[complex, float]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = tuple[Coordinate, Coordinate]
 
-_LASH = (
-    "free play of the feed, mm, by the play of all joints together; 7: thread that play alone may give or take is excess, of "
-    "which the source bears 7 mm"
-)
+_LASH = "free play of the feed by that of all joints, mm; 7: what it gives or takes is excess, and the source bears 7 mm of it"
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
 
@@ -121,11 +118,10 @@ class ThreadTakeUp(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, nozzle, found = self.making, self.print.nozzle, []
         room = p.shaft_length - p.thickness - self.print.slide_clearance
+        thin = {f"parts.{key}": float(getattr(p, key)) for key in ("wall", "thickness", "thread_height")}
+        thin["limits.min_wall"] = self.allowed.min_wall
         checks = (
-            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.thickness >= nozzle, "parts.thickness", p.thickness, f"at least the nozzle, {nozzle:g} mm"),
-            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.thread_height >= nozzle, "parts.thread_height", p.thread_height, f"at least the nozzle, {nozzle:g} mm"),
+            *((value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm") for path, value in thin.items()),
             (
                 0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
                 "between a twentieth and half of shaft_diameter, so that it turns the crank",
@@ -236,13 +232,12 @@ class ThreadTakeUp(Mechanism):
             self._flat("input-crank", "Input crank", p.thickness, ("pressed on the shaft; pin A is pressed in",)),
             self._flat("bell-crank", "Bell crank with the eye", p.thickness, ("turns on pins A and B; finger pressed in",)),
         ]  # fmt: skip
-        flat_side = self._shaft(0.0)
         collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
         length = p.shaft_length + 2 * level + p.thickness
         glued, made = "pressed and glued in", "printed" if p.pins == "printed" else "turned of steel"
         return (
             *flat,
-            Part("shaft", "Input shaft", (Layer(Region(flat_side), 0.0, length),), centres=(0j,), made=made,
+            Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
                  notes=("glued into input crank and collar, turns in frame and pivot",)),
             Part(
                 "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
@@ -348,8 +343,7 @@ class ThreadTakeUp(Mechanism):
             Traced(
                 "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
                 self.take_up.thread, self.take_up.thread_slope,
-                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
-                lash=self.allowed.lash,
+                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides), lash=self.allowed.lash,
             ),
         )  # fmt: skip
 
