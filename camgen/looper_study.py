@@ -48,6 +48,7 @@ def timing_study(clock: Clock) -> Study:
     """How many degrees the spreaders may run late or early: of a finished machine, and of designs with another lag_deg."""
     rows: list[tuple[object, ...]] = []
     numbers: dict[str, float] = {}
+    beyond = f"over {math.degrees(FARTHEST):g}"
     for anew, name, said in (
         (False, "timing", "finished machine, spreaders late (lag) or early (lead)"),
         (True, "designed", "timing.lag_deg more or less, noses set to their needles at capture once more"),
@@ -57,13 +58,13 @@ def timing_study(clock: Clock) -> Study:
         for what, pair in ends.items():
             lag, lead = _deg(pair)
             meant = "a needle strikes" if what == "strike" else "a needle misses its loop"
-            rows.append((said, meant, *(f"{x:.3f}" if math.isfinite(x) else f"over {math.degrees(FARTHEST):g}" for x in (lag, lead))))
+            rows.append((said, meant, *(f"{x:.3f}" if math.isfinite(x) else beyond for x in (lag, lead))))
             numbers |= {f"{name}_lag_to_{what}_deg": lag, f"{name}_lead_to_{what}_deg": lead}
         if not anew:
             numbers["timing_tolerance_deg"] = math.degrees(t.least)
     table = Table("Timing: what the spreaders may be off", ("of", "until", "lag, deg", "lead, deg"), rows)
     late, early = (
-        f"{least:.2f}" if math.isfinite(least := numbers[f"timing_{way}_to_strike_deg"]) else f"over {math.degrees(FARTHEST):g}"
+        f"{least:.2f}" if math.isfinite(least := numbers[f"timing_{way}_to_strike_deg"]) else beyond
         for way in ("lag", "lead")
     )
     note = (

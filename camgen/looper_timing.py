@@ -86,7 +86,7 @@ class Clock:
     def gap(self, lag: float = 0.0, anew: bool = False) -> float:
         """The least gap over the turn, mm."""
         step = math.tau / _ANGLES
-        phi: Floats = np.arange(_ANGLES) * step
+        phi: Floats = np.arange(_ANGLES, dtype=np.float64) * step
         gaps = self._gaps(phi, lag, anew)
         for _ in range(_ROUNDS):
             phi = phi[gaps - self._fastest * step / 2 <= np.min(gaps)]

@@ -22,8 +22,8 @@ ROWS = (
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
-    | {"budget", "outline_files", "follower_table"},
+    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "sweep", "clearance"}
+    | {"folder", "budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs"},
     {"making", "judging"},
     {"pipeline", "outline_motion", "terminal", "benchmark"},
@@ -54,6 +54,8 @@ SAME_ROW = {
     ("packing", "export"),
     ("export", "dxf"),
     ("drawing", "dxf"),
+    ("drawing", "dimensions"),
+    ("dimensions", "dxf"),
     ("drawing", "sheet"),
     ("sheet", "dxf"),
     ("budget", "rolling"),
@@ -79,7 +81,7 @@ JUDGES = {
 }
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
+    "export", "packing", "fits", "dxf", "sheet", "drawing", "dimensions", "program", "segments", "crossing",
     "stitch", "looper_design", "looper_parts", "looper_timing",
     "looper_study", "tips", "sizing", "disc_parts",
 }  # fmt: skip

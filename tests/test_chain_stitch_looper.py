@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import tomllib
 from pathlib import Path
@@ -383,7 +384,7 @@ def test_timing_tolerance_is_where_the_files_strike(changes: dict[str, Any], tmp
             for off, strikes in ((-0.01, False), (0.01, True)):
                 by = sign * (numbers[key] + off)
                 if name == "timing":
-                    found = least(m, tmp_path, lambda theta, by=math.radians(by): late(theta, by))
+                    found = least(m, tmp_path, functools.partial(late, by=math.radians(by)))
                 else:
                     found = least(starter({**changes, "timing.lag_deg": by}), tmp_path)
                 assert (found < 0) is strikes, (key, off, found)

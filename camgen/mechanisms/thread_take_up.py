@@ -118,8 +118,8 @@ class ThreadTakeUp(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, nozzle, found = self.making, self.print.nozzle, []
         room = p.shaft_length - p.thickness - self.print.slide_clearance
-        thin = {f"parts.{key}": float(getattr(p, key)) for key in ("wall", "thickness", "thread_height")}
-        thin["limits.min_wall"] = self.allowed.min_wall
+        thin = {"limits.min_wall": self.allowed.min_wall}
+        thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
         checks = (
             *((value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm") for path, value in thin.items()),
             (
@@ -342,8 +342,8 @@ class ThreadTakeUp(Mechanism):
             Pin("pin C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide), slide),
             Traced(
                 "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
-                self.take_up.thread, self.take_up.thread_slope,
-                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides), lash=self.allowed.lash,
+                self.take_up.thread, self.take_up.thread_slope, lash=self.allowed.lash,
+                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
             ),
         )  # fmt: skip
 
