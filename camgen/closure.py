@@ -373,8 +373,10 @@ def judge_linkage(
     made = _stroke(theta, closed.output, recovered)
     meant = _stroke(theta, motion(theta, 0), lambda t: (motion(t, 0), motion(t, 1)))
     numbers[f"stroke_recovered_{kind}_mm"] = made
-    remark = "free play of the output, by that of all joints at the worst angle; at most half of the stroke"
-    findings.append(at_most("LASH", 2 * band, made * _LASH, "mm", where, remark))
+    half = made * _LASH
+    cause = "limits.lash" if traced.lash < half else "half of the stroke: with more it is no mechanism"
+    remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}"
+    findings.append(at_most("LASH", 2 * band, min(traced.lash, half), "mm", where, remark))
     if traced.stroke:
         remark = f"{made:.6f} mm recovered, {meant:.6f} mm wanted"
         findings.append(at_most("STROKE_ERROR", abs(made - meant), limit, "mm", where, remark))

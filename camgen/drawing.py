@@ -1,26 +1,28 @@
 """The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
 
-Two views in first-angle projection (the part seen from above, and to its right seen from the left), overall sizes, a
-table of holes and of the corners and roundings of every layer, notes and a title block. An outline that is no chain of
+Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left; and of a part
+that is crossed with a second outline a third one below, seen along y, without which nobody knows the body. Overall sizes,
+a table of holes and of the corners and roundings of every outline, notes and a title block. An outline that is no chain of
 lines and arcs, a cam's, is in the part's own file; it gets its least and greatest radius. Nothing here knows a mechanism.
 """
 
 from __future__ import annotations
 
 import cmath
-import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from camgen import __version__
 from camgen.arcfit import as_circle, fit_arcs
+from camgen.dimensions import Hole, edge_rows, free, hole_of, holes_of, nearest_and_farthest, number
 from camgen.dxf import extent
-from camgen.outlines import Arc, Contour, Floats, Line, Piece, Points, end_point, start_point
+from camgen.outlines import Contour, Floats, Points, Region, polygon
 from camgen.parts import Layer, Part
+from camgen.sampling import facet_contour
 from camgen.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 
 # Standard scales, mm of paper for a mm of the part. [ISO 5455]
@@ -31,10 +33,11 @@ _FILING, _MARGIN = 20.0, 10.0
 _TITLE = (170.0, 36.0)
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _ROW = 5.0
+_NOTES = _SIZES["A4"][0] - _FILING - _MARGIN - _TITLE[0] - 6  # width of the notes, beside the title block of an A4 sheet
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
 _LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
 _DIMENSION_GAP = 24.0
-_EDGES = 16  # rows that an outline may take in the table
+_THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _STACK = 8  # layers that are told one by one
 
 
@@ -52,132 +55,12 @@ def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, meta:
     return paths
 
 
-@dataclass(frozen=True)
-class Hole:
-    """A row of the table: its place (complex mm) and what it is; a label fits at `middle`, or beside a round hole."""
-
-    place: complex
-    shape: str
-    middle: complex
-    radius: float = 0.0
-
-
-def holes_of(contours: Sequence[Contour]) -> list[tuple[str, Hole]]:
-    """Holes with their labels: equal shapes share a letter, numbered where there are several."""
-    holes = [_hole(contour) for contour in contours]
-    shapes = list(dict.fromkeys(hole.shape for hole in holes))
-    named: list[tuple[str, Hole]] = []
-    for letter, shape in zip(_letters(), shapes, strict=False):
-        same = [hole for hole in holes if hole.shape == shape]
-        named += [(f"{letter}{i}" if len(same) > 1 else letter, hole) for i, hole in enumerate(same, 1)]
-    return named
-
-
-def _letters() -> itertools.chain[str]:
-    alphabet = "ABCDEFGHJKLMNPQRSTUVWXYZ"  # no I, no O
-    return itertools.chain(alphabet, (a + b for a in alphabet for b in alphabet))
-
-
-def _hole(contour: Contour) -> Hole:
-    """What a hole is: a circle, an arc slot, a circle with a keyway or flat, or else the size of its box."""
-    round_one = as_circle(contour)
-    if round_one:
-        centre, radius = round_one
-        return Hole(centre, f"Ø{number(2 * radius)}", centre, radius)
-    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
-    if len(arcs) == len(contour.pieces) == 4 and abs(arcs[0].centre - arcs[2].centre) < 1e-9:
-        outer, inner = sorted((arcs[0], arcs[2]), key=lambda arc: -arc.radius)
-        radius, width = (outer.radius + inner.radius) / 2, outer.radius - inner.radius
-        low, high = sorted((math.degrees(outer.t0), math.degrees(outer.t1)))
-        turn = 360 * math.floor(low / 360)
-        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° - {high - turn:.1f}°"
-        return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2))
-    lower, upper = extent([fit_arcs(contour, 0.01)])
-    box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
-    widest = max(arcs, key=lambda arc: abs(arc.sweep), default=None)
-    if widest and abs(widest.sweep) > math.pi:
-        shape = f"Ø{number(2 * widest.radius)}, {box} overall"
-        return Hole(widest.centre, shape, widest.centre, widest.radius)
-    return Hole((lower + upper) / 2, box, (lower + upper) / 2)
-
-
-def number(value: float) -> str:
-    """A length as on a drawing: at most three digits after the point, no idle zeros."""
-    return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
-
-
-def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
-    """Points of a contour of lines and arcs at the least and the greatest distance from the origin."""
-    points: list[complex] = []
-    for piece in contour.pieces:
-        points += [start_point(piece), end_point(piece)]
-        if isinstance(piece, Arc) and piece.centre != 0:
-            towards = cmath.phase(piece.centre)
-            for angle in (towards, towards + math.pi):
-                along = (angle - piece.start) * math.copysign(1, piece.sweep) % (2 * math.pi)
-                if along <= abs(piece.sweep):
-                    points.append(piece.centre + cmath.rect(piece.radius, angle))
-        elif not isinstance(piece, Arc):
-            a, d = start_point(piece), end_point(piece) - start_point(piece)
-            share = -(a * d.conjugate()).real / abs(d) ** 2
-            points += [a + share * d] if 0 < share < 1 else []
-    return min(points, key=abs), max(points, key=abs)
-
-
-def free(contour: Contour) -> bool:
-    """Whether a contour is no chain of lines and arcs, as a cam's."""
-    return any(not isinstance(piece, Line | Arc) for piece in contour.pieces)
-
-
-def edge_rows(contour: Contour) -> list[tuple[str, str, str]]:
-    """X, Y and what is there, of an outline of lines and arcs: a rectangle, or else every rounding and every sharp corner.
-
-    With these, and tangents between roundings, the outline can be drawn.
-    """
-    round_one = as_circle(contour)
-    if round_one:
-        return [(number(round_one[0].real), number(round_one[0].imag), f"Ø{number(2 * round_one[1])}, its edge")]
-    if free(contour):
-        return [("", "", "a curve: see the profile")]
-    pieces = [piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9]
-    corners = [start_point(piece) for piece in pieces]
-    lines = all(isinstance(piece, Line) for piece in pieces)
-    if lines and len({round(z.real, 6) for z in corners}) == len({round(z.imag, 6) for z in corners}) == 2:
-        low, high = extent([contour])
-        size = f"{number(high.real - low.real)} × {number(high.imag - low.imag)}, its lower left corner"
-        return [(number(low.real), number(low.imag), size)]
-    rows = []
-    for before, piece in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
-        place = start_point(piece)
-        if abs(cmath.phase(_way(piece, piece.t0) / _way(before, before.t1))) > 1e-3:
-            rows.append((number(place.real), number(place.imag), "corner"))
-        if isinstance(piece, Arc):
-            kind = "" if piece.sweep > 0 else ", hollow"
-            rows.append((number(piece.centre.real), number(piece.centre.imag), f"R{number(piece.radius)}{kind}"))
-    rows = _paired(dict.fromkeys(rows))
-    return rows if len(rows) <= _EDGES else [("", "", f"{len(rows)} roundings and corners: see the profile")]
-
-
-def _paired(rows: Collection[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
-    """Rows, two that lie on either side of the x axis as one with +-."""
-    found: dict[tuple[str, str, str], None] = {}
-    for x, y, what in rows:
-        size = y.lstrip("-")
-        both = size != "0" and (x, size, what) in rows and (x, f"-{size}", what) in rows
-        found[x, f"±{size}" if both else y, what] = None
-    return list(found)
-
-
-def _way(piece: Piece, t: float) -> complex:
-    return complex(piece.at(t, 1)) * (1 if piece.t1 > piece.t0 else -1)
-
-
 def _wrapped(note: str) -> list[str]:
     """A note in lines that fit beside the title block of an A4 sheet."""
-    room, lines = _SIZES["A4"][0] - _FILING - _MARGIN - _TITLE[0] - 6, [""]
+    room, lines = _NOTES, [""]
     for word in note.split():
         longer = f"{lines[-1]} {word}".strip()
-        lines = [*lines[:-1], longer] if Text(0j, longer, 2.5).width <= room else [*lines, word]
+        lines = [*lines[:-1], longer] if not lines[-1] or Text(0j, longer, 2.5).room <= room else [*lines, word]
     return lines
 
 
@@ -192,6 +75,25 @@ def _along(contours: Sequence[Contour]) -> Points:
     return np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
 
 
+def _from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
+    """What the view along y shows of a crossed part, as x + iz: of each layer the second outline, as far as the layer goes."""
+    import shapely
+
+    def corners(contour: Contour) -> Floats:
+        z = facet_contour(contour, tolerance)
+        return np.column_stack([z.real, z.imag])
+
+    whole = shapely.Polygon(corners(crossed.outer), [corners(hole) for hole in crossed.holes])
+    found = []
+    for layer in part.layers:
+        low, high = extent([layer.region.outer])
+        seen = whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1))
+        for piece in shapely.get_parts(seen):
+            rings = (piece.exterior, *piece.interiors) if piece.geom_type == "Polygon" else ()
+            found += [polygon((shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])).tolist()) for ring in rings]
+    return found
+
+
 class _Layout:
     """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
 
@@ -200,11 +102,19 @@ class _Layout:
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
         self.named = holes_of(part.region.holes)
-        self.above = _contours([each for k, each in enumerate(part.layers) if k != part.cut], tolerance)
+        self.rims = dict(zip(map(hole_of, part.region.holes), self.holes, strict=True))
+        others = [each for k, each in enumerate(part.layers) if k != part.cut]
+        covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
+        known = set(part.region.holes)
+        hidden = [c for each in covered for c in (each.region.outer, *each.region.holes) if c not in known]
+        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden]
+        self.above = _contours([each for each in others if each not in covered], tolerance)
+        self.beyond = [] if part.crossed is None else _from_above(part, part.crossed, tolerance)
+        self.depth = part.thickness if part.crossed else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.turns = free(part.region.outer) and part.bore is not None
         self.notes = self._notes(tolerance)
-        self.low, self.high = extent([self.outer, *self.above])
+        self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.size_name, self.scale = self._choose()
         width, height = _SIZES[self.size_name]
         self.sheet = Sheet(width, height, f"{part.title} ({stem})")
@@ -213,6 +123,7 @@ class _Layout:
         self._frame()
         self._plan()
         self._side()
+        self._third()
         self._table()
         self._note_lines()
         self._title_block()
@@ -234,8 +145,9 @@ class _Layout:
         def best(size: str) -> float:
             wide, tall = self._room(size)
             wide -= _LEFT + _RIGHT + _BESIDE
-            tall -= _BELOW + _ABOVE
-            fits = (s for s in _SCALES if s * (span.real + self.part.thickness) <= wide and s * span.imag <= tall)
+            tall -= _BELOW + _ABOVE + (2 * _THIRD if self.depth else 0.0)
+            high = span.imag + self.depth
+            fits = (s for s in _SCALES if s * (span.real + self.part.thickness) <= wide and s * high <= tall)
             return next(fits, _SCALES[-1])
 
         a4, a3 = best("A4"), best("A3")
@@ -246,9 +158,10 @@ class _Layout:
         wide, tall = self._room(self.size_name)
         span = self.scale * (self.high - self.low)
         spare_x = wide - _LEFT - _RIGHT - _BESIDE - span.real - self.scale * self.part.thickness
-        spare_y = tall - _BELOW - _ABOVE - span.imag
+        third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
+        spare_y = tall - _BELOW - _ABOVE - span.imag - third
         foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
-        corner = complex(_FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + spare_y / 2)
+        corner = complex(_FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + third + spare_y / 2)
         return corner - self.scale * self.low
 
     def _frame(self) -> None:
@@ -266,13 +179,17 @@ class _Layout:
             put(contour, "CUT")
         for contour in self.above:
             put(contour, "VIEW")
+        for contour in self.hidden:
+            put(contour, "HIDDEN")
         for contour in self.engraved:
             put(contour, "TEXT")
         self._centre_lines()
         obstacles = _along([self.outer, *self.holes, *self.above, *self.engraved])
-        for label, hole in self.named:
+        for k, (label, hole) in enumerate(self.named):
             place = self._label_place(hole, obstacles)
             sheet.text(self.paper(place) - 1.25j, label, align="centre", layer="DIM")
+            if not self._beside_its_own(k, place):
+                self._pointer(place, hole)
             obstacles = np.append(obstacles, place + np.array([-2, -1, 0, 1, 2]) / self.scale)
         low, high = self.paper(self.low), self.paper(self.high)
         span = self.high - self.low
@@ -290,6 +207,19 @@ class _Layout:
         places = hole.middle + np.concatenate([away * ring, (away + 2.5 / self.scale) * ring])
         room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), 2.2 / self.scale)  # enough is enough
         return complex(places[np.argmax(np.round(room, 3))])
+
+    def _beside_its_own(self, k: int, place: complex) -> bool:
+        """Whether a label at that place is nearer to the k-th hole than to any other one: to its middle and to its edge."""
+        edges = [float(np.min(np.abs(_along([self.rims[hole]]) - place))) for _, hole in self.named]
+        middles = [abs(hole.middle - place) for _, hole in self.named]
+        return all(min(away[:k] + away[k + 1 :], default=math.inf) > away[k] for away in (edges, middles))
+
+    def _pointer(self, place: complex, hole: Hole) -> None:
+        """A leader from a label to its hole's edge, or to the middle of one that is not round."""
+        way = (hole.middle - place) / abs(hole.middle - place)
+        tip, start = self.paper(hole.middle - hole.radius * way), self.paper(place) + 2.2 * way
+        self.sheet.line(start, tip, layer="DIM")
+        self.sheet.arrow(tip, way)
 
     def _centre_lines(self) -> None:
         """Axes through the datum across the whole part, crosses on round holes and other centres."""
@@ -376,6 +306,12 @@ class _Layout:
             top = complex(left, self.paper(self.high).imag)
             self._dimension(top, top + self.scale * height, 9j * i, number(height))
 
+    def _third(self) -> None:
+        """The view from above, heights z growing downwards."""
+        top = complex(self.datum.real, self.paper(self.low).imag - _BELOW - _THIRD)
+        for contour in self.beyond:
+            self.sheet.contour(contour.moved(self.scale, top, mirror=True), "VIEW")
+
     def _dimension(self, a: complex, b: complex, away: complex, text: str) -> None:
         """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
         sheet = self.sheet
@@ -438,8 +374,11 @@ class _Layout:
             same = told.setdefault(tuple(edges), span)
             rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
             rows += [("", *row) for row in edges if same is span]
-            own = [_hole(contour) for contour in layer.region.holes]
+            own = [hole_of(contour) for contour in layer.region.holes]
             rows += [("", number(h.place.real), number(h.place.imag), h.shape) for h in own if (h.place, h.shape) not in known]
+        if self.part.crossed is not None:
+            rows.append(("", "X", "Z", "Edges from above:"))
+            rows += [("", *row) for contour in (self.part.crossed.outer, *self.part.crossed.holes) for row in edge_rows(contour)]
         return rows
 
     def _notes(self, tolerance: float) -> list[str]:
@@ -449,6 +388,8 @@ class _Layout:
         if round_one and abs(round_one[0]) > 1e-9:
             x, y = round_one[0].real, round_one[0].imag
             lines.append(f"Outline Ø{number(2 * round_one[1])} about X {number(x)}, Y {number(y)}")
+        if part.crossed is not None:
+            lines.append("Material is what lies within both outlines, along z and from above")
         if len(part.layers) > _STACK:
             lines.append(f"{len(part.layers)} layers, see the STL")
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
@@ -461,7 +402,7 @@ class _Layout:
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""
         for i, line in enumerate(reversed(self.notes)):
-            self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5)
+            self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
 
     def _title_block(self) -> None:
         right = self.sheet.width - _MARGIN

@@ -42,7 +42,8 @@ class IndexingStudy:
     """Numbers, curves and findings of an indexing drive.
 
     swing: of the follower, rad; omega: cam shaft, rad/s, below 0 clockwise; dwell_torque: of the process on the link in a
-    dwell, N m; closing: torque at the follower that presses it on the one cam, N m, None for a conjugate pair.
+    dwell, N m; closing: torque at the follower that presses it on the one cam, N m, None for a conjugate pair; ideal: a
+    spring, which no one makes, that does by itself what the law asks: what a real one is compared with. It may be `spring`.
     """
 
     program: Program
@@ -53,11 +54,12 @@ class IndexingStudy:
     spring: SpringTorque | None
     dwell_torque: float
     closing: float | None
+    ideal: SpringTorque
 
-    def at(self, theta: Floats, speed: float = 1.0) -> Torques:
-        """Torques over cam angles (n,), the shaft at a multiple of its speed."""
+    def at(self, theta: Floats, speed: float = 1.0, spring: SpringTorque | None = None) -> Torques:
+        """Torques over cam angles (n,), the shaft at a multiple of its speed; with another spring where one is given."""
         s = [self.program(theta, order) for order in range(3)]
-        return torques(s, self.swing, speed * self.omega, self.load, self.spring)
+        return torques(s, self.swing, speed * self.omega, self.load, spring or self.spring)
 
     @cached_property
     def _fine(self) -> tuple[Floats, Any, Torques]:
@@ -80,6 +82,12 @@ class IndexingStudy:
         return peak(found.follower, turning) / peak(found.follower_bare, turning)
 
     @property
+    def _kind(self) -> str:
+        if self.spring is self.ideal:
+            return 'an ideal spring, which cannot be built (unloader.torque = "law"); "crank" is one that can'
+        return "the spring of the spec"
+
+    @property
     def _spans(self) -> tuple[float, float]:
         """Cam angle in which the link turns forwards, and back, rad."""
         rise, back = (next(s.span for s in self.program.segments if s.kind == kind) for kind in ("rise", "return"))
@@ -94,7 +102,7 @@ class IndexingStudy:
             found.append(
                 at_most(
                     "RESIDUAL_TORQUE", self.residual, residual_limit, "share", "follower, while the link turns",
-                    "peak torque that is left to the cam, of that without the unloader; "
+                    f"peak torque that is left to the cam, of that without the unloader, by {self._kind}; "
                     "friction and another speed than the spring's raise it",
                 )
             )  # fmt: skip
@@ -139,7 +147,8 @@ class IndexingStudy:
 
     def study(self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None) -> Study:
         """Numbers, plots, tables and notes; asked: weights, sines and cosines of laws to look for."""
-        tables = [self._peaks(), self._card(), self._speeds()] if self.spring else [self._peaks(), self._card()]
+        tables = [self._peaks(), self._card()]
+        tables += [self._unloaders(), self._speeds()] if self.spring else []
         if asked is not None and self.spring is not None:
             tables.append(self._synthesis(self.spring, *asked))
         notes = [_ARRANGEMENT]
@@ -200,7 +209,8 @@ class IndexingStudy:
             kappa = np.linspace(0, 1, 601)
             position, rise = self.law(kappa), self._spans[0]
             inertia = self.load.inertia * ratio * self.swing * (self.omega / rise) ** 2 * self.law(kappa, 2)
-            curves = [("inertia", position, inertia), ("spring", position, self.spring(position))]
+            name = "ideal spring" if self.spring is self.ideal else "spring"
+            curves = [("inertia", position, inertia), (name, position, self.spring(position))]
             plots.append(Plot("Torque on the driven link, forwards", "share of the stroke", "N m", curves))
         pressure = [(name, x, np.degrees(cam.pressure_angle(theta))) for name, cam in cams.items()]
         return [*plots, Plot("Pressure angle", label, "deg", pressure)]
@@ -223,6 +233,16 @@ class IndexingStudy:
         values = [np.round(self.law(z / (2 * _Z), order), 12) for order in range(3)]
         rows = [[int(z[k]), *(float(v[k]) for v in values), float(values[1][k] * values[2][k])] for k in range(len(z))]
         return Table("Position invariants over the run-up, kappa = z/60", ("z", "a", "b", "c", "b c"), rows)
+
+    def _unloaders(self) -> Table:
+        """The spring beside none, and beside the ideal one."""
+        theta, turning, found = self._fine
+        bare = peak(found.follower_bare, turning)
+        ideal = peak(self.at(theta, spring=self.ideal).follower, turning)
+        rows = [["none", bare, 100.0], ["ideal: what the law asks, cannot be built", ideal, 100 * ideal / bare]]
+        if self.spring is not self.ideal:
+            rows.append(["this spring", peak(found.follower, turning), 100 * self.residual])
+        return Table("Peak torque at the follower, by the unloader's spring", ("spring", "N m", "left, %"), rows)
 
     def _speeds(self) -> Table:
         """The same spring at other speeds: inertia goes with their square, the spring does not."""

@@ -14,11 +14,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from camgen.crossing import Edge, rounded
 from camgen.errors import DesignError
-from camgen.outlines import Contour, Region, circle, polygon
+from camgen.looper_timing import Clock
+from camgen.outlines import Contour, Region, circle, polygon, start_point
 from camgen.parts import Layer, Part
 from camgen.spec import Length, Record
 from camgen.stitch import Condition, Design, Stitch, linear
@@ -208,6 +210,14 @@ class Bodies:
             (f"needles' plane at z = {-floor:.4f}", *self._sizes),
             None, self.min_wall, 1, Region(plan), self._edges(floor),
         )  # fmt: skip
+
+    @property
+    def clock(self) -> Clock:
+        """Needles and the section that they can strike, over the turn at any lag."""
+        section = self.section_outline(self.making.shank_length, self.design.given.protrusion - self.making.running_gap)
+        outlines = (section, *(needle.region.outer for needle in self._needles))
+        body, one, two = (np.array([start_point(piece) for piece in outline.pieces]) for outline in outlines)
+        return Clock(self.design, body, (one, two))
 
     @cached_property
     def _needles(self) -> tuple[Part, Part]:

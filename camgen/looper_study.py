@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from camgen.looper_timing import FARTHEST, Clock
 from camgen.mechanism import Plot, Study, Table
 from camgen.outlines import Floats
 from camgen.stitch import HOLDS, Condition, Design, Stitch, ratio_range, thread_per_stitch
@@ -41,6 +42,36 @@ def study(
     numbers = {**_numbers(given, made, length, conditions, rpm), **areas}
     notes = (_SOURCE, _PLANE.format(given.side_gap))
     return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
+
+
+def timing_study(clock: Clock) -> Study:
+    """How many degrees the spreaders may run late or early: of a finished machine, and of designs with another lag_deg."""
+    rows: list[tuple[object, ...]] = []
+    numbers: dict[str, float] = {}
+    beyond = f"over {math.degrees(FARTHEST):g}"
+    for anew, name, said in (
+        (False, "timing", "finished machine, spreaders late (lag) or early (lead)"),
+        (True, "designed", "timing.lag_deg more or less, noses set to their needles at capture once more"),
+    ):
+        t = clock.timing(anew)
+        ends = {"strike": (t.strike_lag, t.strike_lead), "missed_loop": (t.missed_lag, t.missed_lead)}
+        for what, pair in ends.items():
+            lag, lead = _deg(pair)
+            meant = "a needle strikes" if what == "strike" else "a needle misses its loop"
+            rows.append((said, meant, *(f"{x:.3f}" if math.isfinite(x) else beyond for x in (lag, lead))))
+            numbers |= {f"{name}_lag_to_{what}_deg": lag, f"{name}_lead_to_{what}_deg": lead}
+        if not anew:
+            numbers["timing_tolerance_deg"] = math.degrees(t.least)
+    table = Table("Timing: what the spreaders may be off", ("of", "until", "lag, deg", "lead, deg"), rows)
+    late, early = (
+        f"{least:.2f}" if math.isfinite(least := numbers[f"timing_{way}_to_strike_deg"]) else beyond
+        for way in ("lag", "lead")
+    )
+    note = (
+        f"Timing: a needle strikes a spreader that runs late by {late} deg of the shaft or early by {early} deg; with "
+        f"the loops, which a needle must not miss, either way {numbers['timing_tolerance_deg']:.2f} deg are left."
+    )
+    return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, tables=[table], notes=[note])
 
 
 def _columns(d: Design) -> dict[str, Floats]:

@@ -147,6 +147,7 @@ class Traced:
     places of the eyes that stand `still` (complex mm), such as thread guides;
     gradient(path, *places): its slope, (n,) complex, so that d output = Re(conj(gradient) d path).
     stroke: whether the difference of the output's extremes is what the spec asks for, and judged as STROKE_ERROR.
+    lash: free play of the output that the designer accepts, mm; never more than half of its stroke.
     """
 
     name: str
@@ -157,6 +158,7 @@ class Traced:
     gradient: Callable[..., Points]
     stroke: bool = True
     still: tuple[Eye, ...] = ()
+    lash: float = math.inf
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,14 @@ import numpy as np
 from camgen.dxf import add_contour, document
 from camgen.outlines import Arc, Contour, Line, Piece, start_point
 
-# Layer -> (colour index, line width in 1/100 mm); CENTER is dash-dotted. VIEW holds visible edges that are not cut.
-LAYERS = {"CUT": (7, 50), "VIEW": (8, 35), "CENTER": (1, 18), "DIM": (5, 18), "TEXT": (7, 25)}
+# Layer -> (colour index, line width in 1/100 mm). VIEW holds visible edges that are not cut, HIDDEN those behind material.
+LAYERS = {"CUT": (7, 50), "VIEW": (8, 35), "HIDDEN": (8, 18), "CENTER": (1, 18), "DIM": (5, 18), "TEXT": (7, 25)}
+# Dashed layers: line type in a DXF, its pattern there and in a PDF, mm of paper.
+_DASHES = {"CENTER": ("CENTER2", (), "6 1.2 0.8 1.2"), "HIDDEN": ("HIDDEN2", (9.0, 6.0, -3.0), "3 1.5")}
+# What a character takes at most in CAD programs, by the height of capitals: of LibreCAD's standard font most letters and
+# digits take 0.78, the space 0.75; the wide ones stand here.
+CAD_ADVANCE = 0.8
+_CAD_WIDE = dict.fromkeys("4BDGHKNOPRSTUZ", 0.9) | dict.fromkeys("mwAMQVXY#&*Ø", 1.0) | dict.fromkeys("W%@_", 1.6)
 _POINT = 72 / 25.4  # PDF units in a millimetre
 
 # Advance widths of Helvetica, 1/1000 of the size, characters 32 to 126. [Adobe Core14 AFM, Helvetica.afm]
@@ -75,6 +81,11 @@ class Text:
         """Length in Helvetica, mm."""
         return sum(_WIDTH.get(c, 600) for c in self.text) / 1000 * self.height / _CAP
 
+    @property
+    def room(self) -> float:
+        """Length that it may take in a PDF reader or in a CAD program, whose font is its own, mm."""
+        return max(self.width, self.height * sum(_CAD_WIDE.get(c, CAD_ADVANCE) for c in self.text))
+
 
 @dataclass
 class Sheet:
@@ -114,9 +125,9 @@ class Sheet:
         layer: str = "TEXT",
         room: float = math.inf,
     ) -> None:
-        """Add a line of text, smaller where it would be longer than `room` mm (CAD fonts run a little wider)."""
+        """Add a line of text, smaller where it might be longer than `room` mm."""
         line = Text(at, text, height, align, direction, layer)
-        shrink = min(1.0, room / (1.15 * line.width)) if text else 1.0
+        shrink = min(1.0, room / line.room) if text else 1.0
         self.things.append(replace(line, height=height * shrink))
 
 
@@ -157,7 +168,7 @@ def _operators(thing: Stroke | Fill | Text) -> str:
     if isinstance(thing, Fill):
         a, b, c = map(_pair, thing.corners)
         return f"{a} m {b} l {c} l f\n"
-    dash = "[6 1.2 0.8 1.2] 0 d" if thing.layer == "CENTER" else "[] 0 d"
+    dash = f"[{_DASHES[thing.layer][2] if thing.layer in _DASHES else ''}] 0 d"
     steps = [f"{LAYERS[thing.layer][1] / 100:g} w {dash} {_pair(start_point(thing.pieces[0]))} m"]
     for piece in thing.pieces:
         if isinstance(piece, Arc):
@@ -199,10 +210,13 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
 
     corners = (-datum / scale, (complex(sheet.width, sheet.height) - datum) / scale)
     with document(path, LAYERS, corners) as space:
+        for kind, pattern, _ in _DASHES.values():
+            if pattern:
+                space.doc.linetypes.add(kind, pattern)
         for thing in sheet.things:
             at: dict[str, object] = {"layer": thing.layer}
-            if thing.layer == "CENTER":
-                at |= {"linetype": "CENTER2", "ltscale": 0.5 / scale}
+            if thing.layer in _DASHES:
+                at |= {"linetype": _DASHES[thing.layer][0], "ltscale": 0.5 / scale}
             if isinstance(thing, Text):
                 at |= {"height": thing.height / scale, "rotation": math.degrees(cmath.phase(thing.direction))}
                 entity = space.add_text(thing.text.translate(_DXF_CODES), dxfattribs=at)
@@ -212,6 +226,7 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
                 space.add_solid([a, b, c, c], dxfattribs=at)
             elif thing.closed:
                 add_contour(space, Contour(thing.pieces).moved(1 / scale, -datum / scale), thing.layer)
+                space[-1].update_dxf_attribs(at)
             else:
                 for piece in thing.pieces:
                     if isinstance(piece, Arc):

@@ -10,6 +10,7 @@ Torques in N m, inertias in kg m^2, angles in rad, all at their own shaft; gears
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -63,6 +64,12 @@ class CrankSpring:
     stretch: float
     lead: float
     stroke: float
+
+    @property
+    def stretches(self) -> tuple[float, float]:
+        """Of the spring over the stroke, mm: at its middle, and at the ends, `lead` past the dead centre."""
+        cord = abs(self.crank * cmath.exp(1j * self.lead) + self.guide)
+        return self.stretch, self.stretch + cord - (self.guide - self.crank)
 
     def __call__(self, a: Floats) -> Floats:
         """Torque on the link, N m, (n,)."""

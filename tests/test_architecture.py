@@ -17,13 +17,13 @@ ROWS = (
     {"motion", "findings", "spec", "standards"},
     {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
     | {"linkages", "dynamics", "landmarks", "tips", "unpacking"},
-    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "nearness"},
+    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "looper_timing", "nearness"},
     {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
-    | {"budget", "outline_files", "follower_table"},
+    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "sweep", "clearance"}
+    | {"folder", "budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs", "scope"},
     {"making", "judging"},
     {"pipeline", "outline_motion", "terminal", "benchmark"},
@@ -50,9 +50,12 @@ SAME_ROW = {
     ("sweep", "interference"),
     ("mechanisms", "looper_study"),
     ("fits", "parts"),
+    ("looper_timing", "stitch"),
     ("packing", "export"),
     ("export", "dxf"),
     ("drawing", "dxf"),
+    ("drawing", "dimensions"),
+    ("dimensions", "dxf"),
     ("drawing", "sheet"),
     ("sheet", "dxf"),
     ("budget", "rolling"),
@@ -79,8 +82,8 @@ JUDGES = {
 }
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
-    "stitch", "looper_design", "looper_parts",
+    "export", "packing", "fits", "dxf", "sheet", "drawing", "dimensions", "program", "segments", "crossing",
+    "stitch", "looper_design", "looper_parts", "looper_timing",
     "looper_study", "tips", "sizing", "disc_parts",
 }  # fmt: skip
 HOW_PARTS_TOUCH = {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import math
 import tomllib
 from pathlib import Path
@@ -24,12 +26,21 @@ from camgen.solids import solid
 ROOT = Path(__file__).parent.parent
 STARTER = ROOT / "specs" / "chain-stitch-looper.toml"
 REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))
+# Nearer to the source than the starter: a needle slides along a front, nothing is set back.
+SLIDING = {
+    "geometry.plate_to_spreader": 7, "geometry.velocity_ratio": 0.9142857, "geometry.blade_length": 34,
+    "geometry.p6_setback": 0, "limits.clearance": 0,
+}  # fmt: skip
 EXAMPLE = {"geometry.velocity_ratio": 0.8, "geometry.plate_to_spreader": 8, "geometry.blade_length": 32}
 
 
 def machine(changes: dict[str, Any] | None = None) -> ChainStitchLooper:
+    return starter({**SLIDING, **(changes or {})})
+
+
+def starter(changes: dict[str, Any]) -> ChainStitchLooper:
     data = spec.read(STARTER)
-    for path, value in (changes or {}).items():
+    for path, value in changes.items():
         table, key = path.split(".")
         data.setdefault(table, {})[key] = value
     return spec.validate(ChainStitchLooper, data)
@@ -218,7 +229,7 @@ def test_poses_put_noses_and_tips_in_place() -> None:
 
 
 def test_starter_holds() -> None:
-    assert failing(machine()) == []
+    assert failing(starter({})) == [] and failing(machine()) == []
 
 
 @pytest.mark.parametrize(
@@ -327,6 +338,79 @@ def test_stroke_left_out_suits_the_feed_for_any_law(law: str, feed: float) -> No
     phi = np.linspace(0, math.tau, 400001)
     share = [float(np.mean(m.design.risen(phi) >= s)) * 360 for s in m.design.in_fabric]
     assert min(share) == pytest.approx(feed, abs=4e-3 if feed >= 1 else 3e-2)
+
+
+# ---- timing ------------------------------------------------------------------------------------------------------------
+
+
+def as_made(m: ChainStitchLooper, folder: Path) -> ChainStitchLooper:
+    for part in m.parts()[:4]:
+        write_stl(folder / f"x-{part.name}.stl", solid(part, 0.001), part.name)
+    return m
+
+
+def least(m: ChainStitchLooper, folder: Path, poses: Any = None) -> float:
+    """Smallest clearance of needles and spreaders on the files, mm."""
+    return min(f.measured for f in judge_clearance("stl", folder, "x", m.contacts()[:4], poses or m.poses, 0.001).findings)
+
+
+def test_the_starter_clears_its_needles_by_half_a_millimetre(tmp_path: Path) -> None:
+    m = as_made(starter({}), tmp_path)
+    assert m.allowed.clearance == 0.5
+    assert least(m, tmp_path) == pytest.approx(min(clearances(m.stitch)), abs=2e-3) and min(clearances(m.stitch)) > 1.3
+
+
+@pytest.mark.parametrize("changes", [{}, {"timing.spreader": "cycloidal", "geometry.p6_setback": 6, "geometry.blade_length": 50}])
+def test_timing_tolerance_is_where_the_files_strike(changes: dict[str, Any], tmp_path: Path) -> None:
+    """A hundredth of a degree before the told lag or lead the bodies in the files are apart, as much after it they overlap."""
+    m = as_made(starter(changes), tmp_path)
+    numbers = m.study().numbers
+    d, told = m.design, 0
+    for way, sign in (("lag", 1), ("lead", -1)):
+
+        def late(theta: np.ndarray, by: float) -> Any:
+            """The finished machine whose spreaders run late: only their way is shifted in time."""
+            found, more = dict(m.poses(theta)), d.moved(theta - by) - d.moved(theta)
+            for name, towards in (("lower-spreader", 1), ("upper-spreader", -1)):
+                (pose,) = found[name]
+                found[name] = [dataclasses.replace(pose, position=pose.position + towards * more)]
+            return found
+
+        for name in ("timing", "designed"):
+            key = f"{name}_{way}_to_strike_deg"
+            if key not in numbers:
+                continue
+            told += 1
+            for off, strikes in ((-0.01, False), (0.01, True)):
+                by = sign * (numbers[key] + off)
+                if name == "timing":
+                    found = least(m, tmp_path, functools.partial(late, by=math.radians(by)))
+                else:
+                    found = least(starter({**changes, "timing.lag_deg": by}), tmp_path)
+                assert (found < 0) is strikes, (key, off, found)
+                assert abs(found) < 0.02
+    assert told >= 2
+
+
+def test_timing_tolerance_is_where_a_loop_is_missed() -> None:
+    numbers = starter({}).study().numbers
+    lead = numbers["designed_lead_to_missed_loop_deg"]
+    assert "LOOP" not in failing(starter({"timing.lag_deg": -lead + 0.01}))
+    assert "LOOP" in failing(starter({"timing.lag_deg": -lead - 0.01}))
+    told = [numbers.get(f"timing_{way}_to_{what}_deg", math.inf) for way in ("lag", "lead") for what in ("strike", "missed_loop")]
+    assert numbers["timing_tolerance_deg"] == min(told) > 5
+    assert any(f"{min(told):.2f} deg are left" in note for note in starter({}).study().notes)
+
+
+def test_a_design_that_grazes_or_strikes_has_no_tolerance() -> None:
+    for changes in ({}, {"geometry.mode": "published"}):
+        assert machine(changes).study().numbers["timing_tolerance_deg"] == 0
+
+
+def test_the_published_design_has_no_setback() -> None:
+    m = starter({"geometry.mode": "published"})
+    assert m.design == starter({"geometry.mode": "published", "geometry.p6_setback": 0}).design
+    assert any("p6_setback" in note for note in m.study().notes)
 
 
 # ---- laws ------------------------------------------------------------------------------------------------------------

@@ -123,7 +123,8 @@ def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase): 
 
 def machine(**keys: Any) -> ChainStitchLooper:
     data = spec.read(ROOT / "specs" / "chain-stitch-looper.toml")
-    data["geometry"] |= {"plate_to_spreader": 8, "blade_length": 45}
+    data["geometry"] |= {"plate_to_spreader": 8, "blade_length": 45, "p6_setback": 0}
+    data["limits"]["clearance"] = 0
     for path, value in keys.items():
         table, key = path.split("__")
         data.setdefault(table, {})[key] = value

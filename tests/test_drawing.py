@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
 from camgen.arcfit import fit_arcs
-from camgen.drawing import edge_rows, holes_of, nearest_and_farthest, number, write_drawing
+from camgen.dimensions import edge_rows, holes_of, nearest_and_farthest, number
+from camgen.drawing import write_drawing
 from camgen.outlines import Region, circle, kidney, polygon
 from camgen.parts import Layer, Part, hull, keyed_bore
 from camgen.sheet import LAYERS, Text

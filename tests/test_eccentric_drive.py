@@ -324,6 +324,15 @@ def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
     assert edge > body and poses["clamp"][0].z == pytest.approx(poses["slider"][0].z + top)
 
 
+@pytest.mark.parametrize("limit", [1.0, 0.4, 5.0])
+def test_play_is_judged_by_the_designers_limit(limit: float, tmp_path: Path) -> None:
+    """0.2 mm of play in strap and pin each; no limit bears more than half of the stroke of 3 mm."""
+    settings = [] if limit == 1 else [f"limits.lash={limit}"]
+    (lash,) = [f for f in pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), settings).findings if f.code == "LASH"]
+    assert lash.measured == pytest.approx(0.4, rel=0.02) and lash.ok is (lash.measured <= limit)
+    assert lash.limit == pytest.approx(min(limit, 1.5), abs=1e-6)
+
+
 def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), ["print.slide_clearance=0.8", "geometry.eccentricity=0.4"])
     lash = next(f for f in report.findings if f.code == "LASH")

@@ -23,8 +23,8 @@ STARTER = Path(__file__).resolve().parent.parent / "specs" / "indexing-cam.toml"
 
 
 def design(**keys: Any) -> IndexingCam:
-    """The starter with changed keys, given as table__key; None takes a key out."""
-    data = read(STARTER)
+    """The starter with the ideal spring and with changed keys, given as table__key; None takes a key out."""
+    data = read(STARTER) | {"unloader": {"torque": "law"}}
     for path, value in keys.items():
         *tables, key = path.split("__")
         table = data
@@ -110,6 +110,36 @@ def test_bare_torque_is_inertia_times_acceleration() -> None:
     # power: |b c| of the page, at the cam shaft by its speed of 1 turn in 2 s
     shaft = 8.0491 * 0.05 * math.pi**2 / period**3 / math.pi
     assert numbers["shaft_torque_peak_without_n_m"] == pytest.approx(shaft, rel=1e-5)
+
+
+def test_the_starter_has_a_spring_that_can_be_built() -> None:
+    """A spring of 1 N/mm on the card's crank; inertia, friction and spring put together by hand, apart from the program."""
+    found = pipeline.read_mechanism(STARTER, [])
+    assert isinstance(found, IndexingCam) and found.unloader.torque == "crank"
+    law, kappa = LAWS["mr-13"], np.linspace(0, 1, 20_001)[1:-1]
+    phi = math.radians(18) + math.radians(324) * law(kappa)
+    cord = np.abs(120 + 30 * np.exp(1j * phi))
+    spring = (6 + cord - 90) * 30 * 120 * np.sin(phi) / cord * 1e-3 * 324 / 180
+    bare = 0.05 * math.pi / (2 / 3) ** 2 * law(kappa, 2)
+    left = max(np.max(np.abs(bare + f - spring)) / np.max(np.abs(bare + f)) for f in (0.1, -0.1))
+    numbers = found.study().numbers
+    assert numbers["residual_share_percent"] == pytest.approx(100 * left, rel=1e-3)
+    assert 15 < 100 * left < 20 and verdicts(found)["RESIDUAL_TORQUE"][0].ok
+    assert "ideal" not in verdicts(found)["RESIDUAL_TORQUE"][0].message
+    forces = numbers["spring_force_least_n"], numbers["spring_force_greatest_n"]
+    assert forces == pytest.approx((6, 6 + math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18))) - 90))
+    table = next(t for t in found.study().tables if "by the unloader's spring" in t.title)
+    assert [row[0].split(":")[0] for row in table.rows] == ["none", "ideal", "this spring"]
+    assert table.rows[1][2] == pytest.approx(100 * 0.1 / (2.1736146 + 0.1), rel=1e-5)
+    assert table.rows[2][2] == pytest.approx(100 * left, rel=1e-3)
+
+
+def test_the_ideal_is_named_as_such() -> None:
+    cam = design()
+    (finding,) = verdicts(cam)["RESIDUAL_TORQUE"]
+    assert "ideal spring, which cannot be built" in finding.message and 'unloader.torque = "law"' in finding.message
+    plot = next(p for p in cam.study().plots if p.title.startswith("Torque on the driven link"))
+    assert [name for name, *_ in plot.series] == ["inertia", "ideal spring"]
 
 
 def test_the_spring_of_the_law_bears_all_inertia() -> None:
@@ -332,7 +362,7 @@ def test_a_law_from_a_file(tmp_path: Path) -> None:
     (tmp_path / "law.csv").write_text("\n".join(["share,share", *rows]))
     text = STARTER.read_text().replace('law = "mr-13"', 'law = { name = "table", file = "law.csv" }')
     (tmp_path / "t.toml").write_text(text)
-    report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}))
+    report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}), ['unloader={torque="law"}'])
     assert [f.code for f in report.findings if not f.ok] == []
     by_name = design(geometry__law="cycloidal")
     theta = np.linspace(0, math.tau, 500)

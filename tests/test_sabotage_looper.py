@@ -18,7 +18,11 @@ from camgen.errors import FileError
 SPEC = Path(__file__).parent.parent / "specs" / "chain-stitch-looper.toml"
 KINDS = frozenset({"dxf", "stl"})
 # Clear of its needles by 1.1 mm, so that no damage is found by the way that grazing turns into a strike.
-SETTINGS = ("name='x'", "geometry.p6_setback=1.5", "geometry.blade_length=36")
+SLIDING = (
+    "name='x'", "geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34",
+    "geometry.p6_setback=0", "limits.clearance=0",
+)  # fmt: skip
+SETTINGS = (*SLIDING, "geometry.p6_setback=1.5", "geometry.blade_length=36")
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +45,7 @@ def failing(folder: Path) -> set[tuple[str, str]]:
 
 def built(tmp_path: Path, *settings: str) -> set[str]:
     """Codes that fail in a build with these settings."""
-    return {f.code for f in pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ("name='x'", *settings)).findings if not f.ok}
+    return {f.code for f in pipeline.build(SPEC, tmp_path, frozenset({"stl"}), (*SLIDING, *settings)).findings if not f.ok}
 
 
 def edit(path: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
@@ -214,7 +218,7 @@ def test_each_code_of_a_spec(settings: tuple[str, ...], codes: set[str], tmp_pat
 
 
 def test_every_code_of_the_spec_is_among_them(tmp_path: Path) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ("name='x'",))
+    report = pipeline.build(SPEC, tmp_path, frozenset({"stl"}), SLIDING)
     from_spec = {f.code for f in report.findings if ".stl" not in f.where and f.code != "BED_FIT"}
     assert from_spec == {
         "ALLOWED_RANGE", "MIN_WALL", "SIDE_GAP", "LOOP", "LOOP_ANGLE", "FEED", "BLADE_LENGTH", "VELOCITY_RATIO",

@@ -342,3 +342,10 @@ def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
         code = "import sys\nfrom camgen.cli import main\nmain(['build', *sys.argv[1:]])"
         done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=60)
         assert done.returncode == 4 and said in done.stderr and str(path) in done.stderr
+
+
+@pytest.mark.parametrize("mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"])
+def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: str) -> None:
+    limits = schema(load(mechanism))["$defs"]["Limits"]["properties"]
+    (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
+    assert told["description"].startswith("free play of") and f"; {told['default']:g}: " in told["description"]

@@ -537,6 +537,16 @@ def _segment(radius: float, depth: float) -> float:
     return radius**2 * (half - math.sin(half) * math.cos(half))
 
 
+@pytest.mark.parametrize("play, limit", [(0.2, 7.0), (1.0, 7.0), (1.0, 25.0)])
+def test_lash_is_judged_by_the_designers_limit(play: float, limit: float, tmp_path: Path) -> None:
+    """The source bears 7 mm of excess thread; play of 1 mm in each joint moves the feed by 20.87 mm, of 82 mm."""
+    settings = [f"print.slide_clearance={play}", *([] if limit == 7 else [f"limits.lash={limit}"])]
+    report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), settings)
+    (found,) = [f for f in report.findings if f.code == "LASH"]
+    assert found.limit == limit and found.unit == "mm" and found.ok is (found.measured <= limit)
+    assert found.measured == EXACT(20.87 * play, abs=0.005) and found.message.endswith("the limit is limits.lash")
+
+
 def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> None:
     lengths = {"input_crank": 3e3, "coupler": 1.9e3, "output_crank": 3e3, "frame": 900, "eye_distance": 5.2e3}
     overrides = [f"geometry.{key}={value}" for key, value in lengths.items()]

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -21,7 +22,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.looper_parts import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
-from camgen.looper_study import study
+from camgen.looper_study import study, timing_study
 from camgen.mechanism import Apart, Mechanism, Pose, Study
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
@@ -130,8 +131,8 @@ class ChainStitchLooper(Mechanism):
              f"0, or at least {LEAST_RADIUS:g} mm: less is neither drawn nor made"),
             (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
              f"at least the nozzle, {self.print.nozzle:g} mm"),
-            (g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg or g.p6_setback),
-             "geometry.mode", 0.0, "\"corrected\" with segments, lag_deg or p6_setback: the source knows none of them"),
+            (g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg),
+             "geometry.mode", 0.0, "\"corrected\" with segments or lag_deg: the source knows none of them"),
         ]  # fmt: skip
         for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
             value = getattr(self.print, key)
@@ -155,10 +156,11 @@ class ChainStitchLooper(Mechanism):
         """What the spec gives, in the source's terms."""
         g, t = self.geometry, self.timing
         needle, spreader = (_program(choice, tables) for _, choice, tables in self._moves())
+        setback = g.p6_setback if g.mode == "corrected" else 0.0  # the source has none
         return Stitch(
             g.needle_spacing, g.point_lengths, g.nose_over_eye, g.loop_rise, g.needle_diameter, g.plate_to_spreader,
             g.protrusion, math.radians(g.feed_deg), g.material_thickness, g.velocity_ratio, self.making.side_gap,
-            g.p6_setback, t.needle_stroke, needle, spreader, math.radians(t.lag_deg),
+            setback, t.needle_stroke, needle, spreader, math.radians(t.lag_deg),
         )  # fmt: skip
 
     @cached_property
@@ -340,7 +342,14 @@ class ChainStitchLooper(Mechanism):
             "top_outline_area_mm2": self.bodies.top_outline().area,
             "needle_section_area_mm2": self.bodies.section_outline().area,
         }
-        return study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
+        found = study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
+        timing = timing_study(self.bodies.clock)
+        published = self.geometry.mode == "published" and self.geometry.p6_setback
+        left_out = ["Left out: p6_setback, for the published design has none."] if published else []
+        return replace(
+            found, numbers={**found.numbers, **timing.numbers}, tables=[*timing.tables, *found.tables],
+            notes=[*found.notes, *timing.notes, *left_out],
+        )  # fmt: skip
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 

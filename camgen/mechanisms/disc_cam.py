@@ -38,6 +38,10 @@ from camgen.tips import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFac
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
+_LASH = (
+    "free play of the follower in a groove or between a pair of cams, mm, or deg of an oscillating one; 0.25: a hundredth of a "
+    "lift of 25, and the running play of printed parts"
+)
 _UP = 1j
 
 
@@ -77,7 +81,7 @@ class Limits(Record):
     pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
     least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
     undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     continuous: Annotated[int, Field(ge=-1, le=3)] = 2
     min_wall: Length = 0.8

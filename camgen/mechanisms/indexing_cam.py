@@ -38,6 +38,10 @@ from camgen.spec import Length, Record, Rpm, turning, validate
 from camgen.spring_law import characteristic, trade_off
 from camgen.unloader import CrankSpring, Load, SpringTorque, antisymmetric, law_torque
 
+_LASH = (
+    "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
+    "unloader presses one roller on, so the link stands there without play"
+)
 _SPRING_POINTS = 101  # of a table that stands for a spring
 Span = Annotated[float, Field(ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
@@ -86,8 +90,8 @@ class LoadTable(Record):
 class UnloaderTable(Record):
     """The spring on the driven link.
 
-    torque "law": what the law asks at design_rpm, times balance; "crank": a spring on a crank pin; "table": points of
-    position (0 to 0.5 of the stroke) and N m; "none": no spring.
+    torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
+    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
     """
 
     torque: Literal["law", "crank", "table", "none"] = "law"
@@ -138,7 +142,7 @@ class Limits(Record):
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
     undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
-    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
+    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
@@ -362,7 +366,7 @@ class IndexingCam(Mechanism):
         given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
         return IndexingStudy(
             self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
-            load.closing_n_m if self.geometry.closure == "force" else None,
+            load.closing_n_m if self.geometry.closure == "force" else None, self._ideal,
         )  # fmt: skip
 
     @cached_property
@@ -376,7 +380,12 @@ class IndexingCam(Mechanism):
         if u.torque == "crank":
             assert None not in (u.stiffness_n_mm, u.crank, u.guide, u.stretch, u.lead_deg)
             return CrankSpring(u.stiffness_n_mm, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)  # type: ignore[arg-type]
-        omega = self._design_rpm * math.tau / 60
+        return self._ideal
+
+    @cached_property
+    def _ideal(self) -> SpringTorque:
+        """A spring, which cannot be built, that does by itself what the law asks."""
+        stroke, omega = math.radians(self.geometry.index_deg), self._design_rpm * math.tau / 60
         period = math.radians(self.geometry.rise_deg) / omega
         return law_torque(self.law, self._balance * self.load.inertia_kg_m2 * stroke / period**2)
 
@@ -418,6 +427,11 @@ class IndexingCam(Mechanism):
         cut = [c for cam in self.cams.values() for c in cam.undercuts]
         numbers |= {"undercut_deg": max((math.degrees(c.shortfall) for c in cut), default=0.0),
                     "undercut_mm": max((c.depth for c in cut), default=0.0)}  # fmt: skip
+        if isinstance(self._spring, CrankSpring):
+            low, high = self._spring.stretches
+            numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,
+                        "spring_force_least_n": self._spring.stiffness * low,
+                        "spring_force_greatest_n": self._spring.stiffness * high}  # fmt: skip
         wanted = self.synthesis
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
         found = self._study.study(self.cams, asked)

@@ -42,6 +42,7 @@ Disc = tuple[complex, float]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = tuple[Coordinate, Coordinate]
 
+_LASH = "free play of the feed by that of all joints, mm; 7: what it gives or takes is excess, and the source bears 7 mm of it"
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
 
@@ -98,6 +99,7 @@ class Limits(Record):
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
     gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
     excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
+    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 7.0
     min_wall: Length = 0.8
 
 
@@ -116,15 +118,18 @@ class ThreadTakeUp(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, nozzle, found = self.making, self.print.nozzle, []
         room = p.shaft_length - p.thickness - self.print.slide_clearance
+        thin = {"limits.min_wall": self.allowed.min_wall}
+        thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
         checks = (
-            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.thickness >= nozzle, "parts.thickness", p.thickness, f"at least the nozzle, {nozzle:g} mm"),
-            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.thread_height >= nozzle, "parts.thread_height", p.thread_height, f"at least the nozzle, {nozzle:g} mm"),
-            (0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
-             "between a twentieth and half of shaft_diameter, so that it turns the crank"),
-            (room > 0, "parts.shaft_length", p.shaft_length,
-             f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play"),
+            *((value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm") for path, value in thin.items()),
+            (
+                0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
+                "between a twentieth and half of shaft_diameter, so that it turns the crank",
+            ),
+            (
+                room > 0, "parts.shaft_length", p.shaft_length,
+                f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play",
+            ),
         )  # fmt: skip
         found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
         if self.masses is not None and self.motor is None:
@@ -231,13 +236,12 @@ class ThreadTakeUp(Mechanism):
             self._flat("input-crank", "Input crank", p.thickness, ("pressed on the shaft; pin A is pressed in",)),
             self._flat("bell-crank", "Bell crank with the eye", p.thickness, ("turns on pins A and B; finger pressed in",)),
         ]  # fmt: skip
-        flat_side = self._shaft(0.0)
         collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
         length = p.shaft_length + 2 * level + p.thickness
         glued, made = "pressed and glued in", "printed" if p.pins == "printed" else "turned of steel"
         return (
             *flat,
-            Part("shaft", "Input shaft", (Layer(Region(flat_side), 0.0, length),), centres=(0j,), made=made,
+            Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
                  notes=("glued into input crank and collar, turns in frame and pivot",)),
             Part(
                 "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
@@ -342,7 +346,7 @@ class ThreadTakeUp(Mechanism):
             Pin("pin C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide), slide),
             Traced(
                 "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
-                self.take_up.thread, self.take_up.thread_slope,
+                self.take_up.thread, self.take_up.thread_slope, lash=self.allowed.lash,
                 still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
             ),
         )  # fmt: skip
