@@ -290,6 +290,15 @@ class _Approach:
                 raise ValueError(f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm")
         return _moved(self.guest, self.coordinates, turns, shifts)
 
+    def round(self) -> _Approach | None:
+        """The same with the disc about the guest's calmest point in its place; None where it is one."""
+        import shapely
+
+        if len(self.coordinates) == 1:
+            return None
+        middle = shapely.Point(self.centre.real, self.centre.imag)
+        return _Approach(self.motion, self.home, middle, self.reach, self.allowed, self.facets)
+
     def pieces(self) -> list[_Approach]:
         """The same with the guest cut into rings about its calmest point, which overlap a little."""
         import shapely
@@ -375,6 +384,22 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
     return True
 
 
+def _search_about(approach: _Approach, best: _Best, needed: float, resolution: float) -> bool:
+    """The same with the disc round the guest in its place; False, and nothing is said, where that is not as near as it is."""
+    import shapely
+
+    disc, found = approach.round(), _Best()
+    if disc is None or not _search(disc, found, needed, resolution, _MANY) or found.gap <= needed:
+        return False
+    true = float(shapely.distance(approach.home, approach.placed(np.array([found.theta]))[0])) - approach.allowed
+    best.evaluations += found.evaluations
+    if true - approach.facets > found.gap + resolution:
+        return False
+    if found.gap < best.gap:
+        best.gap, best.theta = found.gap, found.theta
+    return True
+
+
 def _spare(gap: float, needed: float, resolution: float, share: float) -> float:
     """To what the gap is found: finely near what is needed, roughly where there is room."""
     return max(resolution, share * (gap - needed))
@@ -428,7 +453,8 @@ def _least(
         approach = _facing(motions, first, second, allowed or 0.0)
         if not approach.empty and not _search(approach, best, target, fine, _MANY):
             for piece in approach.pieces():
-                _search(piece, best, target, fine, math.inf)
+                if not _search_about(piece, best, target, fine):
+                    _search(piece, best, target, fine, math.inf)
         if best.gap <= floor:
             break
     if best.gap > floor:
