@@ -396,8 +396,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         if any(isinstance(contact, Apart) for contact in mechanism.contacts()):
             stages.append(pass_by)
         whole = mechanism.assembly() is not None and "3mf" in kinds
-        stages += [judge_assembly] if "3mf" in kinds else []
-        stages += [sweep_assembly, judge_plates] if whole else [fit_bed]
+        stages += [sweep_assembly, judge_assembly] if "3mf" in kinds else []
+        stages += [judge_plates] if whole else [fit_bed]
     if mechanism.assembly() is not None or mechanism.bought():
         stages.append(list_parts)
     return stages
@@ -442,13 +442,14 @@ def _written(case: Case) -> dict[str, Mesh]:
 
 
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
-    """INTERFERENCE of the whole machine, moved through a turn."""
-    from camgen.sweep import COLUMNS, sweep
+    """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
+    from camgen.sweep import COLUMNS, Moved, sweep
 
-    assembly = case.mechanism.assembly()
-    assert assembly is not None, "only machines have one"
-    findings, nearest = sweep(case.file("assembly", "3mf"), assembly)
-    return Outcome(findings, tables=[Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)])
+    m = case.mechanism
+    machine = Moved(list(case.parts), m.poses, m.contacts(), m.stand_ins(), m.running_gap, m.accuracy.chord_tolerance)
+    findings, nearest = sweep(case.file("assembly", "3mf"), machine)
+    title = "Bodies that pass each other, the nearest first"
+    return Outcome(findings, tables=[Table(title, COLUMNS, nearest)] if nearest else [])
 
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
