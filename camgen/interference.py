@@ -49,8 +49,11 @@ _BATCH = 1_000_000  # coordinates that are moved at once
 _DEPTHS = 180  # angles at which the depth of an overlap is looked up
 _GRID = 3600  # steps over the turn in which courses are read
 _START = 16  # stretches of a path to begin with
-_MANY = 256  # stretches that are worth cutting the guest into rings
-_RINGS = 6  # rings, each half as wide as the one outside it
+_MANY = 32  # stretches in question at once, at which it is worth cutting the guest up
+_RINGS = 6  # into which a guest is cut, each half as wide as the one outside it
+_CORNERS = 128  # of a piece of the guest that is not cut any more
+_LAYERS = 4  # pairs of sections, beyond which their shadows are compared first, by at most
+_LONG = 1000  # stretches at once
 _AT_REST = 1e-6  # mm, a path that is no motion
 
 Pair = frozenset[str]
@@ -194,7 +197,7 @@ def _disc(area: Any) -> tuple[complex, float] | None:
     """Centre and radius of the disc about an area, where the area is that disc but for its facets."""
     import shapely
 
-    if shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
+    if area.is_empty or shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
         return None
     z = shapely.get_coordinates(area)[:-1] @ _PLANE
     centre, _, _ = fit_circle(z)
@@ -223,6 +226,11 @@ class _Motion:
         ways = np.abs(self.turns - self.turns[0]), np.abs(self.shifts - self.shifts[0])
         return bool(np.max(ways) < _AT_REST)
 
+    @functools.cached_property
+    def turns_at_all(self) -> bool:
+        """Whether the guest does more than shift."""
+        return bool(np.max(np.abs(self.turns - self.turns[0])) > _AT_REST)
+
     def at(self, theta: Floats) -> tuple[Points, Points]:
         """Turn and shift at other angles."""
         (alpha, p), (beta, q) = (course(theta) for course in self._courses)
@@ -238,12 +246,21 @@ class _Motion:
 
     def path(self, centre: complex, reach: float) -> Floats:
         """How far points of the guest, at most `reach` from a centre, have gone at most by each angle of the grid, (n,) mm."""
-        steps = _steps(self.shifts + self.turns * centre) + reach * _steps(self.turns)
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        if centre not in self._gone:
+            self._gone[centre] = _gone(self.shifts + self.turns * centre)
+        return self._gone[centre] + reach * self._turned
+
+    @functools.cached_property
+    def _gone(self) -> dict[complex, Floats]:
+        return {}
+
+    @functools.cached_property
+    def _turned(self) -> Floats:
+        return _gone(self.turns)
 
 
-def _steps(places: Points) -> Floats:
-    """Bound of the way over each step of a grid, (n - 1,): its chord and the greatest bend beside it.
+def _gone(places: Points) -> Floats:
+    """Bound of the way along a grid by each of its angles, (n,): the sum of chords, each with the greatest bend beside it.
 
     A bend is a second difference. Half of it bounds what the speed in a step differs from its chord's where the second
     derivative is no greater than at the four bends near by; a whole one is taken.
@@ -251,7 +268,7 @@ def _steps(places: Points) -> Floats:
     chords = np.diff(places)
     bends = np.pad(np.abs(np.diff(chords)), 2, mode="edge")
     near = np.max([bends[k : k + len(chords)] for k in range(4)], axis=0)
-    return np.asarray(np.abs(chords) + near)
+    return np.concatenate([[0.0], np.cumsum(np.abs(chords) + near)])
 
 
 class _Approach:
@@ -260,9 +277,12 @@ class _Approach:
     home, guest: what is compared, shrunk by half of the allowed overlap each; of a disc the centre, `pad` its radius.
     """
 
-    def __init__(self, motion: _Motion, home: Any, guest: Any, pad: float, allowed: float, facets: float) -> None:
+    def __init__(
+        self, motion: _Motion, home: Any, guest: Any, pad: float, allowed: float, facets: float, cut: int = 0
+    ) -> None:
         import shapely
 
+        self.cut = cut  # how often the guest was cut up
         self.motion, self.home, self.guest, self.pad, self.allowed, self.facets = motion, home, guest, pad, allowed, facets
         self.coordinates = shapely.get_coordinates(guest) @ _PLANE
         self.centre = complex(self.coordinates[0]) if len(self.coordinates) == 1 else motion.calmest
@@ -299,23 +319,34 @@ class _Approach:
         middle = shapely.Point(self.centre.real, self.centre.imag)
         return _Approach(self.motion, self.home, middle, self.reach, self.allowed, self.facets)
 
-    def pieces(self) -> list[_Approach]:
-        """The same with the guest cut into rings about its calmest point, which overlap a little."""
+    @property
+    def divisible(self) -> bool:
+        """Whether it is worth cutting the guest up."""
+        if len(self.coordinates) <= (_CORNERS if self.cut else 1):
+            return False
+        x0, y0, x1, y1 = self.guest.bounds
+        return bool(max(x1 - x0, y1 - y0) > _ROUND)
+
+    def divided(self) -> list[_Approach]:
+        """The same with the guest cut up: first into rings about its calmest point, each moving less inside, then in halves."""
         import shapely
 
-        if len(self.coordinates) == 1 or not np.ptp(np.abs(self.motion.turns - self.motion.turns[0])) > _AT_REST:
-            return [self]
-        middle = shapely.Point(self.centre.real, self.centre.imag)
-        radii = [1.01 * self.reach * 0.5**k for k in range(_RINGS)]  # a facetted circle is 0.1 percent smaller at most
-        parts = []
-        for outer, inner in reversed(list(itertools.zip_longest(radii, radii[1:]))):  # the calmest first
-            ring = middle.buffer(outer, quad_segs=32)
-            if inner is not None:
-                ring = ring.difference(middle.buffer(inner / 1.02, quad_segs=32))
-            part = self.guest.intersection(ring)
-            if not part.is_empty:
-                parts.append(_Approach(self.motion, self.home, part, self.pad, self.allowed, self.facets))
-        return parts
+        if self.cut == 0:
+            middle, radii = shapely.Point(self.centre.real, self.centre.imag), [self.reach / 2**k for k in range(_RINGS)]
+            discs = [middle.buffer(1.01 * radius, quad_segs=32) for radius in radii]  # its facets lie 0.1 percent inside
+            holes = [middle.buffer(0.99 * radius, quad_segs=32) for radius in radii[1:]]
+            rings = [disc.difference(hole) for disc, hole in zip(discs, holes, strict=False)]
+            cutters = [discs[-1], *rings[::-1]]  # the calmest first
+        else:
+            x0, y0, x1, y1 = self.guest.bounds
+            x, y = (x0 + x1) / 2, (y0 + y1) / 2
+            wide = x1 - x0 > y1 - y0
+            cutters = [shapely.box(x0, y0, *((x, y1) if wide else (x1, y))), shapely.box(*((x, y0) if wide else (x0, y)), x1, y1)]
+        parts = [self.guest.intersection(cutter) for cutter in cutters]
+        return [
+            _Approach(self.motion, self.home, part, self.pad, self.allowed, self.facets, self.cut + 1)
+            for part in parts if not part.is_empty
+        ]  # fmt: skip
 
 
 def _moved(area: Any, coordinates: Points, turns: Points, shifts: Points) -> Any:
@@ -384,6 +415,17 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
     return True
 
 
+def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) -> None:
+    """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
+    if approach.empty or best.gap <= -approach.allowed:
+        return
+    if _search(approach, best, needed, resolution, _MANY if approach.divisible else math.inf):
+        return
+    if not _search_about(approach, best, needed, resolution):
+        for part in approach.divided():
+            _settle(part, best, needed, resolution)
+
+
 def _search_about(approach: _Approach, best: _Best, needed: float, resolution: float) -> bool:
     """The same with the disc round the guest in its place; False, and nothing is said, where that is not as near as it is."""
     import shapely
@@ -449,14 +491,20 @@ def _least(
     """Smallest gap of a pair's sections, and the one that is proven."""
     best, target, floor = _Best(), needed if allowed is None else -allowed, -(allowed or 0.0)
     fine, share = (resolution, _SHARE) if allowed is None else (min(resolution, allowed / 4), _TOUCHING)
-    for first, second in level:
-        approach = _facing(motions, first, second, allowed or 0.0)
-        if not approach.empty and not _search(approach, best, target, fine, _MANY):
-            for piece in approach.pieces():
-                if not _search_about(piece, best, target, fine):
-                    _search(piece, best, target, fine, math.inf)
-        if best.gap <= floor:
-            break
+    waiting = [list(level)]
+    while waiting:
+        some = waiting.pop()
+        if len(some) <= _LAYERS:
+            for first, second in some:
+                _settle(_facing(motions, first, second, -floor), best, target, fine)
+            continue
+        shadows, whole = [_shadow_of(sections) for sections in zip(*some, strict=True)], _Best()
+        clear = _search(_facing(motions, *shadows, -floor), whole, target, fine, _LONG) and whole.gap > max(target, 0.0)
+        best.evaluations += whole.evaluations
+        if not clear:
+            waiting += [some[len(some) // 2 :], some[: len(some) // 2]]
+        elif whole.gap < best.gap:
+            best.gap, best.theta = whole.gap, whole.theta
     if best.gap > floor:
         return (best, best.gap - _spare(best.gap, target, fine, share)) if math.isfinite(best.gap) else (_Best(floor), floor)
     looked = 1 if motions[0].at_rest else _DEPTHS
@@ -464,6 +512,14 @@ def _least(
     depth, best.theta = _deepest([(motions[0], first.area, second.area, theta) for first, second in level], best.theta)
     best.gap, best.evaluations = -depth, best.evaluations + len(theta)
     return best, best.gap - resolution
+
+
+def _shadow_of(sections: Sequence[_Section]) -> _Section:
+    """All that sections cover, as one."""
+    import shapely
+
+    area, facets = shapely.union_all([section.area for section in sections]), max(section.facets for section in sections)
+    return _Section(0.0, 0.0, area, _disc(area), facets)
 
 
 def _facing(motions: tuple[_Motion, _Motion], first: _Section, second: _Section, allowed: float) -> _Approach:

@@ -35,6 +35,7 @@ from camgen.verify import Expected, Section, Undo, judge_copies, judge_dxf, judg
 
 if TYPE_CHECKING:
     from camgen.closure import Sections
+    from camgen.sweep import Moved
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
@@ -443,13 +444,19 @@ def _written(case: Case) -> dict[str, Mesh]:
 
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
-    from camgen.sweep import COLUMNS, Moved, sweep
+    from camgen.sweep import COLUMNS, sweep
 
-    m = case.mechanism
-    machine = Moved(list(case.parts), m.poses, m.contacts(), m.stand_ins(), m.running_gap, m.accuracy.chord_tolerance)
-    findings, nearest = sweep(case.file("assembly", "3mf"), machine)
-    title = "Bodies that pass each other, the nearest first"
-    return Outcome(findings, tables=[Table(title, COLUMNS, nearest)] if nearest else [])
+    findings, nearest = sweep(case.file("assembly", "3mf"), moved(case.mechanism))
+    table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
+    return Outcome(findings, tables=[table] if nearest else [])
+
+
+def moved(mechanism: Mechanism) -> Moved:
+    """A mechanism as the sweep needs it."""
+    from camgen.sweep import Moved
+
+    names, tolerance = [part.name for part in mechanism.parts()], mechanism.accuracy.chord_tolerance
+    return Moved(names, mechanism.poses, mechanism.contacts(), mechanism.stand_ins(), mechanism.running_gap, tolerance)
 
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:

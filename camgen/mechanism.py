@@ -183,9 +183,8 @@ class Mount:
     z: float = 0.0
     flipped: bool = False
 
-    def pose(self, theta: Floats) -> Pose:
-        """The same over the turn, in the ground's frame."""
-        angle = self.drive.angle(theta)
+    def pose(self, angle: Floats) -> Pose:
+        """The same over the turn, in the ground's frame, by the drive's angle, (n,) rad."""
         place = self.drive.centre + np.exp(1j * angle) * self.at
         return Pose(angle + self.turned, np.asarray(place, complex), self.flipped, self.z)
 

@@ -61,18 +61,21 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     if missing:
         return [copies], []
     poses, bodies, numbers = _remembered(machine.poses), [], Counter[str]()
-    for item in package.items:
-        k = numbers[item.name]
-        numbers[item.name] += 1
-        mesh = package.meshes[item.name].moved(item.transform)
-        at = -complex(start[item.name][k].position[0])
-        bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(mesh), _course(poses, item.name, k), at=at))
-    bodies += [Body(thing.name, _slabs(thing), thing.course) for thing in machine.stand_ins]
     spare = 4 * machine.tolerance
-    clearances = swept(
-        bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
-        resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
-    )  # fmt: skip
+    try:
+        for item in package.items:
+            k = numbers[item.name]
+            numbers[item.name] += 1
+            mesh = package.meshes[item.name].moved(item.transform)
+            at = -complex(start[item.name][k].position[0])
+            bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(mesh), _course(poses, item.name, k), at=at))
+        bodies += [Body(thing.name, _slabs(thing), thing.course) for thing in machine.stand_ins]
+        clearances = swept(
+            bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
+            resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
+        )  # fmt: skip
+    except ValueError as error:  # a section that does not close, a motion that jumps
+        return [copies, Finding("INTERFERENCE", False, math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
     findings = [copies, *interference(clearances, machine.gap)]
     ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
     rows = [
