@@ -1,14 +1,20 @@
 """Swept interference: how near the bodies of a machine come to each other over the turn, with a bound between samples.
 
     slab      a body's flat section between two heights, as recovered from its file
-    course    how a group of bodies moves together: turn and shift over theta, and how fast at most
+    course    where a body is over theta: its turn and its place
     gap       distance of two sections in the plane, mm; negative: diameter of the largest circle that fits in their overlap
 
-The bound. A point of a body at distance r from its course's origin moves by at most (travel + turning r) mm a radian, so
-two bodies approach by at most the sum L of that over both, taken at their farthest points; a distance of sets is
-1-Lipschitz in the places of their points. Of a disc only its centre counts, also as seen by the other body. A gap g seen
-at the middle of an interval of half width h is therefore at least g - L h all over it. Intervals are halved until that
-suffices: whatever is dropped is proven, however thin the bodies are.
+The bound. One body, the home, counts as still; z is a point of the other one, the guest: it is at s + e z, s and the unit
+complex e read from both courses on a fine grid of angles. About any centre c of the guest, from one angle to another
+
+    |moved| <= |change of s + e c| + |change of e| |z - c|
+
+The sum of these over the grid, each with twice what a second difference says of the way between, is the path: no point of
+the guest moves further than the path grows. c is the point that moves least, which in a pin joint is its centre, and the
+guest is cut into rings about it: what is near in a joint moves little, what moves far is not near. Of a disc only the
+centre counts. A distance of sets is 1-Lipschitz in the places of their points, so a gap g seen in the middle of a stretch
+of path of half length l is at least g - l all over it. Stretches are halved until that suffices: whatever is dropped is
+proven, however thin the bodies are. Poses that contradict the path are refused.
 Bodies that may touch are first shrunk by half of the allowed overlap each: while the shrunk ones stay apart no circle
 larger than the allowed overlap fits into the overlap of the true ones, so the same bound serves.
 """
@@ -41,9 +47,17 @@ _FACETS = 0.001  # mm, chord tolerance of arcs; added to what a gap may be short
 _SAME_HEIGHT = 1e-4  # mm: less than this in common in height is lying on each other
 _BATCH = 1_000_000  # coordinates that are moved at once
 _DEPTHS = 180  # angles at which the depth of an overlap is looked up
-_START = 64  # intervals of the turn to begin with
+_GRID = 3600  # steps over the turn in which courses are read
+_START = 16  # stretches of a path to begin with
+_MANY = 32  # stretches in question at once, at which it is worth cutting the guest up
+_RINGS = 6  # into which a guest is cut, each half as wide as the one outside it
+_CORNERS = 128  # of a piece of the guest that is not cut any more
+_LAYERS = 4  # pairs of sections, beyond which their shadows are compared first, by at most
+_LONG = 1000  # stretches at once
+_AT_REST = 1e-6  # mm, a path that is no motion
 
 Pair = frozenset[str]
+_PLANE = np.array([1, 1j])  # coordinates to complex numbers
 
 
 @dataclass(frozen=True)
@@ -55,22 +69,13 @@ class Slab:
     rings: tuple[Ring, ...]
 
 
-@dataclass(frozen=True)
-class Course:
-    """Motion of a group of bodies: ground = position(theta) + exp(i angle(theta)) z.
-
-    angle: (n,) rad -> (n,) rad; position: (n,) rad -> (n,) complex mm; both continuous. turning and travel: the greatest
-    |d angle / d theta| and |d position / d theta| (mm/rad) over the turn, from closed forms where there are any; poses
-    that contradict them are refused. The same course object moves its bodies as one.
-    """
-
-    angle: Callable[[Floats], Floats]
-    position: Callable[[Floats], Points]
-    turning: float
-    travel: float
+# Motion of a body: (n,) rad -> angle (n,) rad and position (n,) complex mm; ground = position + exp(i angle) z.
+Course = Callable[[Floats], tuple[Floats, Points]]
 
 
-STILL = Course(lambda t: np.zeros(t.shape), lambda t: np.zeros(t.shape, complex), 0.0, 0.0)
+def still(theta: Floats) -> tuple[Floats, Points]:
+    """The course of what stands still."""
+    return np.zeros(theta.shape), np.zeros(theta.shape, complex)
 
 
 @dataclass(frozen=True)
@@ -82,7 +87,7 @@ class Body:
 
     name: str
     slabs: tuple[Slab, ...]
-    course: Course = STILL
+    course: Course = still
     z: float = 0.0
     flipped: bool = False
     turned: float = 0.0
@@ -93,7 +98,8 @@ class Body:
 class Clearance:
     """What a pair of bodies comes to: smallest gap seen (mm, at theta), the gap proven for the whole turn, evaluations.
 
-    allowed: overlap that the pair may have because it touches by intent, mm; None where it must stay apart.
+    allowed: overlap that the pair may have because it touches by intent, mm; None where it must stay apart. at_rest: neither
+    moves as the other sees it.
     """
 
     a: str
@@ -103,6 +109,7 @@ class Clearance:
     theta: float
     allowed: float | None
     evaluations: int
+    at_rest: bool = False
 
 
 # ---- sections --------------------------------------------------------------------------------------------------------
@@ -157,7 +164,7 @@ def _rings(area: Any) -> list[Ring]:
     import shapely
 
     loops = [part for face in shapely.get_parts(area) for part in (face.exterior, *face.interiors)]
-    points = [shapely.get_coordinates(loop)[:-1] @ np.array([1, 1j]) for loop in loops]
+    points = [shapely.get_coordinates(loop)[:-1] @ _PLANE for loop in loops]
     return [Ring(z, np.zeros(len(z))) for z in points]
 
 
@@ -165,134 +172,190 @@ def _rings(area: Any) -> list[Ring]:
 class _Section:
     """A slab as mounted: heights in the assembly and shapely area in the course's frame.
 
-    reach: of its points from the course's origin, for a disc (centre not None) of its centre; facets: how far the area may
-    be from what it stands for (true arcs, the disc), mm.
+    disc: centre and radius where the area is one; facets: how far the area may be from the arcs that it stands for, mm.
     """
 
     z0: float
     z1: float
     area: shapely.Geometry
-    reach: float
-    centre: complex | None
+    disc: tuple[complex, float] | None
     facets: float
 
 
 def _sections(body: Body) -> list[_Section]:
-    import shapely
-
     top, turn = max(slab.z1 for slab in body.slabs), complex(math.cos(body.turned), math.sin(body.turned))
     found = []
     for slab in body.slabs:
         z0, z1 = (top - slab.z1, top - slab.z0) if body.flipped else (slab.z0, slab.z1)
         rings = [ring.moved(-turn if body.flipped else turn, body.at, body.flipped) for ring in slab.rings]
-        area = _area(rings)
-        facets = _FACETS if any(ring.bulges.any() for ring in rings) else 0.0
-        centre, flattened = _disc(area)
-        if flattened <= _ROUND:
-            reach, facets = abs(centre), facets + flattened
-        else:
-            reach = float(np.max(np.linalg.norm(shapely.get_coordinates(area), axis=1))) + facets
-        found.append(_Section(body.z + z0, body.z + z1, area, reach, centre if flattened <= _ROUND else None, facets))
+        area, facets = _area(rings), _FACETS if any(ring.bulges.any() for ring in rings) else 0.0
+        found.append(_Section(body.z + z0, body.z + z1, area, _disc(area), facets))
     return found
 
 
-def _disc(area: Any) -> tuple[complex, float]:
-    """Centre of the disc about an area, and how far the area's edges lie inside its rim at most, mm; inf with holes."""
+def _disc(area: Any) -> tuple[complex, float] | None:
+    """Centre and radius of the disc about an area, where the area is that disc but for its facets."""
     import shapely
 
-    if shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
-        return 0j, math.inf
-    z = shapely.get_coordinates(area)[:-1] @ np.array([1, 1j])
+    if area.is_empty or shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
+        return None
+    z = shapely.get_coordinates(area)[:-1] @ _PLANE
     centre, _, _ = fit_circle(z)
-    inside = float(area.exterior.distance(shapely.Point(centre.real, centre.imag)))
-    return centre, float(np.max(np.abs(z - centre))) - inside
+    radius = float(np.max(np.abs(z - centre)))
+    inside = float(shapely.boundary(area).distance(shapely.Point(centre.real, centre.imag)))
+    return (complex(centre), radius) if radius - inside <= _ROUND else None
 
 
 # ---- motion ----------------------------------------------------------------------------------------------------------
 
 
-def sampled_rate(function: Callable[[Floats], Any], samples: int = 3600) -> float:
-    """Greatest slope of a smooth function over the turn, for a Course whose rates have no closed form.
+class _Motion:
+    """How one body, the guest, moves as another, the home, sees it: home = shift + turn * guest, turn a unit complex number.
 
-    The steepest chord between samples, and half a step times the greatest second difference, which bounds what lies
-    between them where the second derivative does not change by its own size within a step.
+    theta: (n,) the grid; turns, shifts: (n,) complex on it; name: of both, for people.
     """
-    theta = np.linspace(0, math.tau, samples + 1)
-    chords = np.diff(function(theta)) / (math.tau / samples)
-    return float(np.max(np.abs(chords)) + np.max(np.abs(np.diff(chords))) / 2)
+
+    def __init__(self, home: Body, guest: Body, theta: Floats) -> None:
+        self.theta, self.name = theta, f"{guest.name} seen from {home.name}"
+        self._courses = home.course, guest.course
+        self.turns, self.shifts = self.at(theta)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether there is no motion."""
+        ways = np.abs(self.turns - self.turns[0]), np.abs(self.shifts - self.shifts[0])
+        return bool(np.max(ways) < _AT_REST)
+
+    @functools.cached_property
+    def turns_at_all(self) -> bool:
+        """Whether the guest does more than shift."""
+        return bool(np.max(np.abs(self.turns - self.turns[0])) > _AT_REST)
+
+    def at(self, theta: Floats) -> tuple[Points, Points]:
+        """Turn and shift at other angles."""
+        (alpha, p), (beta, q) = (course(theta) for course in self._courses)
+        back = np.exp(-1j * alpha)
+        return np.exp(1j * (beta - alpha)), (q - p) * back
+
+    @functools.cached_property
+    def calmest(self) -> complex:
+        """The point of the guest that moves least, by the mean square of its steps; a pin joint's centre."""
+        turned, shifted = np.diff(self.turns), np.diff(self.shifts)
+        weight = float(np.sum(np.abs(turned) ** 2))
+        return complex(-np.sum(np.conj(turned) * shifted) / weight) if weight > _AT_REST**2 else 0j
+
+    def path(self, centre: complex, reach: float) -> Floats:
+        """How far points of the guest, at most `reach` from a centre, have gone at most by each angle of the grid, (n,) mm."""
+        if centre not in self._gone:
+            self._gone[centre] = _gone(self.shifts + self.turns * centre)
+        return self._gone[centre] + reach * self._turned
+
+    @functools.cached_property
+    def _gone(self) -> dict[complex, Floats]:
+        return {}
+
+    @functools.cached_property
+    def _turned(self) -> Floats:
+        return _gone(self.turns)
 
 
-def _kept(course: Course, theta: Floats, name: str) -> tuple[Floats, Points]:
-    """Pose of a course at increasing angles; ValueError where it moves faster than it says."""
-    angle, position = course.angle(theta), course.position(theta)
-    step = np.diff(theta)
-    for moved, rate, what in ((np.diff(angle), course.turning, "turns"), (np.diff(position), course.travel, "travels")):
-        excess = np.abs(moved) - rate * step * (1 + 1e-9) - 1e-9
-        if not np.all(excess <= 0):
-            k = int(np.argmax(excess))
-            raise ValueError(f"{name} {what} by {abs(moved[k]):.6g} from {theta[k]:.6g} rad on, faster than {rate:.6g} a radian")
-    return angle, position
+def _gone(places: Points) -> Floats:
+    """Bound of the way along a grid by each of its angles, (n,): the sum of chords, each with the greatest bend beside it.
+
+    A bend is a second difference. Half of it bounds what the speed in a step differs from its chord's where the second
+    derivative is no greater than at the four bends near by; a whole one is taken.
+    """
+    chords = np.diff(places)
+    bends = np.pad(np.abs(np.diff(chords)), 2, mode="edge")
+    near = np.max([bends[k : k + len(chords)] for k in range(4)], axis=0)
+    return np.concatenate([[0.0], np.cumsum(np.abs(chords) + near)])
 
 
 class _Approach:
-    """One section of each of two bodies: decisions and distances at many angles, the smaller one moved in the other's frame."""
+    """One section of each of two bodies, or a piece of one: decisions at many places of their path.
+
+    home, guest: what is compared, shrunk by half of the allowed overlap each; of a disc the centre, `pad` its radius.
+    """
 
     def __init__(
-        self, a: Body, b: Body, first: _Section, second: _Section, allowed: float | None, turn: tuple[float, float]
+        self, motion: _Motion, home: Any, guest: Any, pad: float, allowed: float, facets: float, cut: int = 0
     ) -> None:
         import shapely
 
-        self.allowed, self.turn = allowed or 0.0, turn
-        self.speed = _speed(a, b, first, second, turn)
-        if shapely.get_num_coordinates(first.area) < shapely.get_num_coordinates(second.area):
-            a, b, first, second = b, a, second, first
-        self.fixed, self.mover = (a, b), (first.area, second.area)
-        self.facets = first.facets + second.facets
-        self.home, self.guest = (s.area.buffer(-self.allowed / 2) if allowed else s.area for s in (first, second))
-        self.coordinates = shapely.get_coordinates(self.guest) @ np.array([1, 1j])
-        shapely.prepare(self.home)
+        self.cut = cut  # how often the guest was cut up
+        self.motion, self.home, self.guest, self.pad, self.allowed, self.facets = motion, home, guest, pad, allowed, facets
+        self.coordinates = shapely.get_coordinates(guest) @ _PLANE
+        self.centre = complex(self.coordinates[0]) if len(self.coordinates) == 1 else motion.calmest
+        self.reach = float(np.max(np.abs(self.coordinates - self.centre), initial=0.0))
+        self.path = motion.path(self.centre, self.reach)
 
-    def placed(self, theta: Floats, guest: Any = None) -> Any:
-        """The guest at each angle in the home's frame, (n,) geometries."""
+    @property
+    def empty(self) -> bool:
+        """Whether one of both is thinner than the overlap that it may have."""
+        return bool(self.home.is_empty or self.guest.is_empty or self.pad < 0)
+
+    def theta(self, path: Floats) -> Floats:
+        """Angles at increasing places of the path."""
+        return np.interp(path, self.path, self.motion.theta)
+
+    def placed(self, theta: Floats) -> Any:
+        """The guest at each angle in the home's frame, (n,) geometries; ValueError where it went further than its path."""
+        turns, shifts = self.motion.at(theta)
+        if len(theta) > 1:
+            way = np.diff(np.interp(theta, self.motion.theta, self.path))
+            moved = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(np.diff(turns))
+            if not np.all(moved <= way * (1 + 1e-6) + 1e-7):
+                k = int(np.argmax(moved - way))
+                said = f"{self.motion.name} moves by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
+                raise ValueError(f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm")
+        return _moved(self.guest, self.coordinates, turns, shifts)
+
+    def round(self) -> _Approach | None:
+        """The same with the disc about the guest's calmest point in its place; None where it is one."""
         import shapely
 
-        a, b = self.fixed
-        (alpha, p), (beta, q) = (_kept(body.course, theta, body.name) for body in (a, b))
-        coordinates = self.coordinates if guest is None else shapely.get_coordinates(guest) @ np.array([1, 1j])
-        turn, shift = np.exp(1j * (beta - alpha)), (q - p) * np.exp(-1j * alpha)
-        z = (turn[:, None] * coordinates + shift[:, None]).ravel()
-        copies = np.repeat(np.array([self.guest if guest is None else guest]), len(theta))
-        return shapely.set_coordinates(copies, np.column_stack([z.real, z.imag]))
+        if len(self.coordinates) == 1:
+            return None
+        middle = shapely.Point(self.centre.real, self.centre.imag)
+        return _Approach(self.motion, self.home, middle, self.reach, self.allowed, self.facets)
 
-    def depth(self, theta: Floats) -> Floats:
-        """Diameter of the largest circle in the overlap of the true sections at each angle, mm."""
+    @property
+    def divisible(self) -> bool:
+        """Whether it is worth cutting the guest up."""
+        if len(self.coordinates) <= (_CORNERS if self.cut else 1):
+            return False
+        x0, y0, x1, y1 = self.guest.bounds
+        return bool(max(x1 - x0, y1 - y0) > _ROUND)
+
+    def divided(self) -> list[_Approach]:
+        """The same with the guest cut up: first into rings about its calmest point, each moving less inside, then in halves."""
         import shapely
 
-        home, guest = self.mover
-        shapely.prepare(home)
-        placed = self.placed(theta, guest)
-        depth = np.zeros(len(theta))
-        for k in np.flatnonzero(shapely.intersects(home, placed)):
-            common = shapely.intersection(home, placed[k])
-            if common.area > 0:
-                depth[k] = 2 * shapely.length(shapely.maximum_inscribed_circle(common, tolerance=RESOLUTION / 10))
-        return depth
+        if self.cut == 0:
+            middle, radii = shapely.Point(self.centre.real, self.centre.imag), [self.reach / 2**k for k in range(_RINGS)]
+            discs = [middle.buffer(1.01 * radius, quad_segs=32) for radius in radii]  # its facets lie 0.1 percent inside
+            holes = [middle.buffer(0.99 * radius, quad_segs=32) for radius in radii[1:]]
+            rings = [disc.difference(hole) for disc, hole in zip(discs, holes, strict=False)]
+            cutters = [discs[-1], *rings[::-1]]  # the calmest first
+        else:
+            x0, y0, x1, y1 = self.guest.bounds
+            x, y = (x0 + x1) / 2, (y0 + y1) / 2
+            wide = x1 - x0 > y1 - y0
+            cutters = [shapely.box(x0, y0, *((x, y1) if wide else (x1, y))), shapely.box(*((x, y0) if wide else (x0, y)), x1, y1)]
+        parts = [self.guest.intersection(cutter) for cutter in cutters]
+        return [
+            _Approach(self.motion, self.home, part, self.pad, self.allowed, self.facets, self.cut + 1)
+            for part in parts if not part.is_empty
+        ]  # fmt: skip
 
 
-def _speed(a: Body, b: Body, first: _Section, second: _Section, turn: tuple[float, float]) -> float:
-    """How fast two sections approach each other at most, mm a radian."""
-    if a.course is b.course:
-        return 0.0
-    speeds = [body.course.travel + body.course.turning * section.reach for body, section in ((a, first), (b, second))]
-    bounds = [sum(speeds)]
-    start = np.array(turn[:1])
-    for home, guest, disc, speed in ((a, b, second, speeds[1]), (b, a, first, speeds[0])):
-        if disc.centre is not None:  # its centre, seen from the other course's turning frame
-            beta, p, q = guest.course.angle(start), home.course.position(start), guest.course.position(start)
-            drift = speed + home.course.travel
-            apart = abs(complex((q + np.exp(1j * beta) * disc.centre - p)[0])) + drift * (turn[1] - turn[0])
-            bounds.append(drift + home.course.turning * apart)
-    return min(bounds)
+def _moved(area: Any, coordinates: Points, turns: Points, shifts: Points) -> Any:
+    import shapely
+
+    z = (turns[:, None] * coordinates + shifts[:, None]).ravel()
+    if len(coordinates) == 1:
+        return shapely.points(z.real, z.imag)
+    return shapely.set_coordinates(np.repeat(np.array([area]), len(turns)), np.column_stack([z.real, z.imag]))
 
 
 # ---- the search ------------------------------------------------------------------------------------------------------
@@ -304,44 +367,79 @@ class _Best:
 
     gap: float = math.inf
     theta: float = 0.0
-    where: _Approach | None = None
     evaluations: int = 0
 
 
-def _search(approach: _Approach, best: _Best, needed: float, resolution: float) -> None:
-    """Lower `best` to the least gap of an approach; what is not looked at cannot be less than best less its resolution."""
+def _search(approach: _Approach, best: _Best, needed: float, resolution: float, most: float) -> bool:
+    """Lower `best` to the least gap of an approach; what is not looked at cannot be less than best less its resolution.
+
+    False where more than `most` stretches are in question at once: then nothing is said.
+    """
     import shapely
 
-    floor, ease, turn = -approach.allowed, approach.facets, approach.turn
+    shapely.prepare(approach.home)
+
+    floor, ease = -approach.allowed, approach.facets + approach.pad
     share = _TOUCHING if approach.allowed else _SHARE
-    span = turn[1] - turn[0]
-    start = max(_START, math.ceil(approach.speed * span / (2 * _TOUCHING * approach.allowed)) if approach.allowed else 0)
-    half = span / 2 / start
-    middle: Floats = np.linspace(turn[0] + half, turn[1] - half, start)
-    if approach.speed == 0:
-        middle, half = middle[:1], 0.0
+    span = float(approach.path[-1])
+    half = span / 2 / _START
+    middle: Floats = np.linspace(half, span - half, _START)
+    if span < _AT_REST:
+        middle, half = np.array([span / 2]), span / 2
     while len(middle):
+        if len(middle) > most:
+            return False
         chunk = max(_BATCH // len(approach.coordinates), 1)
         kept = []
         for low in range(0, len(middle), chunk):
-            theta = middle[low : low + chunk]
+            places = middle[low : low + chunk]
+            theta = approach.theta(places)
             placed = approach.placed(theta)
             best.evaluations += len(theta)
             rivals = np.arange(len(theta))
             while len(rivals) and best.gap > floor:  # each round measures one, and keeps those that are nearer still
                 k = int(rivals[len(rivals) // 2])
-                gap = float(shapely.distance(approach.home, placed[k])) - approach.allowed - ease
+                apart = float(shapely.distance(approach.home, placed[k])) - approach.pad
+                gap = max(apart, 0.0) - approach.allowed - approach.facets
                 if gap < best.gap:
-                    best.gap, best.theta, best.where = gap, float(theta[k]), approach
+                    best.gap, best.theta = gap, float(theta[k])
                 nearer = best.gap - _spare(best.gap, needed, resolution, share) / 2 + approach.allowed + ease
                 rivals = rivals[rivals != k]
                 rivals = rivals[shapely.dwithin(approach.home, placed[rivals], nearer)] if nearer > 0 else rivals[:0]
             if best.gap <= floor:
-                return
-            reach = best.gap - _spare(best.gap, needed, resolution, share) + approach.allowed + ease + approach.speed * half
-            kept.append(theta[shapely.dwithin(approach.home, placed, reach)] if reach > 0 else theta[:0])
+                return True
+            reach = best.gap - _spare(best.gap, needed, resolution, share) + approach.allowed + ease + half
+            kept.append(places[shapely.dwithin(approach.home, placed, reach)] if reach > 0 else places[:0])
         middle, half = np.concatenate(kept), half / 2
-        middle = np.sort(np.concatenate([middle - half, middle + half])) if approach.speed else middle[:0]
+        middle = np.sort(np.concatenate([middle - half, middle + half])) if span >= _AT_REST else middle[:0]
+    return True
+
+
+def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) -> None:
+    """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
+    if approach.empty or best.gap <= -approach.allowed:
+        return
+    if _search(approach, best, needed, resolution, _MANY if approach.divisible else math.inf):
+        return
+    if not _search_about(approach, best, needed, resolution):
+        for part in approach.divided():
+            _settle(part, best, needed, resolution)
+
+
+def _search_about(approach: _Approach, best: _Best, needed: float, resolution: float) -> bool:
+    """The same with the disc round the guest in its place; False, and nothing is said, where that is not as near as it is."""
+    import shapely
+
+    disc, found = approach.round(), _Best()
+    if disc is None or not _search(disc, found, needed, resolution, _MANY) or found.gap <= needed:
+        return False
+    true = float(shapely.distance(approach.home, approach.placed(np.array([found.theta]))[0])) - approach.allowed
+    best.evaluations += found.evaluations
+    if true - approach.facets > found.gap + resolution:
+        return False
+    if found.gap < best.gap:
+        best.gap, best.theta = found.gap, found.theta
+    return True
 
 
 def _spare(gap: float, needed: float, resolution: float, share: float) -> float:
@@ -355,50 +453,121 @@ def swept(
     needed: float = 0.0,
     turn: tuple[float, float] = (0.0, math.tau),
     resolution: float = RESOLUTION,
+    mounted: float | None = None,
 ) -> list[Clearance]:
     """Clearance of every pair of bodies with heights in common, over the whole turn.
 
-    contacts: frozenset of two names -> overlap that the pair may have since it is meant to touch, mm > 0. needed: gap that
-    the others must keep, mm; smaller gaps are found to `resolution`, larger ones to a quarter of what they have to spare.
-    ValueError for names that occur twice, contacts of unknown bodies, and poses faster than their course says.
+    contacts: frozenset of two names -> overlap that the pair may have since it is meant to touch, mm > 0. mounted: the same
+    for all pairs that do not move as they see each other; None where they must keep their distance like any. needed: gap
+    that the others must keep, mm; smaller gaps are found to `resolution`, larger ones to a quarter of what they have to
+    spare. ValueError for names that occur twice, contacts of unknown bodies, and poses that jump between grid angles.
     """
     names = [body.name for body in bodies]
     unknown = {name for pair in contacts for name in pair} - set(names)
     if len(set(names)) < len(names) or unknown or not all(value > 0 for value in contacts.values()):
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
-    sections = [_sections(body) for body in bodies]
+    sections, theta = [_sections(body) for body in bodies], np.linspace(*turn, _GRID + 1)
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
-        allowed = contacts.get(frozenset((a.name, b.name)))
-        approaches = [
-            _Approach(a, b, first, second, allowed, turn)
+        level = [
+            (first, second)
             for first, second in itertools.product(own, others)
             if min(first.z1, second.z1) - max(first.z0, second.z0) > _SAME_HEIGHT
         ]
-        if approaches:
-            found.append(_clearance(a.name, b.name, approaches, allowed, needed, resolution))
+        if level:
+            motions = _Motion(a, b, theta), _Motion(b, a, theta)
+            allowed = contacts.get(frozenset((a.name, b.name)), mounted if motions[0].at_rest else None)
+            best, proven = _least(motions, level, allowed, needed, resolution)
+            found.append(
+                Clearance(a.name, b.name, best.gap, proven, best.theta, allowed, best.evaluations, motions[0].at_rest)
+            )
     return found
 
 
-def _clearance(
-    a: str, b: str, approaches: Sequence[_Approach], allowed: float | None, needed: float, resolution: float
-) -> Clearance:
-    best, target = _Best(), needed if allowed is None else -allowed
-    fine = resolution if allowed is None else min(resolution, allowed / 4)
-    for approach in approaches:
-        if not (approach.home.is_empty or approach.guest.is_empty):  # thinner than the overlap it may have
-            _search(approach, best, target, fine)
-    if best.where is None or best.gap > -(allowed or 0.0):
-        spare = _spare(best.gap, target, fine, _SHARE if allowed is None else _TOUCHING)
-        return Clearance(a, b, best.gap, best.gap - spare, best.theta, allowed, best.evaluations)
-    looked = _DEPTHS if any(approach.speed for approach in approaches) else 0
-    theta = np.sort(np.append(np.linspace(*approaches[0].turn, looked, endpoint=False), best.theta), axis=0)
-    depth = np.max([approach.depth(theta) for approach in approaches], axis=0)
-    worst = int(np.argmax(depth))
-    if depth[worst] > 0:
-        best.theta = float(theta[worst])
-    gap = -float(depth[worst])
-    return Clearance(a, b, gap, gap - resolution, best.theta, allowed, best.evaluations + len(theta))
+def _least(
+    motions: tuple[_Motion, _Motion], level: Sequence[tuple[_Section, _Section]], allowed: float | None, needed: float,
+    resolution: float,
+) -> tuple[_Best, float]:  # fmt: skip
+    """Smallest gap of a pair's sections, and the one that is proven."""
+    best, target, floor = _Best(), needed if allowed is None else -allowed, -(allowed or 0.0)
+    fine, share = (resolution, _SHARE) if allowed is None else (min(resolution, allowed / 4), _TOUCHING)
+    waiting = [list(level)]
+    while waiting:
+        some = waiting.pop()
+        if len(some) <= _LAYERS:
+            for first, second in some:
+                _settle(_facing(motions, first, second, -floor), best, target, fine)
+            continue
+        shadows, whole = [_shadow_of(sections) for sections in zip(*some, strict=True)], _Best()
+        clear = _search(_facing(motions, *shadows, -floor), whole, target, fine, _LONG) and whole.gap > max(target, 0.0)
+        best.evaluations += whole.evaluations
+        if not clear:
+            waiting += [some[len(some) // 2 :], some[: len(some) // 2]]
+        elif whole.gap < best.gap:
+            best.gap, best.theta = whole.gap, whole.theta
+    if best.gap > floor:
+        return (best, best.gap - _spare(best.gap, target, fine, share)) if math.isfinite(best.gap) else (_Best(floor), floor)
+    looked = 1 if motions[0].at_rest else _DEPTHS
+    theta = np.sort(np.append(np.linspace(*motions[0].theta[[0, -1]], looked, endpoint=False), best.theta))
+    depth, best.theta = _deepest([(motions[0], first.area, second.area, theta) for first, second in level], best.theta)
+    best.gap, best.evaluations = -depth, best.evaluations + len(theta)
+    return best, best.gap - resolution
+
+
+def _shadow_of(sections: Sequence[_Section]) -> _Section:
+    """All that sections cover, as one."""
+    import shapely
+
+    area, facets = shapely.union_all([section.area for section in sections]), max(section.facets for section in sections)
+    return _Section(0.0, 0.0, area, _disc(area), facets)
+
+
+def _facing(motions: tuple[_Motion, _Motion], first: _Section, second: _Section, allowed: float) -> _Approach:
+    """Two sections for the search; the guest is the one that is looked at with less work."""
+
+    def seen(motion: _Motion, home: _Section, guest: _Section) -> _Approach:
+        import shapely
+
+        shrunk, facets = home.area.buffer(-allowed / 2) if allowed else home.area, home.facets + guest.facets
+        if guest.disc is None:
+            return _Approach(motion, shrunk, guest.area.buffer(-allowed / 2) if allowed else guest.area, 0.0, allowed, facets)
+        centre, radius = guest.disc
+        return _Approach(motion, shrunk, shapely.Point(centre.real, centre.imag), radius - allowed / 2, allowed, facets)
+
+    both = seen(motions[0], first, second), seen(motions[1], second, first)
+    return min(both, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))
+
+
+def _deepest(overlaps: Sequence[tuple[_Motion, Any, Any, Floats]], theta: float) -> tuple[float, float]:
+    """Diameter of the largest circle in the overlaps of a home and a guest at the angles given, mm, and its angle.
+
+    A circle fits where both, shrunk by its radius, still meet.
+    """
+    import shapely
+
+    def deeper(depth: float) -> list[tuple[_Motion, Any, Any, Floats]]:
+        kept = []
+        for motion, home, guest, angles in overlaps:
+            a, b = home.buffer(-depth / 2), guest.buffer(-depth / 2)
+            if not (a.is_empty or b.is_empty):
+                shapely.prepare(a)
+                meet = angles[shapely.intersects(a, _moved(b, shapely.get_coordinates(b) @ _PLANE, *motion.at(angles)))]
+                if len(meet):
+                    kept.append((motion, home, guest, meet))
+        return kept
+
+    low, high = 0.0, RESOLUTION
+    while still_meet := deeper(high):
+        overlaps, low, high = still_meet, high, 2 * high
+        theta = float(overlaps[0][3][0])
+    while high - low > RESOLUTION / 10:
+        middle = (low + high) / 2
+        if still_meet := deeper(middle):
+            overlaps, low = still_meet, middle
+            theta = float(overlaps[0][3][0])
+        else:
+            high = middle
+    return low, theta
 
 
 def interference(clearances: Sequence[Clearance], needed: float) -> list[Finding]:

@@ -36,6 +36,7 @@ from camgen.verify import Expected, Section, Undo, judge_copies, judge_dxf, judg
 
 if TYPE_CHECKING:
     from camgen.closure import Sections
+    from camgen.sweep import Moved
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
@@ -382,9 +383,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages, whole = [], mechanism.assembly() is not None
     if passing_by(mechanism):
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
+    stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
-    if whole:
-        stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     laid_out = whole and "3mf" in kinds
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))
     if whole or mechanism.bought():
@@ -430,13 +430,20 @@ def _written(case: Case) -> dict[str, Mesh]:
 
 
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
-    """INTERFERENCE of the whole machine, moved through a turn."""
+    """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
     from camgen.sweep import COLUMNS, sweep
 
-    assembly = case.mechanism.assembly()
-    assert assembly is not None, "only machines have one"
-    findings, nearest = sweep(case.file("assembly", "3mf"), assembly)
-    return Outcome(findings, tables=[Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)])
+    findings, nearest = sweep(case.file("assembly", "3mf"), moved(case.mechanism))
+    table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
+    return Outcome(findings, tables=[table] if nearest else [])
+
+
+def moved(mechanism: Mechanism) -> Moved:
+    """A mechanism as the sweep needs it."""
+    from camgen.sweep import Moved
+
+    names, tolerance = [part.name for part in mechanism.parts()], mechanism.accuracy.chord_tolerance
+    return Moved(names, mechanism.poses, mechanism.contacts(), mechanism.stand_ins(), mechanism.running_gap, tolerance)
 
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -169,6 +169,10 @@ class Drive:
     centre: complex
     angle: Callable[[Floats], Floats]
 
+    def course(self, theta: Floats) -> tuple[Floats, Points]:
+        """Angle, rad, and position, complex mm, of its frame in the ground's; (n,)."""
+        return self.angle(theta), np.full(theta.shape, self.centre)
+
 
 @dataclass(frozen=True)
 class Mount:
@@ -184,34 +188,32 @@ class Mount:
     z: float = 0.0
     flipped: bool = False
 
-    def pose(self, theta: Floats) -> Pose:
-        """The same over the turn, in the ground's frame."""
-        angle = self.drive.angle(theta)
+    def pose(self, angle: Floats) -> Pose:
+        """The same over the turn, in the ground's frame, by the drive's angle, (n,) rad."""
         place = self.drive.centre + np.exp(1j * angle) * self.at
         return Pose(angle + self.turned, np.asarray(place, complex), self.flipped, self.z)
 
 
 @dataclass(frozen=True)
 class StandIn:
-    """A bought body, not made but in the way of others: discs (centre, radius, z0, z1), mm, on a drive."""
+    """A body that is not made but in the way of others: discs (centre, radius, z0, z1), mm, in a frame of its own.
+
+    course: (n,) rad -> the frame's angle, (n,) rad, and position, (n,) complex mm, in the ground's. rolls: it is a tip that
+    rolls on parts.
+    """
 
     name: str
-    drive: Drive
+    course: Callable[[Floats], tuple[Floats, Points]]
     discs: tuple[tuple[complex, float, float, float], ...]
+    rolls: bool = False
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """A whole machine: all copies of its parts and what is bought.
-
-    touching: pairs of bodies ("cam-1", "frame-1", a stand-in's name) that touch by intent -> overlap that may show, mm;
-    gap: what every other pair must keep, mm.
-    """
+    """A whole machine, laid out for printing: all copies of its parts and what is bought."""
 
     mounts: tuple[Mount, ...]
     stand_ins: tuple[StandIn, ...]
-    touching: Mapping[frozenset[str], float]
-    gap: float
 
 
 @dataclass(frozen=True)
@@ -337,8 +339,38 @@ class Mechanism(Spec, ABC):
         return validate(type(self), data)
 
     def assembly(self) -> Assembly | None:
-        """The whole machine, swept for interference and laid out for printing; None where only single parts are made."""
+        """The whole machine, laid out for printing; None where only single parts are made."""
         return None
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """What is not made but in the way: unless a mechanism says more, each contact's round tip, as high as its cam."""
+        assembly = self.assembly()
+        if assembly is not None:
+            return assembly.stand_ins
+        parts, start = {part.name: part for part in self.parts()}, self.poses(np.zeros(1))
+        found = []
+        for tip in self.contacts():
+            if isinstance(tip, Rolling) and tip.tip_part is None and tip.face is None and tip.tip_radius and not tip.inside:
+                part, pose = parts[tip.part], next(p for p in start[tip.part] if p.flipped is tip.flipped)
+                layer = part.layers[part.cut]
+                low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if pose.flipped else (layer.z0, layer.z1)
+                disc = (0j if tip.slides else tip.arm, tip.tip_radius, pose.z + low, pose.z + high)
+                found.append(StandIn(f"tip on {tip.part}-{1 + tip.flipped}", self._tip_course(tip), (disc,), rolls=True))
+        return found
+
+    def _tip_course(self, tip: Rolling) -> Callable[[Floats], tuple[Floats, Points]]:
+        output = tip.reachable or self.reachable
+
+        def course(theta: Floats) -> tuple[Floats, Points]:
+            s = output(theta)
+            return (np.zeros(theta.shape), tip.pivot + tip.arm * s) if tip.slides else (s, np.full(theta.shape, tip.pivot))
+
+        return course
+
+    @property
+    def running_gap(self) -> float:
+        """What bodies that move past each other keep, mm: of the play on a side what a coarse print leaves, less facets."""
+        return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""

@@ -1,16 +1,23 @@
-"""The assembly as written, moved through a whole turn: which bodies come how near to each other, proven between samples."""
+"""The assembly as written, moved through a whole turn: which bodies come how near to each other, proven between samples.
+
+What may touch follows from how the machine is made: bodies that do not move as they see each other are fixed together; a
+joint's parts have their fit; a tip rolls on its cam; parts that pass by each other may graze.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from camgen.findings import Finding, at_most
-from camgen.interference import Body, Course, Slab, interference, sampled_rate, slabs_of, swept
-from camgen.mechanism import Assembly, Drive, StandIn
+from camgen.interference import Body, Course, Pair, Slab, interference, slabs_of, swept
+from camgen.mechanism import Apart, Contact, Pin, Pose, Rolling, Slide, StandIn
 from camgen.readback import read_3mf
 from camgen.rings import Floats, Points, Ring
 
@@ -18,41 +25,58 @@ _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest fi
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
 
 Row = tuple[str, str, float, float, float]
+Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
+_PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching
+_ROLLING = 0.08  # mm, the same of tip and cam on the way round; how they touch is judged by rolling, far more finely
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
+_FINEST = 0.001  # mm, and no finer than this
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
 
 
-def sweep(path: Path, assembly: Assembly) -> tuple[list[Finding], list[Row]]:
+@dataclass(frozen=True)
+class Moved:
+    """A machine as the sweep needs it: its parts' names, their poses, how they touch, what else is in the way.
+
+    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm.
+    """
+
+    parts: Sequence[str]
+    poses: Poses
+    contacts: Sequence[Contact]
+    stand_ins: Sequence[StandIn]
+    gap: float
+    tolerance: float
+
+
+def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     """Read an assembly file, set it in motion: INTERFERENCE findings, and rows (COLUMNS) of moving pairs that come nearest.
 
-    The file shows theta = 0. A file that does not hold just the copies of the assembly is a ROUND_TRIP that fails.
+    The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
     """
-    package, where = read_3mf(path), path.name
-    wanted = Counter(mount.part for mount in assembly.mounts)
+    package, where, start = read_3mf(path), path.name, machine.poses(np.zeros(1))
+    wanted = Counter({part: len(start[part]) for part in machine.parts})
     found = Counter(item.name for item in package.items)
     missing = sum(((wanted - found) + (found - wanted)).values())
     copies = at_most("ROUND_TRIP", missing, 0, "copies", where, f"{sum(wanted.values())} copies of {len(wanted)} parts in place")
     if missing:
         return [copies], []
-    courses: dict[str, Course] = {}
-    for drive in [*(mount.drive for mount in assembly.mounts), *(thing.drive for thing in assembly.stand_ins)]:
-        if drive.name not in courses:
-            courses[drive.name] = _course(drive)
-    bodies, numbers = [], Counter[str]()
-    queues = {part: [mount for mount in assembly.mounts if mount.part == part] for part in wanted}
-    for item in package.items:
-        mount = queues[item.name][numbers[item.name]]
-        numbers[item.name] += 1
-        bodies.append(
-            Body(f"{item.name}-{numbers[item.name]}", slabs_of(item.placed), courses[mount.drive.name], at=-mount.drive.centre)
-        )
-    bodies += [Body(s.name, _slabs(s), courses[s.drive.name]) for s in assembly.stand_ins]
-    present = {body.name for body in bodies}
-    touching = {pair: overlap for pair, overlap in assembly.touching.items() if pair <= present}
-    clearances = swept(bodies, touching, assembly.gap, resolution=_SHARE * assembly.gap)
-    findings = [copies, *interference(clearances, assembly.gap)]
-    course = {body.name: body.course for body in bodies}
-    ordered = sorted((c for c in clearances if course[c.a] is not course[c.b]), key=lambda c: c.gap)
+    poses, bodies, numbers = _remembered(machine.poses), [], Counter[str]()
+    spare = 4 * machine.tolerance
+    try:
+        for item in package.items:
+            k = numbers[item.name]
+            numbers[item.name] += 1
+            at = -complex(start[item.name][k].position[0])
+            bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(item.placed), _course(poses, item.name, k), at=at))
+        bodies += [Body(thing.name, _slabs(thing), thing.course) for thing in machine.stand_ins]
+        clearances = swept(
+            bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
+            resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
+        )  # fmt: skip
+    except ValueError as error:  # a section that does not close, a motion that jumps
+        return [copies, Finding("INTERFERENCE", False, math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
+    findings = [copies, *interference(clearances, machine.gap)]
+    ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
     rows = [
         (f"{c.a}, {c.b}", "touch" if c.allowed is not None else "apart", c.gap, c.proven, math.degrees(c.theta))
         for c in ordered[:_SHOWN]
@@ -60,25 +84,73 @@ def sweep(path: Path, assembly: Assembly) -> tuple[list[Finding], list[Row]]:
     return findings, rows
 
 
-def _course(drive: Drive) -> Course:
-    """The drive's motion from its place at theta = 0, where the file shows it."""
-    start, centre = float(drive.angle(np.zeros(1))[0]), drive.centre
+def _touching(machine: Moved, names: Sequence[str], spare: float) -> dict[Pair, float]:
+    """Pairs of bodies that touch by intent as they move, and the overlap that this may show, mm."""
+    if not machine.gap > 0:  # no air is asked for: all may graze
+        fits = {frozenset(pair): spare for pair in itertools.combinations(names, 2)}
+    else:
+        fits = {}
+    for a, b, overlap in _fits(machine, spare):
+        for one, other in itertools.product(_copies(a, names), _copies(b, names)):
+            fits[frozenset((one, other))] = overlap
+    return fits
 
-    def angle(theta: Floats) -> Floats:
-        return drive.angle(theta) - start
 
-    def position(theta: Floats) -> Points:
-        return np.full(theta.shape, centre)
+def _copies(part: str, names: Sequence[str]) -> list[str]:
+    """The bodies that are copies of a part, or the stand-in of this name."""
+    return [name for name in names if name == part or name.rpartition("-")[0] == part]
 
-    return Course(angle, position, sampled_rate(angle), 0.0)
+
+def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
+    """Parts and stand-ins that touch by intent, with the overlap that may show: fits that leave less air than `gap`, tips."""
+    tips = [thing.name for thing in machine.stand_ins if thing.rolls]
+    for contact in machine.contacts:
+        match contact:
+            case Rolling(part=part, tip_part=tip_part):
+                rolling = [tip_part] if tip_part is not None and not contact.seat else tips
+                yield from ((tip, part, _ROLLING + spare) for tip in rolling)
+            case Pin(a=a, b=b, pin=pin):
+                for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
+                    air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
+                    if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:
+                        yield one.part, other.part, max(0.0, -2 * air) + spare
+            case Slide(eye=eye, rails=rails) if eye.part and contact.clearance / 2 <= machine.gap + spare / 2:
+                yield eye.part, rails, spare
+            case Apart(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
+                yield a, b, spare
+
+
+def _remembered(poses: Poses) -> Poses:
+    """The same, without asking again for angles that were the last ones."""
+    last: dict[bytes, Mapping[str, Sequence[Pose]]] = {}
+
+    def remembered(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        key = theta.tobytes()
+        if key not in last:
+            if len(last) > 1:
+                del last[next(reversed(last))]  # the grid, which came first, stays
+            last[key] = poses(theta)
+        return last[key]
+
+    return remembered
+
+
+def _course(poses: Poses, part: str, copy: int) -> Course:
+    """The motion of a part's copy from its place at theta = 0, where the file shows it."""
+    start = float(poses(np.zeros(1))[part][copy].angle[0])
+
+    def course(theta: Floats) -> tuple[Floats, Points]:
+        pose = poses(theta)[part][copy]
+        return pose.angle - start, pose.position
+
+    return course
 
 
 def _slabs(thing: StandIn) -> tuple[Slab, ...]:
-    """Discs as slabs, on the drive's own frame turned to theta = 0."""
-    turn = complex(np.exp(1j * thing.drive.angle(np.zeros(1))[0]))
+    """Discs as slabs."""
     spans = dict.fromkeys((z0, z1) for _, _, z0, z1 in thing.discs)
     return tuple(
-        Slab(z0, z1, tuple(Ring(np.asarray(turn * at + radius * _ENDS, complex), np.ones(2)) for at, radius, *span in thing.discs
+        Slab(z0, z1, tuple(Ring(np.asarray(at + radius * _ENDS, complex), np.ones(2)) for at, radius, *span in thing.discs
                            if tuple(span) == (z0, z1)))
         for z0, z1 in spans
     )  # fmt: skip

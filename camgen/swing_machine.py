@@ -33,8 +33,6 @@ Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626
 
 _LAYOUT = 0.01  # mm, facets of the cam that the frame goes round; the files are judged again
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
-_PRESSED = 0.01  # mm, overlap of a pin and its hole that still counts as touching
-_ROLLING = 0.08  # mm, the same of tip and cam on the way round; how they touch is judged by rolling, far more finely
 
 
 class BaseTable(Record):
@@ -350,10 +348,7 @@ class SwingMachine:
         if self.cam_pin_length > t:
             mounts += [Mount("cam-pin", shaft, at=z, z=low) for z in self.pins]
         made = {part.name for part in self._made}
-        return Assembly(
-            tuple(mount for mount in mounts if mount.part in made), self._stand_ins(shaft, swing, still), self._touching(),
-            0.8 * self.slide / 2 - 2 * self.chord_tolerance,
-        )  # fmt: skip
+        return Assembly(tuple(mount for mount in mounts if mount.part in made), self._stand_ins(shaft, swing, still))
 
     def _stand_ins(self, shaft: Drive, swing: Drive, still: Drive) -> tuple[StandIn, ...]:
         """Bought things as stacks of discs."""
@@ -372,15 +367,15 @@ class SwingMachine:
             )
         ]
         bought = [
-            StandIn("screws of motor and base", still, tuple(heads)),
-            StandIn("nozzle screws", swing, tuple(nozzle)),
+            StandIn("screws of motor and base", still.course, tuple(heads)),
+            StandIn("nozzle screws", swing.course, tuple(nozzle)),
         ]
         boss = min(face.boss_height, self.base.thickness)
         if boss:
-            bought.append(StandIn("motor boss", still, ((0j, face.boss / 2, 0.0, boss),)))
+            bought.append(StandIn("motor boss", still.course, ((0j, face.boss / 2, 0.0, boss),)))
         round_part = (-0.5j * self.flat, (self.bore - self.flat) / 2)  # the largest disc beside a flat
-        bought.append(StandIn("shaft", shaft, ((*round_part, boss, self.shaft_length),)))
-        return (*bought, *(StandIn(f"tip-{k + 1}", swing, discs) for k, discs in enumerate(self._tips())))
+        bought.append(StandIn("shaft", shaft.course, ((*round_part, boss, self.shaft_length),)))
+        return (*bought, *(StandIn(f"tip-{k + 1}", swing.course, discs, rolls=True) for k, discs in enumerate(self._tips())))
 
     def _tips(self) -> list[tuple[tuple[complex, float, float, float], ...]]:
         """Pin, and bearing, of each tip that is not the plate itself, as discs on the follower."""
@@ -399,20 +394,6 @@ class SwingMachine:
                 discs.append((z, self.frame.bearing.outside / 2, cam + t / 2 - half, cam + t / 2 + half))
             found.append(tuple(discs))
         return found
-
-    def _touching(self) -> dict[frozenset[str], float]:
-        """Pairs that touch by intent, and the overlap that this may show."""
-        spare = 4 * self.chord_tolerance
-        pairs = [("collet-1", "clamp-ring-1")]
-        pairs += [("shaft", name) for name in ("cam-1", "cam-2")]
-        for pin in ("cam-pin-1", "cam-pin-2"):
-            pairs += [(pin, name) for name in ("cam-1", "cam-2", "cam-spacer-1", "collet-1")]
-        for plate in ("frame-1", "frame-2"):
-            pairs += [(plate, name) for name in ("axle-1", "axle-2", "frame-pin-1", "frame-pin-2")]
-        tips = [(f"tip-{k}" if self.seat else f"frame-{k}", f"cam-{k}") for k in (1, 2)]
-        pairs += [(f"tip-{k}", f"frame-{k}") for k in (1, 2)]
-        overlaps = [(pair, _PRESSED) for pair in pairs] + [(pair, _ROLLING) for pair in tips]
-        return {frozenset(pair): overlap + spare for pair, overlap in overlaps}
 
 
 def machine_faults(

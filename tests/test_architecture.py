@@ -88,7 +88,7 @@ MAKERS = {
 }  # fmt: skip
 HOW_PARTS_TOUCH = {
     ("mechanism", name)
-    for name in ("Apart", "Assembly", "Contact", "Drive", "Eye", "Pin", "Pose", "Rolling", "Slide", "StandIn", "Traced")
+    for name in ("Apart", "Contact", "Eye", "Pin", "Pose", "Rolling", "Slide", "StandIn", "Traced")
 }
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
 LIGHT_MODULES = {"__init__", "__main__", "cli", "terminal", "errors", "findings", "folder", "tolerances"}  # no numpy, pydantic

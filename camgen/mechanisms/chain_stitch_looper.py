@@ -222,6 +222,11 @@ class ChainStitchLooper(Mechanism):
             "needle-section": [],
         }
 
+    @property
+    def running_gap(self) -> float:
+        """None: what passes by may graze, or keeps the gap of its contact."""
+        return 0.0
+
     def contacts(self) -> Sequence[Apart]:
         """Needles against spreaders in the needles' plane, the spreaders against each other there and beside it."""
         gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]

@@ -295,8 +295,11 @@ class UniformSwing(Mechanism):
         theta = np.asarray(theta, float)
         assembly = self.assembly()
         if assembly:
-            parts = dict.fromkeys(mount.part for mount in assembly.mounts)
-            return {part: [m.pose(theta) for m in assembly.mounts if m.part == part] for part in parts}
+            angles = {drive.name: drive.angle(theta) for drive in {m.drive.name: m.drive for m in assembly.mounts}.values()}
+            found: dict[str, list[Pose]] = {mount.part: [] for mount in assembly.mounts}
+            for mount in assembly.mounts:
+                found[mount.part].append(mount.pose(angles[mount.drive.name]))
+            return found
         still: Points = np.zeros(theta.shape, complex)
         cams = [Pose(theta, still)]
         if self.geometry.closure == "conjugate":

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from camgen.interference import Body, Course, Slab, interference, swept
+from camgen.interference import Body, Slab, interference, swept
 from camgen.rings import Points, Ring
 
 SWING, PIVOT, ARM = 0.26, 60 + 0j, -60 - 30j
@@ -40,17 +40,19 @@ def machine() -> tuple[list[Body], dict[frozenset[str], float]]:
         cosine = (reach**2 + arm**2 - (r + tip) ** 2) / (2 * reach * arm)
         return np.angle(to) + np.arccos(cosine) - np.angle(ARM)
 
-    theta = np.linspace(0, 2 * np.pi, 200_001)
-    rate = float(np.max(np.abs(np.diff(np.unwrap(angle(theta)))))) / (theta[1] - theta[0]) * 1.0001
-    start = float(np.unwrap(angle(theta))[0])
-    spin = Course(lambda t: t, lambda t: np.zeros(t.shape, complex), 1.0, 0.0)
-    swing = Course(lambda t: start + np.angle(np.exp(1j * (angle(t) - start))), lambda t: np.full(t.shape, PIVOT), rate, 0.0)
+    start = float(angle(np.zeros(1))[0])
+
+    def spin(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return theta, np.zeros(theta.shape, complex)
+
+    def swing(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return start + np.angle(np.exp(1j * (angle(theta) - start))), np.full(theta.shape, PIVOT)
 
     def slab(*rings: Ring, thick: float = 6.0) -> tuple[Slab, ...]:
         return (Slab(0.0, thick, rings),)
 
     far = 40 + 0j
-    mid = np.unwrap(angle(theta))
+    mid = np.unwrap(angle(np.linspace(0, 2 * np.pi, 200_001)))
     way = np.linspace(mid.min() - 0.085, mid.max() + 0.085, 200)
     slot = PIVOT + np.concatenate([43.2 * np.exp(1j * way), 36.8 * np.exp(1j * way[::-1])])
     axles = disc(0, 3), disc(far, 3)
