@@ -474,7 +474,7 @@ BAD = {
     "geometry.p6_setback": (-1, "none"),
     "timing.needle": (3,), "timing.spreader": (["cycloidal"],), "timing.needle_segment": ("rise", [{"kind": "up"}]),
     "timing.spreader_segment": (1,), "timing.lag_deg": (-181, 181, "late"), "timing.needle_stroke": (0, "long"),
-    "motor.speed_rpm": (0, -1, "fast"),
+    "motor.speed_rpm": (0, -2e6, "fast"),
     **{f"parts.{key}": (0, -1, "x") for key in ("nose_width", "shank_length", "shank_width", "clamp_hole", "plate_thickness")},
     "parts.side_gap": (-0.1, 11), "parts.shed_deg": (-1, 45), "parts.lean": ("left", 1), "parts.edge_radius": (-0.1, "r"),
     "parts.running_gap": (-0.1, "g"),

@@ -234,7 +234,7 @@ def faults(**keys: Any) -> list[str]:
 @pytest.mark.parametrize("path", KEYS)
 @pytest.mark.parametrize("value", ["text", math.nan, math.inf, -1.0, True, [1.0]])
 def test_each_key_says_what_is_wrong_with_it(path: str, value: object) -> None:
-    if (path, value) != ("geometry.offset", -1.0):
+    if (path, value) not in (("geometry.offset", -1.0), ("motor.speed_rpm", -1.0)):
         assert faults(**{path.replace(".", "__"): value}) == [path]
 
 

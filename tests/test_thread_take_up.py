@@ -407,7 +407,6 @@ def test_hull_of_two_equal_discs_is_a_slot() -> None:
 
 NUMBERS = [
     *(f"geometry.{key}" for key in ("input_crank", "coupler", "output_crank", "frame", "eye_distance")),
-    "motor.speed_rpm",
     *(f"masses.{key}" for key in ("coupler_g", "output_crank_g", "coupler_kg_m2", "output_crank_kg_m2")),
     "masses.coupler_weight_radius", "masses.output_crank_weight_radius",
     *(f"parts.{key}" for key in ("thickness", "wall", "shaft_diameter", "shaft_length", "pin_diameter")),

@@ -169,7 +169,7 @@ def test_arrow_torque_and_picture_turn_with_the_shaft() -> None:
 
 
 @pytest.mark.parametrize("name", MECHANISMS)
-@pytest.mark.parametrize("speed", ["0", "-0.0", "-2e6", "nan"])
+@pytest.mark.parametrize("speed", ["0", "-0.0", "-2e6", "nan", "inf", "1e9", "true", "'fast'", "[1]"])
 def test_speed_of_nothing_is_refused(name: str, speed: str) -> None:
     from camgen.errors import SpecError
 
