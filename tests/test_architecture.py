@@ -22,7 +22,7 @@ ROWS = (
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
+    {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "slabs", "sweep", "clearance", "folder"}
     | {"budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs"},
     {"making", "judging"},
@@ -48,6 +48,8 @@ SAME_ROW = {
     ("mechanisms", "swing_study"),
     ("mechanisms", "indexing_study"),
     ("sweep", "interference"),
+    ("sweep", "slabs"),
+    ("interference", "slabs"),
     ("mechanisms", "looper_study"),
     ("fits", "parts"),
     ("packing", "export"),
@@ -71,6 +73,7 @@ JUDGES = {
     "verify",
     "rolling",
     "interference",
+    "slabs",
     "sweep",
     "undoing",
     "rings",
@@ -84,7 +87,7 @@ MAKERS = {
 }  # fmt: skip
 HOW_PARTS_TOUCH = {
     ("mechanism", name)
-    for name in ("Apart", "Contact", "Eye", "Pin", "Pose", "Rolling", "Slide", "StandIn", "Traced")
+    for name in ("Apart", "Contact", "Eye", "Moved", "Pin", "Pose", "Poses", "Rolling", "Slide", "StandIn", "Traced")
 }
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
 LIGHT_MODULES = {"__init__", "__main__", "cli", "terminal", "errors", "findings", "folder", "tolerances"}  # no numpy, pydantic
