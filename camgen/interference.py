@@ -1,6 +1,6 @@
 """Swept interference: how near the bodies of a machine come to each other over the turn, with a bound between samples.
 
-    slab      a body's flat section between two heights, as recovered from its file
+    slab      a body's flat section between two heights
     course    where a body is over theta: its turn and its place
     gap       distance of two sections in the plane, mm; negative: diameter of the largest circle that fits in their overlap
 
@@ -24,26 +24,22 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
-from camgen.readback import Mesh, read_3mf, slice_mesh
-from camgen.rings import Floats, Points, Ring, fit_circle
-from camgen.tolerances import FLOAT32_ROUNDING
+from camgen.rings import Floats, Points
+from camgen.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
 
 if TYPE_CHECKING:
-    import shapely
+    pass
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
 _TOUCHING = 0.9  # the same for pairs that touch: what counts is only that they do not overlap by more than they may
-_ROUND = 0.002  # mm, how far an outline may lie from a circle and count as one
-_FACETS = 0.001  # mm, chord tolerance of arcs; added to what a gap may be short
 _SAME_HEIGHT = 1e-4  # mm: less than this in common in height is lying on each other
 _BATCH = 1_000_000  # coordinates that are moved at once
 _DEPTHS = 180  # angles at which the depth of an overlap is looked up
@@ -57,41 +53,6 @@ _LONG = 1000  # stretches at once
 _AT_REST = 1e-6  # mm, a path that is no motion
 
 Pair = frozenset[str]
-_PLANE = np.array([1, 1j])  # coordinates to complex numbers
-
-
-@dataclass(frozen=True)
-class Slab:
-    """Flat section between the heights z0 and z1 of a body's own frame, mm; inside is what an odd number of rings encloses."""
-
-    z0: float
-    z1: float
-    rings: tuple[Ring, ...]
-
-
-# Motion of a body: (n,) rad -> angle (n,) rad and position (n,) complex mm; ground = position + exp(i angle) z.
-Course = Callable[[Floats], tuple[Floats, Points]]
-
-
-def still(theta: Floats) -> tuple[Floats, Points]:
-    """The course of what stands still."""
-    return np.zeros(theta.shape), np.zeros(theta.shape, complex)
-
-
-@dataclass(frozen=True)
-class Body:
-    """A stack of slabs on a course: course's frame = at + exp(i turned) * body; flipped: first turned over about its Oy.
-
-    z: height of the underside in the assembly, mm. Turned over, x becomes -x and a height z the thickness less z.
-    """
-
-    name: str
-    slabs: tuple[Slab, ...]
-    course: Course = still
-    z: float = 0.0
-    flipped: bool = False
-    turned: float = 0.0
-    at: complex = 0j
 
 
 @dataclass(frozen=True)
@@ -110,100 +71,6 @@ class Clearance:
     allowed: float | None
     evaluations: int
     at_rest: bool = False
-
-
-# ---- sections --------------------------------------------------------------------------------------------------------
-
-
-def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
-    """A mesh as slabs between its distinct heights; a slanted wall counts with its whole shadow.
-
-    ValueError where a section does not close.
-    """
-    import shapely
-
-    size = float(np.max(np.abs(mesh.vertices)))
-    heights = np.unique(mesh.vertices[:, 2])
-    heights = heights[np.append(np.diff(heights) > 8 * FLOAT32_ROUNDING * size, True)]
-    corners = mesh.vertices[mesh.faces]
-    low, high = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
-    ab, ac = (corners[:, k, :2] - corners[:, 0, :2] for k in (1, 2))
-    longest = (np.abs(ab) + np.abs(ac)).max(axis=1)
-    flat = np.abs(ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]) <= 8 * FLOAT32_ROUNDING * size * longest
-    slabs = []
-    for z0, z1 in itertools.pairwise(heights.tolist()):
-        rings = slice_mesh(mesh, (z0 + z1) / 2)
-        slanted = corners[~flat & (low < z1) & (high > z0) & (high > low)]
-        if len(slanted):
-            shadows = [shadow for c in slanted if (shadow := _shadow(c, z0, z1)).area > 0]
-            rings = _rings(shapely.union_all([_area(rings), *shadows]))
-        if rings:
-            slabs.append(Slab(z0, z1, tuple(rings)))
-    return tuple(slabs)
-
-
-def _shadow(corners: Floats, z0: float, z1: float) -> Any:
-    """Projection of a triangle's part between two heights."""
-    import shapely
-
-    points = [p[:2] for p in corners if z0 <= p[2] <= z1]
-    for a, b in itertools.combinations(corners, 2):
-        points += [(a + (z - a[2]) / (b[2] - a[2]) * (b - a))[:2] for z in (z0, z1) if (a[2] - z) * (b[2] - z) < 0]
-    return shapely.MultiPoint(np.array(points)).convex_hull
-
-
-def _area(rings: Sequence[Ring]) -> Any:
-    """What an odd number of rings encloses, as a shapely area."""
-    import shapely
-
-    faces = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (ring.facetted(_FACETS) for ring in rings)]
-    return functools.reduce(shapely.symmetric_difference, faces)
-
-
-def _rings(area: Any) -> list[Ring]:
-    import shapely
-
-    loops = [part for face in shapely.get_parts(area) for part in (face.exterior, *face.interiors)]
-    points = [shapely.get_coordinates(loop)[:-1] @ _PLANE for loop in loops]
-    return [Ring(z, np.zeros(len(z))) for z in points]
-
-
-@dataclass(frozen=True)
-class _Section:
-    """A slab as mounted: heights in the assembly and shapely area in the course's frame.
-
-    disc: centre and radius where the area is one; facets: how far the area may be from the arcs that it stands for, mm.
-    """
-
-    z0: float
-    z1: float
-    area: shapely.Geometry
-    disc: tuple[complex, float] | None
-    facets: float
-
-
-def _sections(body: Body) -> list[_Section]:
-    top, turn = max(slab.z1 for slab in body.slabs), complex(math.cos(body.turned), math.sin(body.turned))
-    found = []
-    for slab in body.slabs:
-        z0, z1 = (top - slab.z1, top - slab.z0) if body.flipped else (slab.z0, slab.z1)
-        rings = [ring.moved(-turn if body.flipped else turn, body.at, body.flipped) for ring in slab.rings]
-        area, facets = _area(rings), _FACETS if any(ring.bulges.any() for ring in rings) else 0.0
-        found.append(_Section(body.z + z0, body.z + z1, area, _disc(area), facets))
-    return found
-
-
-def _disc(area: Any) -> tuple[complex, float] | None:
-    """Centre and radius of the disc about an area, where the area is that disc but for its facets."""
-    import shapely
-
-    if area.is_empty or shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
-        return None
-    z = shapely.get_coordinates(area)[:-1] @ _PLANE
-    centre, _, _ = fit_circle(z)
-    radius = float(np.max(np.abs(z - centre)))
-    inside = float(shapely.boundary(area).distance(shapely.Point(centre.real, centre.imag)))
-    return (complex(centre), radius) if radius - inside <= _ROUND else None
 
 
 # ---- motion ----------------------------------------------------------------------------------------------------------
@@ -284,7 +151,7 @@ class _Approach:
 
         self.cut = cut  # how often the guest was cut up
         self.motion, self.home, self.guest, self.pad, self.allowed, self.facets = motion, home, guest, pad, allowed, facets
-        self.coordinates = shapely.get_coordinates(guest) @ _PLANE
+        self.coordinates = shapely.get_coordinates(guest) @ PLANE
         self.centre = complex(self.coordinates[0]) if len(self.coordinates) == 1 else motion.calmest
         self.reach = float(np.max(np.abs(self.coordinates - self.centre), initial=0.0))
         self.path = motion.path(self.centre, self.reach)
@@ -325,7 +192,7 @@ class _Approach:
         if len(self.coordinates) <= (_CORNERS if self.cut else 1):
             return False
         x0, y0, x1, y1 = self.guest.bounds
-        return bool(max(x1 - x0, y1 - y0) > _ROUND)
+        return bool(max(x1 - x0, y1 - y0) > ROUND)
 
     def divided(self) -> list[_Approach]:
         """The same with the guest cut up: first into rings about its calmest point, each moving less inside, then in halves."""
@@ -466,7 +333,7 @@ def swept(
     unknown = {name for pair in contacts for name in pair} - set(names)
     if len(set(names)) < len(names) or unknown or not all(value > 0 for value in contacts.values()):
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
-    sections, theta = [_sections(body) for body in bodies], np.linspace(*turn, _GRID + 1)
+    sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
         level = [
@@ -485,7 +352,7 @@ def swept(
 
 
 def _least(
-    motions: tuple[_Motion, _Motion], level: Sequence[tuple[_Section, _Section]], allowed: float | None, needed: float,
+    motions: tuple[_Motion, _Motion], level: Sequence[tuple[Section, Section]], allowed: float | None, needed: float,
     resolution: float,
 ) -> tuple[_Best, float]:  # fmt: skip
     """Smallest gap of a pair's sections, and the one that is proven."""
@@ -498,8 +365,9 @@ def _least(
             for first, second in some:
                 _settle(_facing(motions, first, second, -floor), best, target, fine)
             continue
-        shadows, whole = [_shadow_of(sections) for sections in zip(*some, strict=True)], _Best()
-        clear = _search(_facing(motions, *shadows, -floor), whole, target, fine, _LONG) and whole.gap > max(target, 0.0)
+        first, second = (shadow_of(sections) for sections in zip(*some, strict=True))
+        whole = _Best()
+        clear = _search(_facing(motions, first, second, -floor), whole, target, fine, _LONG) and whole.gap > max(target, 0.0)
         best.evaluations += whole.evaluations
         if not clear:
             waiting += [some[len(some) // 2 :], some[: len(some) // 2]]
@@ -508,24 +376,16 @@ def _least(
     if best.gap > floor:
         return (best, best.gap - _spare(best.gap, target, fine, share)) if math.isfinite(best.gap) else (_Best(floor), floor)
     looked = 1 if motions[0].at_rest else _DEPTHS
-    theta = np.sort(np.append(np.linspace(*motions[0].theta[[0, -1]], looked, endpoint=False), best.theta))
+    theta = np.sort(np.append(np.linspace(motions[0].theta[0], motions[0].theta[-1], looked, endpoint=False), best.theta))
     depth, best.theta = _deepest([(motions[0], first.area, second.area, theta) for first, second in level], best.theta)
     best.gap, best.evaluations = -depth, best.evaluations + len(theta)
     return best, best.gap - resolution
 
 
-def _shadow_of(sections: Sequence[_Section]) -> _Section:
-    """All that sections cover, as one."""
-    import shapely
-
-    area, facets = shapely.union_all([section.area for section in sections]), max(section.facets for section in sections)
-    return _Section(0.0, 0.0, area, _disc(area), facets)
-
-
-def _facing(motions: tuple[_Motion, _Motion], first: _Section, second: _Section, allowed: float) -> _Approach:
+def _facing(motions: tuple[_Motion, _Motion], first: Section, second: Section, allowed: float) -> _Approach:
     """Two sections for the search; the guest is the one that is looked at with less work."""
 
-    def seen(motion: _Motion, home: _Section, guest: _Section) -> _Approach:
+    def seen(motion: _Motion, home: Section, guest: Section) -> _Approach:
         import shapely
 
         shrunk, facets = home.area.buffer(-allowed / 2) if allowed else home.area, home.facets + guest.facets
@@ -551,7 +411,7 @@ def _deepest(overlaps: Sequence[tuple[_Motion, Any, Any, Floats]], theta: float)
             a, b = home.buffer(-depth / 2), guest.buffer(-depth / 2)
             if not (a.is_empty or b.is_empty):
                 shapely.prepare(a)
-                meet = angles[shapely.intersects(a, _moved(b, shapely.get_coordinates(b) @ _PLANE, *motion.at(angles)))]
+                meet = angles[shapely.intersects(a, _moved(b, shapely.get_coordinates(b) @ PLANE, *motion.at(angles)))]
                 if len(meet):
                     kept.append((motion, home, guest, meet))
         return kept
@@ -594,33 +454,3 @@ def _worst(judged: Sequence[tuple[float, Clearance]]) -> list[Clearance]:
 
 def _place(c: Clearance, what: str) -> str:
     return f"{c.a} and {c.b}: {what}, cam angle {math.degrees(c.theta):.3f} deg"
-
-
-# ---- a plate ready to print ------------------------------------------------------------------------------------------
-
-
-def judge_plate(path: Path, bed: tuple[float, float], gap: float) -> list[Finding]:
-    """A plate file as read back: every body stands on z = 0, inside the bed (its corner at the origin), `gap` from the others.
-
-    Bodies count with their whole shadow.
-    """
-    import shapely
-
-    package, where = read_3mf(path), path.name
-    meshes = [item.placed for item in package.items]
-    rounding = 8 * FLOAT32_ROUNDING * max(bed)
-    lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
-    places = [mesh.vertices[:, :2] for mesh in meshes]
-    beyond = max((float(max(-xy.min(), (xy - np.array(bed)).max(), 0.0)) for xy in places), default=math.nan)
-    shadows = [shapely.union_all([_area(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes]
-    nearest = math.inf
-    if len(shadows) > 1:
-        tree = shapely.STRtree(shadows)
-        pairs = tree.query_nearest(shadows, exclusive=True, all_matches=False, return_distance=True)
-        nearest = float(pairs[1].min())
-    size = f"{bed[0]:g} x {bed[1]:g} mm"
-    return [
-        at_most("BED_FIT", beyond, rounding, "mm", where, f"how far {len(meshes)} bodies stand out over the bed of {size}"),
-        at_most("BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"),
-        at_least("BED_FIT", nearest, gap - rounding, "mm", where, "smallest gap between bodies on the plate"),
-    ]

@@ -36,7 +36,6 @@ from camgen.verify import Expected, Section, Undo, judge_copies, judge_dxf, judg
 
 if TYPE_CHECKING:
     from camgen.closure import Sections
-    from camgen.sweep import Moved
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
@@ -433,23 +432,15 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
     from camgen.sweep import COLUMNS, sweep
 
-    findings, nearest = sweep(case.file("assembly", "3mf"), moved(case.mechanism))
+    findings, nearest = sweep(case.file("assembly", "3mf"), case.mechanism.moved())
     table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
     return Outcome(findings, tables=[table] if nearest else [])
 
 
-def moved(mechanism: Mechanism) -> Moved:
-    """A mechanism as the sweep needs it."""
-    from camgen.sweep import Moved
-
-    names, tolerance = [part.name for part in mechanism.parts()], mechanism.accuracy.chord_tolerance
-    return Moved(names, mechanism.poses, mechanism.contacts(), mechanism.stand_ins(), mechanism.running_gap, tolerance)
-
-
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
-    from camgen.interference import judge_plate
     from camgen.packing import bed_fit
+    from camgen.slabs import judge_plate
 
     bed, plates, written = case.mechanism.print, _plates(case), _written(case)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)

@@ -284,6 +284,24 @@ class Study:
     columns: Mapping[str, Floats] = field(default_factory=dict)
 
 
+Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A machine as the sweep needs it: its parts' names, their poses, how they touch, what else is in the way.
+
+    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm.
+    """
+
+    parts: Sequence[str]
+    poses: Poses
+    contacts: Sequence[Contact]
+    stand_ins: Sequence[StandIn]
+    gap: float
+    tolerance: float
+
+
 class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
@@ -343,7 +361,7 @@ class Mechanism(Spec, ABC):
         return None
 
     def stand_ins(self) -> Sequence[StandIn]:
-        """What is not made but in the way: unless a mechanism says more, each contact's round tip, as high as its cam."""
+        """What is not made but in the way: unless a mechanism says more, each contact's round tip, as high as its part."""
         assembly = self.assembly()
         if assembly is not None:
             return assembly.stand_ins
@@ -362,10 +380,16 @@ class Mechanism(Spec, ABC):
         output = tip.reachable or self.reachable
 
         def course(theta: Floats) -> tuple[Floats, Points]:
-            s = output(theta)
-            return (np.zeros(theta.shape), tip.pivot + tip.arm * s) if tip.slides else (s, np.full(theta.shape, tip.pivot))
+            s, still = output(theta), np.zeros(theta.shape)
+            place: Points = np.asarray(tip.pivot + (tip.arm * s if tip.slides else still), complex)
+            return (still if tip.slides else s), place
 
         return course
+
+    def moved(self) -> Moved:
+        """What the sweep needs."""
+        names, tolerance = [part.name for part in self.parts()], self.accuracy.chord_tolerance
+        return Moved(names, self.poses, self.contacts(), self.stand_ins(), self.running_gap, tolerance)
 
     @property
     def running_gap(self) -> float:

@@ -9,43 +9,27 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from camgen.findings import Finding, at_most
-from camgen.interference import Body, Course, Pair, Slab, interference, slabs_of, swept
-from camgen.mechanism import Apart, Contact, Pin, Pose, Rolling, Slide, StandIn
+from camgen.interference import Pair, interference, swept
+from camgen.mechanism import Apart, Moved, Pin, Pose, Poses, Rolling, Slide, StandIn
 from camgen.readback import read_3mf
 from camgen.rings import Floats, Points, Ring
+from camgen.slabs import Body, Course, Slab, slabs_of
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
 
 Row = tuple[str, str, float, float, float]
-Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 _PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching
 _ROLLING = 0.08  # mm, the same of tip and cam on the way round; how they touch is judged by rolling, far more finely
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
 _FINEST = 0.001  # mm, and no finer than this
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
-
-
-@dataclass(frozen=True)
-class Moved:
-    """A machine as the sweep needs it: its parts' names, their poses, how they touch, what else is in the way.
-
-    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm.
-    """
-
-    parts: Sequence[str]
-    poses: Poses
-    contacts: Sequence[Contact]
-    stand_ins: Sequence[StandIn]
-    gap: float
-    tolerance: float
 
 
 def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:

@@ -22,7 +22,7 @@ ROWS = (
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "sweep", "clearance"}
+    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "slabs", "sweep", "clearance"}
     | {"folder", "budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs", "scope"},
     {"making", "judging"},
@@ -48,6 +48,8 @@ SAME_ROW = {
     ("mechanisms", "swing_study"),
     ("mechanisms", "indexing_study"),
     ("sweep", "interference"),
+    ("sweep", "slabs"),
+    ("interference", "slabs"),
     ("mechanisms", "looper_study"),
     ("fits", "parts"),
     ("looper_timing", "stitch"),
@@ -74,6 +76,7 @@ JUDGES = {
     "verify",
     "rolling",
     "interference",
+    "slabs",
     "sweep",
     "undoing",
     "rings",
@@ -88,7 +91,7 @@ MAKERS = {
 }  # fmt: skip
 HOW_PARTS_TOUCH = {
     ("mechanism", name)
-    for name in ("Apart", "Contact", "Eye", "Pin", "Pose", "Rolling", "Slide", "StandIn", "Traced")
+    for name in ("Apart", "Contact", "Eye", "Moved", "Pin", "Pose", "Poses", "Rolling", "Slide", "StandIn", "Traced")
 }
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
 LIGHT_MODULES = {"__init__", "__main__", "cli", "terminal", "errors", "findings", "folder", "tolerances"}  # no numpy, pydantic

@@ -12,20 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.export import Placed, placing, write_3mf
-from camgen.interference import (
-    Body,
-    Clearance,
-    Course,
-    Slab,
-    interference,
-    judge_plate,
-    slabs_of,
-    swept,
-)
+from camgen.interference import Clearance, interference, swept
 from camgen.outlines import Region, circle, polygon
 from camgen.parts import Layer, Part
 from camgen.readback import Mesh
 from camgen.rings import Floats, Points, Ring
+from camgen.slabs import Body, Course, Slab, judge_plate, slabs_of
 from camgen.solids import solid
 
 

@@ -17,7 +17,6 @@ from camgen import making, pipeline
 from camgen import spec as specs
 from camgen.errors import DesignError, SpecError
 from camgen.export import Placed, placing, write_3mf
-from camgen.judging import moved
 from camgen.mechanism import Mechanism
 from camgen.outlines import circle
 from camgen.readback import read_3mf, read_stl
@@ -213,7 +212,7 @@ def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
 
 
 def swept(path: Path, mechanism: Mechanism) -> list[str]:
-    return [f"{f.code} {f.where}" for f in sweep(path, moved(mechanism))[0] if not f.ok]
+    return [f"{f.code} {f.where}" for f in sweep(path, mechanism.moved())[0] if not f.ok]
 
 
 def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:

@@ -6,8 +6,9 @@ import time
 
 import numpy as np
 
-from camgen.interference import Body, Slab, interference, swept
+from camgen.interference import interference, swept
 from camgen.rings import Points, Ring
+from camgen.slabs import Body, Slab
 
 SWING, PIVOT, ARM = 0.26, 60 + 0j, -60 - 30j
 
