@@ -177,7 +177,7 @@ def judge_plate(path: Path, bed: tuple[float, float], gap: float) -> list[Findin
     import shapely
 
     package, where = read_3mf(path), path.name
-    meshes = [package.meshes[item.name].moved(item.transform) for item in package.items]
+    meshes = [item.placed for item in package.items]
     rounding = 8 * FLOAT32_ROUNDING * max(bed)
     lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
     places = [mesh.vertices[:, :2] for mesh in meshes]

@@ -22,8 +22,8 @@ ROWS = (
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "slabs", "sweep", "clearance"}
-    | {"folder", "budget", "outline_files", "follower_table"},
+    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "slabs", "sweep"}
+    | {"clearance", "folder", "budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs", "scope"},
     {"making", "judging"},
     {"pipeline", "outline_motion", "terminal", "benchmark"},
