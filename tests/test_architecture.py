@@ -24,7 +24,7 @@ ROWS = (
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
     {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
     | {"budget", "outline_files", "follower_table"},
-    {"report", "moving", "figures", "jobs"},
+    {"report", "moving", "figures", "jobs", "expectation"},
     {"making", "judging"},
     {"pipeline", "outline_motion", "terminal", "benchmark"},
     {"benchmark_report"},

@@ -18,7 +18,7 @@ import pytest
 
 from camgen import pipeline
 from camgen.errors import FileError
-from camgen.judging import expected
+from camgen.expectation import expected
 from camgen.mechanism import Mechanism
 from camgen.readback import read_dxf, shape_of
 from camgen.rings import Ring, Shape
