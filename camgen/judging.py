@@ -9,30 +9,29 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.crossing import crossed_at, spread
-from camgen.export import center_marks
+from camgen.expectation import expected
 from camgen.findings import Finding, at_most
 from camgen.fits import Compensation, compensated
 from camgen.jobs import Case, Progress, Workers
 from camgen.making import PLATE_GAP, assembled, compensation, parts_table
-from camgen.mechanism import Apart, Contact, Mechanism, Plot, Rolling, Study, Table, Traced
-from camgen.outlines import Floats, Region
+from camgen.mechanism import Apart, Mechanism, Plot, Rolling, Study, Table, Traced
+from camgen.outlines import Floats
 from camgen.parts import Part
-from camgen.readback import Mesh, read_3mf, slice_mesh
+from camgen.readback import Mesh, read_3mf
 from camgen.report import Report, motion_plots
 from camgen.rings import Ring, Shape
 from camgen.rolling import judge_motion, judge_pair, judge_tip, judged_angles, mounted
 from camgen.sampling import facet_contour
 from camgen.scope import ANY, SOLID, Stage, not_judged, passing_by, reading, unheard
 from camgen.undoing import printed
-from camgen.verify import Expected, Section, Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
+from camgen.verify import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
 
 if TYPE_CHECKING:
     from camgen.closure import Sections
@@ -43,8 +42,6 @@ _CLOCKWISE = (
     "curves over them; speeds and torques are positive counter-clockwise."
 )
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
-_HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
-_BESIDE = 4.0  # chord tolerances from the ends of a layer
 _ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
 
 
@@ -147,90 +144,6 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
             findings += found
             numbers |= figures
     return Outcome(findings, numbers), read
-
-
-def expected(
-    part: Part, tolerance: float, contacts: Sequence[Contact] = (), fit: Compensation | None = None, marked: bool = False
-) -> Expected:
-    """What a file of a part should hold, as plain numbers and points for the judge; marked: with centre marks.
-
-    With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
-    chamfer, and those through an engraving beside holes that were made larger, as they were sent.
-    """
-    turns = any(isinstance(each, Rolling) and part.name in (each.part, each.tip_part) for each in contacts)
-    eyes: Sequence[tuple[complex, float]] = ()
-    if any(isinstance(contact, Traced) for contact in contacts):
-        from camgen.closure import eyes_of
-
-        eyes = eyes_of(part.name, contacts)
-    sent = compensated(part, fit) if fit is not None else part
-    levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
-    low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
-    sections, engraved = _sections(part, tolerance, low)
-    cut = _spans(part).index((part.layers[part.cut].z0, part.layers[part.cut].z1))
-    if part.crossed is not None:  # what a cut shows changes with its height; the drawing has the whole region
-        under, over = spread(part.crossed)
-        levels = [max(levels[0], under), min(levels[-1], over)]
-        through = _crossings(part, part.crossed, tolerance, sections)
-        sections, cut = [*through, replace(sections[cut], heights=())], len(through)
-    if fit is not None:
-        every, sunk = _sections(sent, tolerance, levels[0])
-        sections += [replace(section, sent=True) for section in every if section.heights[-1] < low]
-        engraved = [replace(section, sent=True) for section in sunk] if fit.hole else engraved
-    return Expected(
-        part.name, (*sections, *engraved), cut,
-        volume=sent.volume,
-        levels=tuple(levels),
-        facets=part.walls * tolerance,
-        min_wall=part.min_wall,
-        chord_tolerance=tolerance,
-        bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
-        eyes=tuple(eyes),
-        stacked=part.crossed is None,
-        undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
-        marks=center_marks(part.region, part.centres if marked else ()),
-    )  # fmt: skip
-
-
-def _spans(part: Part) -> list[tuple[float, float]]:
-    """Lowest and highest place of each of a part's layers, mm; pieces beside each other are one."""
-    return list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
-
-
-def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], list[Section]]:
-    """The sections of a part's layers above the height `low`, from the bottom, and those through its engraving."""
-    sections, engraved = [], []
-    for z0, z1 in _spans(part):
-        regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == (z0, z1)]
-        shapes = tuple(_facetted(region, tolerance) for region in regions)
-        bottom = max(z0, low)
-        pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
-        top = min((layer.z0 for layer in pockets), default=z1)
-        sections.append(Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes))
-        if pockets and len(shapes) == 1 and part.crossed is None:
-            sunk = tuple(_facetted(layer.region, tolerance).outer for layer in pockets)
-            middle = (top + min(layer.z1 for layer in pockets)) / 2
-            engraved.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
-    return sections, engraved
-
-
-def _crossings(part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]) -> list[Section]:
-    """The sections of a crossed body, whose layers those given are."""
-    face = _facetted(crossed, tolerance)
-    cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
-    through = []
-    beside = _BESIDE * tolerance  # a wall that lies level shows in sections just under and over it alone
-    for section, (z0, z1) in zip(sections, _spans(part), strict=True):
-        for z in (z0 + beside, *section.heights, z1 - beside):
-            taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
-            through += [Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes]
-    return through
-
-
-def _facetted(region: Region, tolerance: float) -> Shape:
-    rings = [facet_contour(contour.counter_clockwise(), tolerance) for contour in (region.outer, *region.holes)]
-    outer, *holes = (Ring(points, np.zeros(len(points))) for points in rings)
-    return Shape(outer, tuple(holes))
 
 
 def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:

@@ -326,7 +326,7 @@ def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Ex
             shift = found.centroid - ring.centroid if _is_eye(ring, expected) else 0j
             if ring is not wanted.outer and _is_bore(ring, expected):
                 shift = bore_shift
-            off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance))
+            off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
     return off
 
 

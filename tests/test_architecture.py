@@ -24,7 +24,7 @@ ROWS = (
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
     {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "slabs", "sweep"}
     | {"clearance", "folder", "budget", "outline_files", "follower_table"},
-    {"report", "moving", "figures", "jobs", "scope"},
+    {"report", "moving", "figures", "jobs", "scope", "expectation"},
     {"making", "judging"},
     {"pipeline", "outline_motion", "terminal", "benchmark"},
     {"benchmark_report"},

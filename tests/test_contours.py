@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 import shapely
 
+from camgen.expectation import expected
 from camgen.export import write_dxf, write_stl
 from camgen.fits import compensated
-from camgen.judging import expected
 from camgen.making import compensation
 from camgen.mechanism import Mechanism, Rolling
 from camgen.outlines import Region, polygon

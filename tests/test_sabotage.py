@@ -19,7 +19,7 @@ from stl_rows import TRIANGLE, with_own_normals
 
 from camgen import pipeline
 from camgen.errors import FileError
-from camgen.judging import expected
+from camgen.expectation import expected
 from camgen.mechanism import Mechanism
 from camgen.readback import read_dxf, shape_of
 from camgen.rings import Ring, Shape
