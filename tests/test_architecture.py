@@ -19,9 +19,11 @@ ROWS = (
     | {"linkages", "dynamics", "landmarks", "tips"},
     {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "nearness"},
     {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
+    | {"swing_tables"}
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
-    | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
+    | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"}
+    | {"swing_room"},
     {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
     | {"budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs"},
@@ -43,6 +45,8 @@ SAME_ROW = {
     ("mechanisms", "eccentric_study"),
     ("mechanisms", "feed_study"),
     ("mechanisms", "swing_machine"),
+    ("mechanisms", "swing_room"),
+    ("swing_machine", "swing_room"),
     ("mechanisms", "swing_list"),
     ("swing_list", "swing_machine"),
     ("mechanisms", "swing_study"),
@@ -80,7 +84,7 @@ MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
     "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
     "stitch", "looper_design", "looper_parts",
-    "looper_study", "tips", "sizing", "disc_parts",
+    "looper_study", "tips", "sizing", "disc_parts", "swing_room", "swing_tables",
 }  # fmt: skip
 HOW_PARTS_TOUCH = {
     ("mechanism", name)
