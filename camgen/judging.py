@@ -20,7 +20,7 @@ from camgen.crossing import crossed_at
 from camgen.findings import Finding, at_most
 from camgen.fits import Compensation, compensated
 from camgen.jobs import Case, Progress, Workers
-from camgen.making import PLATE_GAP, assembled, compensation, parts_table
+from camgen.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.mechanism import Apart, Contact, Mechanism, Plot, Rolling, Study, Table, Traced
 from camgen.outlines import Floats, Region
 from camgen.parts import Part
@@ -395,10 +395,10 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if "stl" in kinds or "3mf" in kinds:
         if any(isinstance(contact, Apart) for contact in mechanism.contacts()):
             stages.append(pass_by)
-        whole = mechanism.assembly() is not None and "3mf" in kinds
         stages += [judge_assembly] if "3mf" in kinds else []
-        stages += [sweep_assembly, judge_plates] if whole else [fit_bed]
-    if mechanism.assembly() is not None or mechanism.bought():
+        stages += [sweep_assembly] if mechanism.assembly() is not None and "3mf" in kinds else []
+        stages += [judge_plates] if mechanism.printed() and "3mf" in kinds else [fit_bed]
+    if mechanism.printed() or mechanism.bought():
         stages.append(list_parts)
     return stages
 
@@ -456,16 +456,16 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.interference import judge_plate
     from camgen.packing import bed_fit
 
-    bed, plates, written = case.mechanism.print.bed, _plates(case), _written(case)
+    mechanism, plates, written, bed = case.mechanism, _plates(case), _written(case), case.mechanism.print.bed
+    listed, sides = mechanism.printed(), lying_sides(mechanism, written)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
-    height = case.mechanism.print.bed_height
-    fits = [bed_fit(name, case.parts[name].count, mesh.vertices, bed, height)[1] for name, mesh in written.items()]
-    short = (Counter({part.name: part.count for part in case.parts.values()}) - laid).total()
+    lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
+    fits = [bed_fit(part.name, part.count, vertices, bed, mechanism.print.bed_height)[1] for part, vertices in lying]
+    short = (Counter({part.name: part.count for part in listed}) - laid).total()
     said = f"{laid.total()} copies laid out, {short} missing"
     missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
-    on_plates = [finding for path in plates for finding in judge_plate(path, bed, PLATE_GAP)]
-    copies = [judge_copies(path, written) for path in plates]
-    return Outcome([*(fit for fit in fits if not fit.ok), missing, *copies, *on_plates])
+    on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP))]
+    return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
 
 def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -482,7 +482,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     """The list of parts, with mass and print time of all that is printed."""
-    table = parts_table(case.mechanism)
+    table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
     return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table])

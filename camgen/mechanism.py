@@ -307,8 +307,12 @@ class Mechanism(Spec, ABC):
         """Named numbers, curves and tables for the report."""
 
     def assembly(self) -> Assembly | None:
-        """The whole machine, swept for interference and laid out for printing; None where only single parts are made."""
+        """The whole machine, swept for interference; None where only single parts are made."""
         return None
+
+    def printed(self) -> Sequence[Part]:
+        """Parts that are laid out on plates, with a list of parts: those of a whole machine, unless said otherwise."""
+        return [part for part in self.parts() if part.made == "printed"] if self.assembly() is not None else []
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""

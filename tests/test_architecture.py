@@ -24,7 +24,7 @@ ROWS = (
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
     | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"}
     | {"swing_room"},
-    {"export", "dxf", "sheet", "drawing", "packing", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
+    {"export", "dxf", "sheet", "drawing", "packing", "lying", "verify", "rolling", "interference", "sweep", "clearance", "folder"}
     | {"budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs"},
     {"making", "judging"},
@@ -55,6 +55,7 @@ SAME_ROW = {
     ("mechanisms", "looper_study"),
     ("fits", "parts"),
     ("packing", "export"),
+    ("packing", "lying"),
     ("export", "dxf"),
     ("drawing", "dxf"),
     ("drawing", "sheet"),
@@ -82,7 +83,7 @@ JUDGES = {
 }
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "packing", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
+    "export", "packing", "lying", "fits", "dxf", "sheet", "drawing", "program", "segments", "crossing",
     "stitch", "looper_design", "looper_parts",
     "looper_study", "tips", "sizing", "disc_parts", "swing_room", "swing_tables",
 }  # fmt: skip
