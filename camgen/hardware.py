@@ -23,6 +23,7 @@ from camgen.outlines import Arc, Contour, Line, Points, Region, circle, kidney, 
 from camgen.parts import Layer, Part, hull
 from camgen.sampling import facet_contour
 from camgen.standards import MotorFace, Screw
+from camgen.tolerances import SAME_POINT
 
 _FACETS = 0.01  # mm, on which walls are measured; they are judged again on the written files
 _HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
@@ -146,7 +147,7 @@ class Base:
         if room < 0:
             raise DesignError(
                 "room for the axle's flange", room, 0, "mm", "under the base, beside the motor",
-                "use a smaller motor or flange, or a larger pivot distance",
+                f"use a smaller base.motor or frame.axle_flange, or geometry.pivot_distance = {self.pivot - room:g} or more",
             )  # fmt: skip
         radius, slot = (self.axle + self.slide) / 2, self.slot
         half = self.swing / 2 + self.end_room / self.slide_at
@@ -213,6 +214,8 @@ class Frame:
     nozzle's two screws, `spacing` apart at slide_at; pin: hole of two pins between the axles, 0: none. Holes have their fits.
     nut: across the flats of the pockets of the nozzle's nuts, 0: none, and the nuts' height. Of a pair each plate takes half a
     nut on its upper side, so that it is caught between both; a single plate takes it whole from below.
+    hub: radius of the plate round the pivot's axle, 0: its hole and the wall.
+    straight: the tip's finger is as wide as the tip on its far side, where it else widens to the end of the arm.
     """
 
     tip: complex
@@ -228,6 +231,8 @@ class Frame:
     wall: float
     seat: float = 0.0
     nut: tuple[float, float] = (0.0, 0.0)
+    hub: float = 0.0
+    straight: bool = False
 
     @property
     def pins(self) -> tuple[complex, ...]:
@@ -237,7 +242,7 @@ class Frame:
     @property
     def outline(self) -> Contour:
         """The plate's edge: tip on a short finger, bar past the cam, post with gusset to the tail, hub."""
-        hub = self.axle / 2 + self.wall
+        hub = self.hub or self.axle / 2 + self.wall
         corner = self.screw / 2 + self.wall
         root = max(self.tip_radius, self.wall / 2)
         shelf = min(self.inside.imag, self.tip.imag - max(self.tip_radius, self.wall))
@@ -245,7 +250,7 @@ class Frame:
         if post < self.inside.real:
             raise DesignError(
                 "room for the axle's hub", -self.inside.real, hub, "mm", "frame, beside the pivot",
-                "the cam comes too near the pivot: use a smaller axle or wall, or a shorter arm_offset",
+                "the cam comes too near the pivot: use a smaller frame.axle or frame.wall, or a smaller geometry.arm_offset",
             )  # fmt: skip
         half, fillet = self.arm / 2, min(self.arm / 2, (post - self.tip.real - root) / 4)
         if fillet <= 0:
@@ -258,7 +263,7 @@ class Frame:
         return rounded(
             [
                 (self.tip, self.tip_radius),
-                (complex(self.tip.real, shelf - half), half),
+                (complex(self.tip.real + max(half - self.tip_radius, 0.0) * self.straight, shelf - half), half),
                 (complex(post + half, shelf - half), half),
                 (tail.conjugate(), corner),
                 (tail, corner),
@@ -362,6 +367,11 @@ class Collet:
         return (self.shaft + self.fit) / 2 + self.wall + (self.steps - 1 - step) * _TAPER * self.length / self.steps
 
     @property
+    def radius(self) -> float:
+        """Outer radius of the sleeve where it is thickest, at the flange."""
+        return self._radius(0)
+
+    @property
     def ring_diameter(self) -> float:
         """Outside diameter of the ring."""
         return 2 * (self._radius(0) + self.wall)
@@ -371,11 +381,9 @@ class Collet:
         bore = (self.shaft + self.fit) / 2
         holes = {"bore": circle(0j, bore)} | {f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(self.pins)}
         for k, (z, d) in enumerate(self.pins):
-            gap = abs(z) - d / 2 - self._radius(0)
-            if gap < 0:
-                raise DesignError(
-                    "gap beside the collet's sleeve", gap, 0, "mm", f"pin {k + 1}", "move the pins outwards or thin the wall"
-                )
+            gap = abs(z) - d / 2 - self.radius
+            if gap < -SAME_POINT:
+                raise DesignError("gap beside the collet's sleeve", gap, 0, "mm", f"pin {k + 1}", "use a smaller collet.wall")
         if self._radius(0) + self.wall > self.flange_diameter / 2:
             raise DesignError(
                 "flange of the collet", self.flange_diameter, self.ring_diameter, "mm", "", "the ring needs a wider flange"
@@ -441,10 +449,10 @@ def axle(diameter: float, length: float, flange_diameter: float, flange: float, 
 
 def spacer(
     name: str, title: str, bore: float, diameter: float, thickness: float, min_wall: float, count: int = 1,
-    pins: Sequence[tuple[complex, float]] = (),
+    pins: Sequence[tuple[complex, float]] = (), outer: Contour | None = None,
 ) -> Part:  # fmt: skip
-    """A washer, with further holes (place, diameter) where it sits on pins; the origin is its axis."""
+    """A washer, with further holes (place, diameter) where it sits on pins; the origin is its axis; outer: an edge not round."""
     holes = {"bore": circle(0j, bore / 2)} | {f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(pins)}
-    region = plate(name, circle(0j, diameter / 2), holes, min_wall)
+    region = plate(name, outer or circle(0j, diameter / 2), holes, min_wall)
     centres = (0j, *(z for z, _ in pins))
     return Part(name, title, (Layer(region, 0.0, thickness),), count, centres=centres, bore=bore, min_wall=min_wall)

@@ -20,7 +20,7 @@ from camgen.expectation import expected
 from camgen.findings import Finding, at_most
 from camgen.fits import Compensation, compensated
 from camgen.jobs import Case, Progress, Workers
-from camgen.making import PLATE_GAP, assembled, compensation, parts_table
+from camgen.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.mechanism import Apart, Mechanism, Plot, Rolling, Study, Table, Traced
 from camgen.outlines import Floats
 from camgen.parts import Part
@@ -292,14 +292,14 @@ def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
 
 def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     """The stages that this mechanism asks for, in the order of the report, then those that are done as parts are read."""
-    stages, whole = [], mechanism.assembly() is not None
+    stages = []
     if passing_by(mechanism):
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
     stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
-    laid_out = whole and "3mf" in kinds
+    laid_out = mechanism.printed() and "3mf" in kinds
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))
-    if whole or mechanism.bought():
+    if mechanism.printed() or mechanism.bought():
         stages.append(Stage((), work=list_parts))
     return [*stages, *reading(mechanism)]
 
@@ -355,15 +355,16 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.packing import bed_fit
     from camgen.slabs import judge_plate
 
-    bed, plates, written = case.mechanism.print, _plates(case), _written(case)
+    mechanism, plates, written, bed = case.mechanism, _plates(case), _written(case), case.mechanism.print.bed
+    listed, sides = mechanism.printed(), lying_sides(mechanism, written)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
-    counts = {name: part.count for name, part in case.parts.items()}
-    fits = [bed_fit(name, counts[name], mesh.vertices, bed.bed, bed.bed_height)[1] for name, mesh in written.items()]
-    short = (Counter(counts) - laid).total()
-    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", f"{laid.total()} laid out, {short} missing")
-    on_plates = [finding for path in plates for finding in judge_plate(path, bed.bed, PLATE_GAP)]
-    copies = [judge_copies(path, written) for path in plates]
-    return Outcome([*(fit for fit in fits if not fit.ok), missing, *copies, *on_plates])
+    lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
+    fits = [bed_fit(part.name, part.count, vertices, bed, mechanism.print.bed_height)[1] for part, vertices in lying]
+    short = (Counter({part.name: part.count for part in listed}) - laid).total()
+    said = f"{laid.total()} copies laid out, {short} missing"
+    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
+    on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP))]
+    return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
 
 def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -380,7 +381,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     """The list of parts, with mass and print time of all that is printed."""
-    table = parts_table(case.mechanism)
+    table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
     return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table])

@@ -231,7 +231,8 @@ class Bodies:
             crossed = Region(circle(complex(0, r), r))
             notes = ("stands in for the bought needle; cone and wedge have the same section in this plane",)
             layers = (Layer(Region(outline), 0.0, 2 * r),)
-            return Part(f"needle-{k + 1}", f"Dummy of needle {k + 1}, not to be made", layers, notes=notes, crossed=crossed)
+            title = f"Dummy of needle {k + 1}, not to be made"
+            return Part(f"needle-{k + 1}", title, layers, notes=notes, crossed=crossed, made="dummy")
 
         return needle(0), needle(1)
 
@@ -248,7 +249,7 @@ class Bodies:
         return Part(
             "needle-plate", "Dummy of the needle plate, not to be made", (Layer(Region(outline), 0.0, 2 * half),),
             notes=("stands in for the machine's own plate",),
-            crossed=Region(top, holes),
+            crossed=Region(top, holes), made="dummy",
         )  # fmt: skip
 
 

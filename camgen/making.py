@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from itertools import repeat
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +18,7 @@ from camgen.jobs import Case, Progress, Workers
 from camgen.mechanism import Mechanism, Table
 
 if TYPE_CHECKING:
+    from camgen.lying import Side, Solid
     from camgen.solids import Mesh
 
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
@@ -24,9 +27,7 @@ PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines ea
 def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> None:
     """Write the files of these kinds ("dxf", "stl", "3mf") into the case's folder, beside the spec that is there."""
     mechanism, names = case.mechanism, list(case.parts)
-    whole = mechanism.assembly() is not None
-    if whole or mechanism.bought():
-        write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism)
+    listed = mechanism.printed()
     meshes: dict[str, Mesh] = {}
     sent: dict[str, Mesh] = {}
     made = workers.map(_make_part, repeat(case, len(names)), names, repeat(only, len(names)))
@@ -35,16 +36,32 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
         pair = next(made)
         if pair is not None:
             meshes[name], sent[name] = pair
+    sides = lying_sides(mechanism, sent if "3mf" in only else {})
+    if listed or mechanism.bought():
+        write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
     if "3mf" not in only:
         return
     progress("putting the assembly together", 0.4)
     write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
-    if whole:
+    if listed:
         from camgen.packing import laid_out, write_plates
 
         progress("laying out the plates", 0.42)
-        layout = laid_out(list(case.parts.values()), sent, mechanism.print.bed, PLATE_GAP)
+        layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides)
         write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
+
+
+def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Solid]) -> dict[str, Side]:
+    """On which side each printed part is laid whose solid, as sent to the printer, is known.
+
+    A chamfer against the elephant's foot is made at the part's own underside, which it then lies on.
+    """
+    from camgen.lying import lying_side, side
+
+    drawn = mechanism.print.elephant_foot > 0
+    printed = [part.name for part in mechanism.parts() if part.made == "printed" and part.name in meshes]
+    down = np.array([0.0, 0.0, -1.0])
+    return {name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed}
 
 
 def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh] | None:
@@ -97,31 +114,43 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
     ]
 
 
-def parts_table(mechanism: Mechanism) -> Table:
-    """The list of parts: what is printed, with material, mass and time of all copies, then what is turned or bought."""
+def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
+    """The list of parts: what is printed, with material, mass and time of all copies, then what is turned or bought.
+
+    sides: on which printed parts lie on the bed, where their solids are known.
+    """
     from camgen.packing import parts_list
 
     material = mechanism.material
     parts = mechanism.parts()
     printed = [part for part in parts if part.made == "printed"]
     rows: list[tuple[object, ...]] = [
-        ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min)
-        for row in parts_list(printed, material.name, mechanism.print.nozzle, material.density)
+        ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, material.density, sides)
     ]
-    rows += [(part.made, part.name, part.title, part.count, part.count * part.volume, "", "") for part in parts
+    blank: tuple[object, ...] = ("",) * 5
+    rows += [(part.made, part.name, part.title, part.count, part.count * part.volume, *blank) for part in parts
              if part not in printed]
     for thing in mechanism.bought():
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
-        rows.append(("bought", thing.name, size, thing.count, "", "", ""))
-    columns = ("how", "part", "what", "count", "material, mm^3", f"mass in {material.name}, g", "print time, min")
+        rows.append(("bought", thing.name, size, thing.count, "", *blank))
+    columns = (
+        "how", "part", "what", "count", "material, mm^3", f"mass in {material.name}, g", "print time, min", "lies",
+        "on the bed, mm^2", "overhang, mm^2",
+    )  # fmt: skip
     return Table("Parts list", columns, rows)
 
 
-def write_parts_list(path: Path, mechanism: Mechanism) -> None:
+def _lying(side: Side | None) -> tuple[object, ...]:
+    """Side, contact and overhang of a part in the list, mm^2; blank where its solid is not known."""
+    return (side.name, side.contact, side.overhang) if side else ("", "", "")
+
+
+def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]) -> None:
     """Write the list of parts as CSV."""
     import csv
 
-    table = parts_table(mechanism)
+    table = parts_table(mechanism, sides)
     with open(path, "w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(table.columns)

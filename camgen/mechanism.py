@@ -396,6 +396,10 @@ class Mechanism(Spec, ABC):
         """What bodies that move past each other keep, mm: of the play on a side what a coarse print leaves, less facets."""
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
+    def printed(self) -> Sequence[Part]:
+        """Parts that are laid out on plates, with a list of parts: those of a whole machine, unless said otherwise."""
+        return [part for part in self.parts() if part.made == "printed"] if self.assembly() is not None else []
+
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
         return Study()

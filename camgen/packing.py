@@ -1,5 +1,6 @@
 """Ready to print: all copies of all parts laid flat on as few beds as it takes, and the list of parts.
 
+    side        on which a part lies, see `lying`
     footprint   the smallest rectangle, turned as it likes, about a part seen from above
     plate       one bed full of copies, written as one 3MF file
 
@@ -11,13 +12,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
 from camgen.export import Placed, placing, write_3mf
 from camgen.findings import Finding, at_most
+from camgen.lying import Side
 from camgen.outlines import Floats, Points
 from camgen.parts import Part
 from camgen.solids import Mesh
@@ -45,13 +48,15 @@ class Footprint:
 
 @dataclass(frozen=True)
 class Spot:
-    """Place of one copy: the part turned by angle (rad), moved to position (complex mm, bed's corner at 0) and height z."""
+    """Place of one copy: laid on a side by turn (3, 3), turned by angle (rad), moved to position (complex mm, bed's corner at 0)
+    and height z."""
 
     part: str
     copy: int
     angle: float
     position: complex
     z: float
+    turn: Floats = field(default_factory=lambda: np.eye(3), compare=False)
 
 
 @dataclass(frozen=True)
@@ -103,19 +108,24 @@ def bed_fit(
     return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
 
 
-def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float) -> Layout:
+def laid_out(
+    parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float,
+    sides: Mapping[str, Side] = MappingProxyType({}),
+) -> Layout:  # fmt: skip
     """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
 
-    meshes: by part name, in the part's frame. A part that fits no bed is left out, and its finding says by how much. The bed's
-    rim is kept free as wide as the gap, for a brim, unless a part needs it.
+    meshes, sides: by part name, in the part's frame, and on which side it lies, as drawn unless said. A part that fits no bed is
+    left out, and its finding says by how much. The bed's rim is kept free as wide as the gap, for a brim, unless a part needs it.
     """
     import rectpack
 
     whole, gap = bed, gap + _SPARE
     prints: dict[str, Footprint] = {}
     findings, copies = [], []
+    turns = {part.name: sides.get(part.name, Side()).turn for part in parts}
+    lying = {part.name: meshes[part.name].vertices @ turns[part.name].T for part in parts}
     for part in parts:
-        f, finding = bed_fit(part.name, part.count, meshes[part.name].vertices, bed)
+        f, finding = bed_fit(part.name, part.count, lying[part.name], bed)
         prints[part.name] = f
         findings.append(finding)
         copies += [(part.name, k + 1) for k in range(part.count)] if finding.ok else []
@@ -143,7 +153,7 @@ def laid_out(parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float
             centre = middle + (low + size / 2) * _UNIT - gap * (1 + 1j) / 2
             turned = prints[name].centre * (1j if across else 1)
             angle = prints[name].angle + (math.pi / 2 if across else 0.0)
-            spots.append(Spot(name, copy, angle, centre - turned, -float(meshes[name].vertices[:, 2].min())))
+            spots.append(Spot(name, copy, angle, centre - turned, -float(lying[name][:, 2].min()), turns[name]))
         laid.append(tuple(spots))
     return Layout(tuple(laid), tuple(findings))
 
@@ -165,10 +175,16 @@ def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, M
     for k, spots in enumerate(layout.plates, 1):
         path = folder / (f"{name}-plate.3mf" if k == 1 else f"{name}-plate-{k}.3mf")
         objects = {part: mesh for part, mesh in meshes.items() if any(spot.part == part for spot in spots)}
-        items = [Placed(s.part, f"{s.part} {s.copy}", placing(s.angle, s.position, s.z, 0.0)) for s in spots]
+        items = [Placed(s.part, f"{s.part} {s.copy}", _placing(s)) for s in spots]
         write_3mf(path, objects, items, f"{key}:plate-{k}")
         paths.append(path)
     return paths
+
+
+def _placing(spot: Spot) -> Floats:
+    """Transform (3, 4) of one copy."""
+    place = placing(spot.angle, spot.position, spot.z, 0.0)
+    return np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
 
 
 # ---- the list of parts -----------------------------------------------------------------------------------------------
@@ -190,19 +206,21 @@ COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
 
 
 def parts_list(
-    parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None
-) -> list[Row]:
+    parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None,
+    sides: Mapping[str, Side] = MappingProxyType({}),
+) -> list[Row]:  # fmt: skip
     """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
 
     The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY
-    unless its density (g/cm^3) is given.
+    unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
     """
     density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
     layer = LAYER_SHARE * nozzle
     flow = nozzle * layer * PRINT_SPEED
     rows = []
     for part in parts:
-        seconds = part.volume / flow + math.ceil(part.thickness / layer - 1e-9) * LAYER_OVERHEAD
+        height = sides[part.name].height if part.name in sides else part.thickness
+        seconds = part.volume / flow + math.ceil(height / layer - 1e-6) * LAYER_OVERHEAD
         rows.append(
             Row(part.name, part.title, part.count, part.count * part.volume, part.count * part.volume * density,
                 part.count * seconds / 60)

@@ -10,106 +10,25 @@ The frame's own origin is the follower's pivot; the second plate is the first tu
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
 
 from camgen.errors import DesignError
 from camgen.followers import DiscCam
 from camgen.hardware import Base, Collet, Frame, axle, overlap, spacer, swept_box
 from camgen.mechanism import Assembly, Drive, Mount, StandIn
-from camgen.outlines import Floats
-from camgen.parts import Part, rod
+from camgen.outlines import Floats, Points
+from camgen.parts import Part, hull, rod
 from camgen.sampling import facet_contour
-from camgen.spec import Length, Record
-from camgen.standards import BEARINGS, DOWELS, MOTOR_FACES, SCREWS, Bearing, MotorFace, dowel, flange
+from camgen.standards import SCREWS, dowel
+from camgen.swing_room import LAYOUT, LEAST_AXLE, Room, washer_wall
+from camgen.swing_tables import BaseTable, ColletTable, FrameTable, NozzleTable
 
-Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
-Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
-
-_LAYOUT = 0.01  # mm, facets of the cam that the frame goes round; the files are judged again
+_TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
-
-
-class BaseTable(Record):
-    """The base plate; boss, screw_circle, screws and screw describe the motor "flange"; mount: screws that hold the base."""
-
-    motor: Literal["nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "flange"] = "nema-17"
-    boss: Length = 22.0
-    screw_circle: Length = 44.0
-    screws: Annotated[int, Field(ge=2, le=12)] = 4
-    screw: Thread = "M3"
-    thickness: Length = 4.0
-    wall: Length = 3.0
-    window: bool = True
-    slot_room: Annotated[float, Field(ge=0, le=100)] = 1.0
-    mount: Thread | Literal["none"] = "M3"
-    gap: Length = 0.6
-
-    @property
-    def face(self) -> MotorFace:
-        """The motor that it carries."""
-        if self.motor == "flange":
-            return flange(self.boss, self.screw_circle, self.screws, self.screw)
-        return MOTOR_FACES[self.motor]
-
-
-class FrameTable(Record):
-    """The follower's plates and the two axles that they are pressed on; tip: "plate", "pin" or a bearing by its name."""
-
-    tip: Tip = "plate"
-    arm: Length = 10.0
-    wall: Length = 3.0
-    axle: Length = 6.0
-    axle_flange: Length = 12.0
-    flange_thickness: Length = 2.0
-    slide_at: Length = 24.0
-    gap: Length = 1.0
-
-    @property
-    def bearing(self) -> Bearing | None:
-        """The bearing that is the tip, if one is."""
-        return BEARINGS.get(self.tip)
-
-    def seat(self, tip_radius: float) -> float:
-        """Diameter of the dowel pin that is pressed into the plate at the tip, mm; 0 where the plate itself is the tip."""
-        if self.bearing:
-            return float(self.bearing.bore)
-        return 2 * tip_radius if self.tip == "pin" else 0.0
-
-
-class ColletTable(Record):
-    """Collet and clamp ring on a plain shaft."""
-
-    wall: Length = 2.4
-    length: Length = 6.0
-    flange: Length = 2.0
-    slits: Annotated[int, Field(ge=2, le=24)] = 4
-    slit: Length = 1.0
-
-
-class NozzleTable(Record):
-    """What the frames carry: two screws across the tail, and the load's inertia about the pivot (0: the frames' alone)."""
-
-    screw: Thread = "M3"
-    spacing: Length = 20.0
-    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e3)] = 0.0
-    friction: Annotated[float, Field(ge=0, le=1)] = 0.25
-
-
-class SpringTable(Record):
-    """The spring of force closure, as it acts on the frame: N m per rad, and N m where the tip is nearest to the shaft.
-
-    lever: from the pivot to a straight spring that pulls square to it; what it has to be is stated for that.
-    """
-
-    rate: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    preload: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    lever: Length = 24.0
 
 
 @dataclass(frozen=True)
@@ -118,7 +37,7 @@ class SwingMachine:
 
     cam_part: the cam as made; pins: places of its pin holes; swing: peak to peak, rad; reachable: follower angle over
     the cam angle; pair: two cams and two frames; plain: the shaft is clamped by a collet; flat: depth of its flat, 0:
-    none; slide, press: diametral fits.
+    none; wall, pin_wall: wanted, and kept round the pins; slide, press: diametral fits; room: that the geometry leaves.
     """
 
     cam: DiscCam
@@ -130,6 +49,7 @@ class SwingMachine:
     plain: bool
     flat: float
     wall: float
+    pin_wall: float
     slide: float
     press: float
     min_wall: float
@@ -138,6 +58,7 @@ class SwingMachine:
     frame: FrameTable
     collet: ColletTable
     nozzle: NozzleTable
+    room: Room
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
 
@@ -210,7 +131,7 @@ class SwingMachine:
     def rims(self) -> np.ndarray:
         """Edge of the cam at many cam angles, seen from the frame."""
         theta = np.linspace(0, math.tau, _PLACES)[:, None]
-        rim = facet_contour(self.cam.outline, _LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
+        rim = facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
         seen = (rim * np.exp(1j * theta) - self.cam.follower.pivot) * np.exp(-1j * self.cam.reachable(theta))
         return np.asarray(seen.ravel())
 
@@ -219,19 +140,29 @@ class SwingMachine:
         """The base as a shape."""
         b, f = self.base, self.frame
         return Base(
-            b.face, self.cam.follower.pivot.real, f.axle, f.axle_flange, f.slide_at, self.swing, b.thickness, b.wall,
+            b.face, self.cam.follower.pivot.real, self.axle, f.axle_flange, f.slide_at, self.swing, b.thickness, b.wall,
             self.slide, b.slot_room, b.window, SCREWS.get(b.mount),
         )  # fmt: skip
 
     @cached_property
     def _frame(self) -> Frame:
+        """The frame; its finger, which widens towards the arm, is straight where the cam passes too near for that."""
+        wide, straight = self._frame_with(False), self._frame_with(True)
+        return straight if self._overlap(wide) else wide
+
+    def _overlap(self, frame: Frame) -> float:
+        """How deep the cam comes into the plate that is itself the tip, mm, 0 if it does not."""
+        arm = self.cam.follower
+        tip = arm.arm, arm.tip_radius + min(self.frame.gap, _TOUCHING)
+        return 0.0 if self.seat else overlap(frame.part(self.min_wall).region, self.rims, tip)
+
+    def _frame_with(self, straight: bool) -> Frame:
         f, follower = self.frame, self.cam.follower
-        inside = swept_box(self.rims) + complex(f.gap, -f.gap)
         screw = SCREWS[self.nozzle.screw]
         return Frame(
-            follower.arm, self._boss if self.seat else follower.tip_radius, inside, f.arm, f.axle + self.press, f.slide_at,
-            screw.clearance, self.nozzle.spacing, self.pin, self.thickness, f.wall, self.tip_hole,
-            (screw.flats + self.slide, screw.nut),
+            follower.arm, self._boss if self.seat else follower.tip_radius, self._inside, f.arm, self.axle + self.press,
+            f.slide_at, screw.clearance, self.nozzle.spacing, self.pin, self.thickness, f.wall, self.tip_hole,
+            (screw.flats + self.slide, screw.nut), self._hub, straight,
         )  # fmt: skip
 
     @property
@@ -242,7 +173,55 @@ class SwingMachine:
     @property
     def _boss(self) -> float:
         """Radius of the plate round the tip's pin."""
-        return self.tip_hole / 2 + 2 * self.min_wall
+        return self.frame.boss(self.seat, self.press, self.min_wall)
+
+    # ---- what is made smaller where there is no room -----------------------------------------------------------------
+
+    @cached_property
+    def _inside(self) -> complex:
+        """How near the cam comes to the pivot and to the frame's arm, room included: see `Frame.inside`."""
+        return swept_box(self.rims) + complex(self.frame.gap, -self.frame.gap)
+
+    @cached_property
+    def axle(self) -> float:
+        """Diameter of both axles, mm: as wanted, or what leaves the least wall between axle and cam."""
+        fit = max(self.press, self.slide)
+        room = math.floor(10 * (2 * (-self._inside.real - self.min_wall - LAYOUT) - fit)) / 10
+        least = min(self.frame.axle, LEAST_AXLE)
+        if room < least:
+            raise DesignError(
+                "room for the axle's hub", -self._inside.real, (least + fit) / 2 + self.min_wall + LAYOUT, "mm",
+                f"the frame beside the pivot, for an axle of {least:g} mm with limits.min_wall",
+                f"the cam comes too near the pivot: {self.room.remedy()}",
+            )  # fmt: skip
+        return min(self.frame.axle, room)
+
+    @property
+    def _hub(self) -> float:
+        """Radius of the frame round the pivot's axle."""
+        return min((self.axle + self.press) / 2 + self.frame.wall, -self._inside.real)
+
+    @property
+    def _sleeve_wall(self) -> float:
+        """Wall of the collet: as wanted, or what the pins leave."""
+        c, free = self.collet, min((abs(z) - self.pin / 2 for z in self.pins), default=math.inf)
+        return min(c.wall, c.wall + free - Collet(self.bore, self.slide, c.wall, c.length, c.flange, 0.0).radius)
+
+    @cached_property
+    def _rim(self) -> Points:
+        return facet_contour(self.cam.outline, LAYOUT)
+
+    @property
+    def smaller(self) -> tuple[str, ...]:
+        """What is smaller than wanted, for people; nothing where all has room."""
+        sizes = [
+            ("frame.axle", self.frame.axle, self.axle),
+            ("frame.wall round the pivot", self.frame.wall, self._hub - (self.axle + self.press) / 2),
+            ("parts.wall round the cams' pins", self.wall, self.pin_wall),
+        ]
+        sizes += [("collet.wall", self.collet.wall, self._sleeve_wall)] if self.plain else []
+        less = [f"{name} {made:.3g} instead of {wanted:g}" for name, wanted, made in sizes if made < wanted - LAYOUT]
+        return (f"Smaller for want of room, mm: {'; '.join(less)}.",) if less else ()
 
     @cached_property
     def tip_pin(self) -> float:
@@ -259,12 +238,12 @@ class SwingMachine:
 
     @cached_property
     def _collet(self) -> Collet:
-        c = self.collet
-        plain = Collet(self.bore, self.slide, c.wall, c.length, c.flange, 0.0, (), c.slits, c.slit)
+        c, wall = self.collet, self._sleeve_wall
+        plain = Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0, (), c.slits, c.slit)
         pins = tuple((z, self.pin) for z in self.pins)
         reach = max((abs(z) + self.pin / 2 + self.wall for z in self.pins), default=0.0)
         flange_diameter = max(plain.ring_diameter, 2 * reach)
-        return Collet(self.bore, self.slide, c.wall, c.length, c.flange, flange_diameter, pins, c.slits, c.slit)
+        return Collet(self.bore, self.slide, wall, c.length, c.flange, flange_diameter, pins, c.slits, c.slit)
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -279,21 +258,21 @@ class SwingMachine:
         if self.seat:
             pin = f"hole at the tip for a dowel pin {self.seat:g} m6 x {self.tip_pin:g}, ISO 2338"
             plate = replace(plate, notes=(*plate.notes, pin))
-        arm = self.cam.follower
-        deep = 0.0 if self.seat else overlap(plate.region, self.rims, (arm.arm, arm.tip_radius + f.gap))
+        deep = self._overlap(self._frame)
         if deep > 0:
             raise DesignError(
                 "overlap of frame and cam", deep, 0.0, "mm", "frame, over the turn",
-                "use a narrower frame.arm, a larger frame.gap or a smaller swing",
+                "the cam is too steep beside the tip: use a smaller geometry.swing_deg or geometry.tip_radius, or a larger "
+                "geometry.arm_offset",
             )  # fmt: skip
         made = [
             self.cam_part,
             plate,
             self.base_plate.part(self.min_wall),
-            axle(f.axle, self.last + self.slide, f.axle_flange, f.flange_thickness),
+            axle(self.axle, self.last + self.slide, f.axle_flange, f.flange_thickness),
             spacer(
-                "axle-washer", "Washer of an axle", f.axle + self.slide, f.axle_flange, self.foot - self.base.thickness,
-                self.min_wall, 2,
+                "axle-washer", "Washer of an axle", self.axle + self.slide, min(f.axle_flange, -2 * self._inside.real),
+                self.foot - self.base.thickness, self.min_wall, 2,
             ),
         ]  # fmt: skip
         if self.pair:
@@ -315,13 +294,17 @@ class SwingMachine:
 
     def _spacer(self) -> Part:
         """Washer between the cams, small enough to pass between the tips."""
-        room = float(np.min(np.abs(facet_contour(self.cam.outline, _LAYOUT)))) - self.slide
-        if self.seat:
-            room += self.cam.follower.tip_radius - self._boss
-        reach = max([self.bore / 2 + self.wall, *(abs(z) + self.pin / 2 + self.wall for z in self.pins)])
+        assert self.room.washer is not None, "a pair has one"
+        hole, keep = self.room.washer
+        reach = max([hole, *(abs(z) + self.pin / 2 for z in self.pins)])
+        radius = min(reach + self.wall, float(np.min(np.abs(self._rim))) - keep)
+        outer = None
+        if radius - reach < self.min_wall:  # no round one has room, but one as wide as its holes need
+            wall = min(self.wall, washer_wall(self._rim, hole, self.pins, self.pin, keep))
+            outer = hull([(0j, hole + wall), *((z, self.pin / 2 + wall) for z in self.pins)])
         return spacer(
-            "cam-spacer", "Spacer between the cams", self.bore + self.slide, 2 * min(room, reach),
-            self.top - self.low - 2 * self.thickness, self.min_wall, 1, [(z, self.pin) for z in self.pins],
+            "cam-spacer", "Spacer between the cams", 2 * hole, 2 * radius, self.top - self.low - 2 * self.thickness,
+            self.min_wall, 1, [(z, self.pin) for z in self.pins], outer,
         )  # fmt: skip
 
     # ---- mounting ---------------------------------------------------------------------------------------------------
@@ -395,35 +378,3 @@ class SwingMachine:
             found.append(tuple(discs))
         return found
 
-
-def machine_faults(
-    tip_radius: float, slide: float, press: float, pin: float, min_wall: float, nozzle: float, joined: bool, base: BaseTable,
-    frame: FrameTable, collet: ColletTable,
-) -> Sequence[tuple[bool, str, float, str]]:
-    """Checks between keys of the machine: (holds, path, value, what would be right); joined: pins must join its cams."""
-    rollers = [d / 2 for d in DOWELS] if frame.tip == "pin" else [b.outside / 2 for b in (frame.bearing,) if b]
-    thin = {
-        "parts.pin_diameter": pin or min_wall, "frame.arm": frame.arm, "frame.axle": frame.axle,
-        "frame.flange_thickness": frame.flange_thickness, "collet.flange": collet.flange,
-    }  # fmt: skip
-    return (
-        *((size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm") for path, size in thin.items()),
-        (pin > 0 or not joined, "parts.pin_diameter", pin, "more than 0: pins join the two cams on a plain shaft"),
-        (collet.slit >= nozzle, "collet.slit", collet.slit, f"at least the nozzle, {nozzle:g} mm, or it closes in print"),
-        (
-            frame.tip == "plate" or tip_radius in rollers,
-            "geometry.tip_radius", tip_radius,
-            f"that of frame.tip = \"{frame.tip}\": {', '.join(f'{radius:g}' for radius in rollers)} mm",
-        ),
-        (slide > 0, "print.slide_clearance", slide, "more than 0: the cams and frames of a machine turn past each other"),
-        (base.gap > slide, "base.gap", base.gap, f"more than print.slide_clearance, {slide:g} mm"),
-        (press < pin or not pin, "print.press_clearance", press, f"less than parts.pin_diameter, {pin:g} mm"),
-        (
-            frame.axle_flange > frame.axle + slide,
-            "frame.axle_flange", frame.axle_flange, f"more than the axle and its clearance, {frame.axle + slide:g} mm",
-        ),
-        (
-            base.motor != "flange" or base.screw_circle > base.boss,
-            "base.screw_circle", base.screw_circle, f"more than base.boss, {base.boss:g} mm",
-        ),
-    )  # fmt: skip

@@ -19,11 +19,13 @@ ROWS = (
     | {"linkages", "dynamics", "landmarks", "tips", "unpacking"},
     {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "looper_timing", "nearness"},
     {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
+    | {"swing_tables"}
     | {"contact_tips"},
     {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
-    | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"},
-    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "verify", "rolling", "interference", "slabs", "sweep"}
-    | {"clearance", "folder", "budget", "outline_files", "follower_table"},
+    | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"}
+    | {"swing_room"},
+    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "lying", "verify", "rolling", "interference", "slabs"}
+    | {"sweep", "clearance", "folder", "budget", "outline_files", "follower_table"},
     {"report", "moving", "figures", "jobs", "scope", "expectation"},
     {"making", "judging"},
     {"pipeline", "outline_motion", "terminal", "benchmark"},
@@ -43,6 +45,8 @@ SAME_ROW = {
     ("mechanisms", "eccentric_study"),
     ("mechanisms", "feed_study"),
     ("mechanisms", "swing_machine"),
+    ("mechanisms", "swing_room"),
+    ("swing_machine", "swing_room"),
     ("mechanisms", "swing_list"),
     ("swing_list", "swing_machine"),
     ("mechanisms", "swing_study"),
@@ -54,6 +58,7 @@ SAME_ROW = {
     ("fits", "parts"),
     ("looper_timing", "stitch"),
     ("packing", "export"),
+    ("packing", "lying"),
     ("export", "dxf"),
     ("drawing", "dxf"),
     ("drawing", "dimensions"),
@@ -85,9 +90,9 @@ JUDGES = {
 }
 MAKERS = {
     "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "packing", "fits", "dxf", "sheet", "drawing", "dimensions", "program", "segments", "crossing",
+    "export", "packing", "lying", "fits", "dxf", "sheet", "drawing", "dimensions", "program", "segments", "crossing",
     "stitch", "looper_design", "looper_parts", "looper_timing",
-    "looper_study", "tips", "sizing", "disc_parts",
+    "looper_study", "tips", "sizing", "disc_parts", "swing_room", "swing_tables",
 }  # fmt: skip
 HOW_PARTS_TOUCH = {
     ("mechanism", name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import functools
 import math
@@ -13,14 +14,14 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen import spec
+from camgen import pipeline, spec
 from camgen.clearance import judge_clearance, sections
 from camgen.errors import DesignError, SpecError
 from camgen.export import write_stl
 from camgen.looper_design import clearances
 from camgen.mechanisms.chain_stitch_looper import ALLOWED, ChainStitchLooper
 from camgen.outlines import Arc, Contour
-from camgen.readback import Mesh, mesh_faults, read_stl, slice_mesh
+from camgen.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
 from camgen.solids import solid
 
 ROOT = Path(__file__).parent.parent
@@ -568,3 +569,22 @@ def test_search_keeps_the_limits_of_the_spec(changes: dict[str, Any]) -> None:
 def test_search_is_for_laws_in_step() -> None:
     with pytest.raises(SpecError, match="timing"):
         machine({"wanted.nose_length": 16, "timing.lag_deg": 3}).designed()
+
+
+def test_spreaders_lie_on_their_undersides(tmp_path: Path) -> None:
+    """173 mm^2 on the bed: the shank's 22 x 6 mm and more; as drawn 49 carry it and 119 overhang."""
+    path = Path(__file__).parent.parent / "specs" / "chain-stitch-looper.toml"
+    report = pipeline.build(path, tmp_path, frozenset({"3mf"}), ["accuracy.chord_tolerance=0.01"])
+    assert [f for f in report.findings if not f.ok and f.code in ("BED_FIT", "ROUND_TRIP")] == []
+    folder = tmp_path / "chain-stitch-looper"
+    with open(folder / "chain-stitch-looper-parts.csv", encoding="utf-8", newline="") as file:
+        rows = {row["part"]: row for row in csv.DictReader(file)}
+    package = read_3mf(folder / "chain-stitch-looper-plate.3mf")
+    assert {item.name for item in package.items} == {name for name, row in rows.items() if row["how"] == "printed"}
+    for item in package.items:
+        if item.name.endswith("spreader"):
+            z = package.meshes[item.name].moved(item.transform).vertices[package.meshes[item.name].faces]
+            flat = z[np.all(z[..., 2] < 1e-3, axis=1)]
+            area = np.abs(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])[:, 2]).sum() / 2
+            assert area == pytest.approx(173, abs=1) == float(rows[item.name]["on the bed, mm^2"])
+            assert float(rows[item.name]["overhang, mm^2"]) < 15 and "-y" in rows[item.name]["lies"]

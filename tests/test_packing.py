@@ -11,12 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from camgen.export import Placed, write_3mf
 from camgen.interference import judge_plate
+from camgen.lying import lying_side, side
 from camgen.outlines import Region, circle, polygon
 from camgen.packing import DENSITY, Layout, Spot, footprint, laid_out, parts_list, write_plates
 from camgen.parts import Layer, Part, hull
 from camgen.readback import read_3mf
 from camgen.solids import Mesh, solid
+from camgen.verify import judge_copies
 
 BED = (120.0, 90.0)
 
@@ -108,6 +111,46 @@ def test_no_two_cells_meet(sizes: list[tuple[float, float, int]]) -> None:
         for k, (x0, x1, y0, y1) in enumerate(boxes):
             assert min(x0, y0) > -1e-4 and x1 < BED[0] + 1e-4 and y1 < BED[1] + 1e-4
             assert all(max(a0 - x1, x0 - a1, b0 - y1, y0 - b1) > 1.5 - 1e-4 for a0, a1, b0, b1 in boxes[k + 1 :])
+
+
+def ledge() -> Part:
+    """A plate of 40 x 10 x 2 mm that stands on a foot of 40 x 2 mm, 8 mm high: upside down nothing overhangs."""
+    foot, top = (Region(polygon([0j, 40 + 0j, complex(40, w), complex(0, w)])) for w in (2.0, 10.0))
+    return Part("ledge", "Ledge", (Layer(foot, 0.0, 8.0), Layer(top, 8.0, 10.0)), 2)
+
+
+def test_a_part_lies_on_the_side_with_least_overhang(tmp_path: Path) -> None:
+    """As drawn 80 mm^2 carry it and 320 overhang; turned over 400 carry; on its back, where foot and plate are flush, 400 too."""
+    parts = [ledge(), *machine()]
+    meshes = meshes_of(parts)
+    own, best = side(meshes["ledge"], np.array([0, 0, -1.0])), lying_side(meshes["ledge"])
+    assert (own.contact, own.overhang, own.height) == pytest.approx((80, 320, 10))
+    assert (best.contact, best.overhang, best.height) == pytest.approx((400, 0, 10))
+    sides = {name: lying_side(mesh) for name, mesh in meshes.items()}
+    assert {name for name, each in sides.items() if each.name != "as drawn"} == {"ledge"}
+    layout = laid_out(parts, meshes, BED, 2.0, sides)
+    for path in write_plates(tmp_path, "m", layout, meshes, "key"):
+        assert all(f.ok for f in judge_plate(path, BED, 2.0)) and judge_copies(path, meshes).ok
+        package = read_3mf(path)
+        for item in package.items:
+            placed = package.meshes[item.name].moved(item.transform)
+            lying = side(Mesh(placed.vertices, placed.faces), np.array([0, 0, -1.0]))
+            assert lying.overhang == pytest.approx(0, abs=1e-3) or item.name != "ledge"
+
+
+@given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: sum(x * x for x in v) > 0.01))
+@settings(max_examples=40, deadline=None)
+def test_a_side_is_brought_down_by_a_rotation(v: tuple[float, float, float]) -> None:
+    down = np.array(v) / np.linalg.norm(v)
+    turn = side(meshes_of([ledge()])["ledge"], down).turn
+    assert turn @ down == pytest.approx([0, 0, -1], abs=1e-9) and np.linalg.det(turn) == pytest.approx(1)
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-9)
+
+
+def test_a_mirrored_copy_on_a_plate_is_told(tmp_path: Path) -> None:
+    meshes = meshes_of([ledge()])
+    write_3mf(tmp_path / "x.3mf", meshes, [Placed("ledge", "ledge 1", np.diag([1.0, 1.0, -1.0, 0])[:3])], "key")
+    assert not judge_copies(tmp_path / "x.3mf", meshes).ok
 
 
 def test_parts_list_by_hand() -> None:

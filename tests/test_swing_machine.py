@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -15,6 +16,7 @@ import pytest
 
 from camgen import making, pipeline
 from camgen import spec as specs
+from camgen.arcfit import as_circle
 from camgen.errors import DesignError, SpecError
 from camgen.export import Placed, placing, write_3mf
 from camgen.mechanism import Mechanism
@@ -377,7 +379,6 @@ def test_torque_is_that_of_the_load() -> None:
         (["collet.length=2"], "travel of the clamp ring"),
         (["collet.slits=24"], "finger of the collet"),
         (["collet.slit=3.5"], "finger of the collet"),
-        (["collet.wall=4"], "gap beside the collet's sleeve"),
         (["parts.pin_diameter=9"], "."),
         (["geometry.arm_offset=60"], "reach of the cam"),
         (["geometry.arm_offset=1e6"], "reach of the cam"),
@@ -482,6 +483,46 @@ def test_pins_that_meet_the_bore_are_refused() -> None:
     bore, pin = (hole for hole in part.region.holes[:2])
     gap = abs(pin.centroid) - math.sqrt(abs(bore.area) / math.pi) - math.sqrt(abs(pin.area) / math.pi)
     assert gap == pytest.approx(3.0) and abs(bore.area) == pytest.approx(abs(circle(0j, 2.5).area))
+
+
+MODERATE = [(50, 25, 30), (30, 15, 30), (40, 20, 30), (60, 20, 20), (30, 10, 10), (50, 40, 20)]
+
+
+@pytest.mark.parametrize(("pivot", "arm", "swing"), MODERATE)
+def test_machines_of_moderate_size_have_room(pivot: float, arm: float, swing: float) -> None:
+    """Their cams are 4 to 9 mm deep at the nearest side of the shaft, or leave 3 mm beside the pivot."""
+    sizes = (f"geometry.pivot_distance={pivot}", f"geometry.arm_offset={arm}", f"geometry.swing_deg={swing}")
+    small = machine(*sizes)
+    assert {part.name for part in small.parts()} == {part.name for part in machine().parts()}
+    assert any(note.startswith("Smaller for want of room") for note in small.study().notes) == (
+        (pivot, arm) in {(30, 15), (30, 10), (50, 40)}
+    )
+
+
+def test_pins_match_when_the_cam_is_turned_over_and_keep_their_walls() -> None:
+    """A cam whose thinnest side lies beside the shaft carries its pins on the deep side."""
+    cam, *_, = machine("geometry.pivot_distance=30", "geometry.arm_offset=10", "geometry.swing_deg=10").parts()
+    one, other = cam.centres[1:]
+    assert other == -one.conjugate() and one.real > 0 and one.imag > 0
+    spacer = next(p for p in machine("geometry.pivot_distance=40", "geometry.arm_offset=20").parts() if p.name == "cam-spacer")
+    assert as_circle(spacer.region.outer) is None and len(spacer.region.holes) == 3
+
+
+@pytest.mark.parametrize(("pivot", "arm", "swing"), [(60, 20, 30), (60, 50, 20), (30, 60, 10), (100, 30, 30)])
+def test_a_refused_machine_says_what_has_room(pivot: float, arm: float, swing: float) -> None:
+    """Each key that is named makes, with its value, a machine of it."""
+    sizes = (f"geometry.pivot_distance={pivot}", f"geometry.arm_offset={arm}", f"geometry.swing_deg={swing}")
+    with pytest.raises(DesignError) as caught:
+        machine(*sizes).parts()
+    remedies = re.findall(r"([a-z]+\.[a-z_]+) = ([\d.]+)", caught.value.remedy)
+    assert remedies
+    for key, value in remedies:
+        assert machine(*sizes, f"{key}={value}").parts(), key
+
+
+def test_a_thick_collet_moves_the_pins_outwards() -> None:
+    cam = machine("collet.wall=4").parts()[0]
+    assert abs(cam.centres[1]) - 1.5 > 2.6 + 4  # bore with its fit, and the wall
 
 
 def test_screws_that_do_not_reach_the_motor() -> None:

@@ -130,7 +130,6 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
         ({"parts__bore": 30.0}, "parts.bore", 23.241),
         ({"parts__bore": 1000.0}, "parts.bore", 23.241),
         ({"parts__bore": 23.0, "parts__shaft": "keyway"}, "parts.bore", 23.241),
-        ({"parts__wall": 20.0}, "wall", 0.8),
         ({"parts__pin_diameter": 20.0}, "wall", 0.8),
         ({"geometry__tip_radius": 15.0}, "tip_radius", 14.6078),
         ({"geometry__tip_radius": 1e6}, "tip_radius", 14.6078),
@@ -147,6 +146,14 @@ def test_no_such_mechanism(keys: dict[str, Any], quantity: str, limit: float) ->
     assert error.quantity == quantity and error.limit == pytest.approx(limit, rel=1e-3)
     assert error.where and error.remedy and error.unit in ("mm", "deg")
     assert not math.isnan(error.value)
+
+
+def test_a_wall_that_has_no_room_gives_way() -> None:
+    """The pins go where the cam is deep: it reaches 43 mm above its shaft and 27 mm beside it."""
+    m = design(parts__wall=20.0)
+    between, edges = walls(m)
+    assert min(between, *edges) > 5
+    assert min(hole.centroid.imag for hole in m.parts()[0].region.holes[1:3]) > 5
 
 
 def test_sharp_bore_limit() -> None:

@@ -36,22 +36,15 @@ from camgen.sampling import facet_contour
 from camgen.spec import Length, Record, Rpm, turning
 from camgen.standards import DENSITY, Bought
 from camgen.swing_list import bought, screw_grip, steps
-from camgen.swing_machine import (
-    BaseTable,
-    ColletTable,
-    FrameTable,
-    NozzleTable,
-    SpringTable,
-    SwingMachine,
-    machine_faults,
-)
+from camgen.swing_machine import SwingMachine
+from camgen.swing_room import LAYOUT, Room, place_pins
 from camgen.swing_study import Forces, blend_study, canvas_study, force_study, forces, keeps_contact
+from camgen.swing_tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 
 _LASH = (
     "free play of the follower between the two tips, deg; 0.25: so far the nozzle stands still after each reversal, 1 % of a "
     "swing of 25 deg where the source bears 10 % of the canvas's thickness"
 )
-_LAYOUT_TOLERANCE = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 _ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
 
 
@@ -123,18 +116,8 @@ class UniformSwing(Mechanism):
                 "0 (sharp), 0.01 to 179.99, or 180",
             ),
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
-            (
-                self.allowed.min_wall >= nozzle,
-                "limits.min_wall",
-                self.allowed.min_wall,
-                f"at least the nozzle, {nozzle:g} mm",
-            ),
-            (
-                p.mark_depth < p.thickness,
-                "parts.mark_depth",
-                p.mark_depth,
-                f"less than the thickness, {p.thickness:g} mm",
-            ),
+            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
+            (p.mark_depth < p.thickness, "parts.mark_depth", p.mark_depth, f"less than the thickness, {p.thickness:g} mm"),
             (
                 p.shaft != "d-flat" or p.flat_depth < p.bore,
                 "parts.flat_depth",
@@ -165,7 +148,8 @@ class UniformSwing(Mechanism):
         if math.radians(g.swing_deg) >= room:
             raise DesignError(
                 "geometry.swing_deg", g.swing_deg, math.degrees(room), "deg", "the inner end of the swing",
-                "the tip reaches the line of the two shafts there: use a smaller swing or a larger arm_offset",
+                "the tip reaches the line of the two shafts there: use a smaller one, or a geometry.arm_offset above "
+                f"{g.pivot_distance * math.tan(math.radians(g.swing_deg / 2)):.4g} mm",
             )  # fmt: skip
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
         return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
@@ -190,17 +174,13 @@ class UniformSwing(Mechanism):
     @cached_property
     def _machine(self) -> SwingMachine:
         p, fits, g = self.making, self.print, self.geometry
-        reach = float(np.max(np.abs(self.cam.pitch(np.linspace(0, math.tau, 721))))) - g.tip_radius
-        if reach >= g.pivot_distance:
-            raise DesignError(
-                "reach of the cam", reach, g.pivot_distance, "mm", "the follower's pivot, which it would sweep over",
-                "use a smaller arm_offset or swing_deg",
-            )  # fmt: skip
+        cam = self.cam
+        self._room.check()
         flat = p.flat_depth if p.shaft == "d-flat" else 0.0
         return SwingMachine(
-            self.cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
-            p.shaft == "plain", flat, p.wall, fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
-            self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle,
+            cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
+            p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
+            self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
         )  # fmt: skip
 
     def assembly(self) -> Assembly | None:
@@ -212,9 +192,14 @@ class UniformSwing(Mechanism):
         return bought(self._machine) if self.making.make == "machine" else ()
 
     @cached_property
+    def _rim(self) -> Points:
+        """The cam's edge in facets, on which holes are placed."""
+        return facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
+
+    @cached_property
     def _cam_part(self) -> Part:
         p, outline = self.making, self.cam.outline
-        rim = facet_contour(outline, _LAYOUT_TOLERANCE * min(1.0, abs(self.cam.follower.arm) / 60))
+        rim = self._rim
         bore, reach = self._bore()
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
@@ -228,9 +213,9 @@ class UniformSwing(Mechanism):
             )
         holes, keep_clear = [bore], []
         if p.pin_diameter:
-            x = reach + p.wall + p.pin_diameter / 2
-            holes += [circle(complex(side * x), p.pin_diameter / 2) for side in (1, -1)]
-            keep_clear += [(complex(side * x), p.pin_diameter / 2) for side in (1, -1)]
+            place = self._pins[0]
+            keep_clear += [(z, p.pin_diameter / 2) for z in (place, -place.conjugate())]
+            holes += [circle(*pin) for pin in keep_clear]
         mark = self._mark(rim, reach, keep_clear) if p.mark_depth else None
         engraved = (Layer(Region(arrowhead(*mark)), p.thickness - p.mark_depth, p.thickness),) if mark else ()
         pins = tuple(centre for centre, _ in keep_clear)
@@ -238,7 +223,7 @@ class UniformSwing(Mechanism):
             keep_clear.append(mark[:2])
         holes += windows(rim, reach, p.windows, p.wall, keep_clear)
         # a hole smaller than the tolerance must not lose its corners
-        wall = thinnest_wall(rim, [facet_contour(h, min(_LAYOUT_TOLERANCE, 0.01 * math.sqrt(abs(h.area)))) for h in holes])
+        wall = thinnest_wall(rim, [facet_contour(h, min(LAYOUT, 0.01 * math.sqrt(abs(h.area)))) for h in holes])
         if not wall > 0:
             raise DesignError(
                 "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
@@ -249,6 +234,23 @@ class UniformSwing(Mechanism):
             "cam", "Uniform-swing cam", (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),), copies,
             engraved, (0j, *pins),
             self._part_notes(bool(mark)), p.bore, self.allowed.min_wall,
+        )  # fmt: skip
+
+    @cached_property
+    def _pins(self) -> tuple[complex, float]:
+        """Place of one pin hole, the other being its mirror image in Oy, and the wall that they keep, mm."""
+        p = self.making
+        if p.make == "machine" and p.pin_diameter:
+            return self._room.pins(self._rim, p.pin_diameter, p.wall)
+        return place_pins(self._rim, self._bore()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
+
+    @cached_property
+    def _room(self) -> Room:
+        g, p, fits = self.geometry, self.making, self.print
+        return Room(
+            g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius, p.bore, self._bore()[1], p.shaft == "plain",
+            g.closure == "conjugate", self.base.face.half, fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
+            self.frame, self.collet,
         )  # fmt: skip
 
     def _mark(self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]) -> tuple[complex, float, complex] | None:
@@ -352,8 +354,8 @@ class UniformSwing(Mechanism):
         findings = [
             at_most(
                 "PRESSURE_ANGLE", worst, limit, "deg", "exact profile",
-                f"rise {self._pressure[1]:.1f} deg, return {self._pressure[2]:.1f} deg; a smaller swing or a pivot nearer "
-                "to square with the tip's radius lowers it",
+                f"rise {self._pressure[1]:.1f} deg, return {self._pressure[2]:.1f} deg; a smaller geometry.swing_deg "
+                "or a larger geometry.arm_offset lowers it",
             )
         ]  # fmt: skip
         lost = max((math.degrees(u.shortfall) for u in self.cam.undercuts), default=0.0)
@@ -363,7 +365,8 @@ class UniformSwing(Mechanism):
             at_most(
                 "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where or "exact profile",
                 f"the swing falls short there by {lost:.4g} deg ({depth:.4g} mm at the tip), as the spec implies; "
-                "a smaller tip_radius or a reversal_blend_deg lowers it" if lost else "the tip follows the whole motion",
+                "a smaller geometry.tip_radius or a geometry.reversal_blend_deg lowers it" if lost else
+                "the tip follows the whole motion",
             )
         )  # fmt: skip
         reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
@@ -491,4 +494,5 @@ class UniformSwing(Mechanism):
             notes.append("Whether the spring keeps the tip on the cam is not judged: give nozzle.inertia_kg_m2.")
         if self.making.make == "machine":
             notes.append(self._machine.shaft_note)
+            notes += self._machine.smaller
         return tuple(notes)
