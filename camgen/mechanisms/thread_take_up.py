@@ -122,14 +122,10 @@ class ThreadTakeUp(Mechanism):
         thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
         checks = (
             *((value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm") for path, value in thin.items()),
-            (
-                0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
-                "between a twentieth and half of shaft_diameter, so that it turns the crank",
-            ),
-            (
-                room > 0, "parts.shaft_length", p.shaft_length,
-                f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play",
-            ),
+            (0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
+             "between a twentieth and half of shaft_diameter, so that it turns the crank"),
+            (room > 0, "parts.shaft_length", p.shaft_length,
+             f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play"),
         )  # fmt: skip
         found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
         if self.masses is not None and self.motor is None:
