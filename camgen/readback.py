@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import FileError
+from camgen.numerics import product
 from camgen.rings import Circle as Circle
 from camgen.rings import Floats as Floats
 from camgen.rings import Ints as Ints
@@ -148,7 +149,7 @@ class Mesh:
 
     def moved(self, transform: Floats) -> Mesh:
         """Image under a (3, 4) transform: rotation and shift, applied to column vectors."""
-        return Mesh(self.vertices @ transform[:, :3].T + transform[:, 3], self.faces)
+        return Mesh(product(self.vertices, transform[:, :3].T) + transform[:, 3], self.faces)
 
 
 @dataclass(frozen=True)
@@ -271,7 +272,7 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
         parts = []
         for component in assemblies[identity]:
             inner = _matrix(component.GetTransform())
-            parts += placed(component.GetObjectResource().GetUniqueResourceID(), outer @ inner)
+            parts += placed(component.GetObjectResource().GetUniqueResourceID(), product(outer, inner))
         return parts
 
     items: list[Item] = []
