@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from camgen import tolerances
 from camgen.findings import Finding, at_most
 from camgen.mechanism import Contact, Eye, Pin, Pose, Slide, Traced
+from camgen.numerics import solve
 from camgen.rings import Circle, Ring, Shape, hole_circles
 
 Floats = NDArray[np.float64]
@@ -182,7 +183,7 @@ class Chain:
         q[open_] = 0
         for _ in range(_STEPS):
             misfit, slope = self._conditions(q, given)
-            step = _solve(slope, misfit)
+            step = solve(slope, misfit)
             open_ |= ~np.isfinite(step).all(axis=1)
             step[open_] = 0
             q -= step
@@ -252,7 +253,7 @@ class Chain:
         to_pose = np.zeros(q.shape)
         to_pose[:, k], to_pose[:, k + 1] = steep.real, steep.imag
         to_pose[:, k + 2] = np.real(np.conj(steep) * swing)
-        shares = _solve(np.swapaxes(slope, 1, 2), to_pose)  # d output / d misfit of each condition
+        shares = solve(np.swapaxes(slope, 1, 2), to_pose)  # d output / d misfit of each condition
         output = np.where(open_, np.nan, self.traced.output(path, *places))
         shares[open_] = np.nan
         by_joint = {
@@ -260,18 +261,6 @@ class Chain:
             for j, joint in enumerate(self.joints)
         }
         return Closed(output, shares[:, -1], by_joint)
-
-
-def _solve(matrices: Floats, right: Floats) -> Floats:
-    """Solutions (n, m) of n systems; nan for a singular one."""
-    try:
-        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0])
-    except np.linalg.LinAlgError:
-        sound = np.linalg.matrix_rank(matrices) == matrices.shape[1]
-        found = np.full(right.shape, np.nan)
-        if sound.any():
-            found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
-        return found
 
 
 def _eyes(joint: Joint) -> tuple[Eye, ...]:

@@ -22,10 +22,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen.numerics import gauss_legendre
 from camgen.outlines import Arc, Contour, Floats, Line, Region, end_point, start_point
 from camgen.rings import Ring, Shape
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_NODES, _WEIGHTS = gauss_legendre(24)
 _OUTSIDE = 0.3  # of the radius, by which the cutter of an edge stands off the corner
 
 
@@ -146,7 +147,7 @@ def _integral(marks: Iterable[float], *factors: tuple[Region, float, float]) -> 
         product = np.sin(2 * s)
         for region, low, high in factors:
             product = product * chord(region, x, low, high)
-        total += (b - a) * math.pi / 4 * float(_WEIGHTS @ product)
+        total += (b - a) * math.pi / 4 * float(np.sum(_WEIGHTS * product))
     return total
 
 

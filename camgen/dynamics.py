@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.linkages import Floats, Jet, Points, direction
+from camgen.numerics import solve
 
 MM = 1e-3
 
@@ -149,8 +150,8 @@ def kinetostatics(
 
     solution = np.full((n, columns), math.nan)
     able: NDArray[np.bool_] = np.isfinite(np.concatenate([system.reshape(n, -1), load], axis=1)).all(axis=1)
-    able[able] = np.linalg.det(system[able]) != 0
-    solution[able] = np.linalg.solve(system[able], load[able][..., None])[..., 0]
+    solution[able] = solve(system[able], load[able])
+    able = np.isfinite(solution).all(axis=1)
     energy[~able] = power[~able] = shaking[~able] = math.nan
     first = 2 * len(pins)
     return Forces(

@@ -16,6 +16,7 @@ import numpy as np
 from camgen.arcfit import as_circle, fit_arcs
 from camgen.distances import point_to_ring
 from camgen.dxf import add_contour, document, extent
+from camgen.numerics import product
 from camgen.outlines import Contour, Floats, Points, Region, polygon
 from camgen.sampling import facet_contour
 from camgen.solids import Mesh
@@ -101,7 +102,7 @@ def placing(angle: float, position: complex, z: float, thickness: float, flipped
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
     shift = [position.real, position.imag, z + (thickness if flipped else 0)]
-    return np.column_stack([turn @ over, shift]) + 0.0
+    return np.column_stack([product(turn, over), shift]) + 0.0
 
 
 def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], key: str) -> None:

@@ -22,12 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen.numerics import gauss_legendre
 from camgen.tolerances import SAME_POINT
 
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 
-_GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(16)
+_GAUSS_NODES, _GAUSS_WEIGHTS = gauss_legendre(16)
 
 
 @dataclass(frozen=True)

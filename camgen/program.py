@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from camgen.motion import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial, reversed_law
+from camgen.numerics import product, solve
 from camgen.tolerances import LAW_CLOSES
 
 _BESIDE = 1e-12  # of a segment, from a break to the law on either side of it
@@ -164,7 +165,7 @@ def matched(
     else:
         rows[:2, :2], rows[2 * n :, 2 * n :] = np.eye(2), np.eye(2)
         values[:2], values[2 * n :] = before, after
-    x = np.linalg.solve(rows, values).reshape(-1, 2)
+    x = solve(rows[None], values[None])[0].reshape(-1, 2)
     return [_quintic(spans[k], levels[k], levels[k + 1], x[k], x[k + 1]) for k in range(n)]
 
 
@@ -175,7 +176,7 @@ _QUINTIC = np.array([[10, -6, -1.5, -4, 0.5], [-15, 8, 1.5, 7, -1], [6, -3, -0.5
 def _quintic_end(order: int, u: float, span: float, s0: float, s1: float) -> tuple[Floats, float]:
     """Derivative of order 3 or 4 of a quintic at u: its dependence on v0, a0, v1, a1, and the rest."""
     weights = np.array([math.perm(k, order) * u ** (k - order) if k >= order else 0.0 for k in (3, 4, 5)])
-    row = weights @ _QUINTIC / span**order
+    row = product(weights[None], _QUINTIC)[0] / span**order
     return row[1:] * np.array([span, span**2, span, span**2]), float(row[0] * (s1 - s0))
 
 
@@ -184,7 +185,7 @@ def _quintic(span: float, s0: float, s1: float, start: Floats, end: Floats) -> S
     rates = np.array([s1 - s0, start[0] * span, start[1] * span**2, end[0] * span, end[1] * span**2])
     scale = float(np.max(np.abs(rates))) or 1.0
     rates = rates / scale
-    high = _QUINTIC @ rates
+    high = product(_QUINTIC, rates[:, None])[:, 0]
     formula = polynomial(0.0, rates[1], rates[2] / 2, *high)
     ends = ((0.0, *map(float, rates[1:3])), (float(rates[0]), *map(float, rates[3:])))
     kind = "rise" if s1 > s0 else "return"

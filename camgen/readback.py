@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import FileError
+from camgen.numerics import product
 from camgen.rings import Circle as Circle
 from camgen.rings import Floats as Floats
 from camgen.rings import Ints as Ints
@@ -190,7 +191,7 @@ class Mesh:
 
     def moved(self, transform: Floats) -> Mesh:
         """Image under a (3, 4) transform: rotation and shift, applied to column vectors."""
-        return Mesh(self.vertices @ transform[:, :3].T + transform[:, 3], self.faces)
+        return Mesh(product(self.vertices, transform[:, :3].T) + transform[:, 3], self.faces)
 
 
 @dataclass(frozen=True)
@@ -352,7 +353,7 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
         if number in meshes:
             items.append(Item(*meshes[number], outer[:3]))
         else:
-            waiting += [(part, outer @ inner) for part, inner in reversed(inside[number])]
+            waiting += [(part, product(outer, inner)) for part, inner in reversed(inside[number])]
     warnings += [f"nothing builds object '{thing.GetName()}'" for number, thing in kinds.items() if number not in built]
     return Package(model.GetUnit().name, tuple(warnings), tuple(items))
 

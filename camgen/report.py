@@ -79,7 +79,7 @@ class Report:
         return (*([self.budget] if self.budget else []), *self.tables)
 
     def as_dict(self) -> dict[str, object]:
-        """The report as report.json holds it: plain values, None for nan and inf."""
+        """The report as report.json holds it: plain values, floats of 12 digits, None for nan and inf."""
         tables = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in self.all_tables]
         plain: dict[str, object] = _plain(
             {
@@ -129,7 +129,7 @@ def motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
 
 
 def to_json(report: Report) -> str:
-    """report.json as text: strict JSON, floats that read back to the same bits, null for nan and inf."""
+    """report.json as text: strict JSON, floats of 12 digits as in motion.csv, null for nan and inf."""
     return json.dumps(report.as_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -190,13 +190,13 @@ def _write(path: Path, text: str) -> None:
 
 
 def _plain(value: object) -> Any:
-    """The same as dicts, lists, text, numbers and None; nan and inf become None."""
+    """The same as dicts, lists, text, numbers of 12 digits and None; nan and inf become None."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, np.generic | np.ndarray):
         return _plain(value.tolist())
     if isinstance(value, float):
-        return value if math.isfinite(value) else None
+        return float(f"{value:.12g}") if math.isfinite(value) else None
     if value is None or isinstance(value, str | int):
         return value
     if isinstance(value, Sequence):

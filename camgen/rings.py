@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen.numerics import least_squares
+
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Ints = NDArray[np.int64]
@@ -198,13 +200,13 @@ def fit_circle(points: Points) -> tuple[complex, float, float]:
     origin = points.mean()
     z = points - origin
     table = np.column_stack([2 * z.real, 2 * z.imag, np.ones(len(z))])
-    x, y, c = np.linalg.lstsq(table, np.abs(z) ** 2, rcond=None)[0]
+    x, y, c = least_squares(table, np.abs(z) ** 2)
     centre, radius = complex(x, y), float(np.sqrt(max(c + x * x + y * y, 0.0)))
     for _ in range(8):
         spoke = z - centre
         distance = np.abs(spoke)
         table = np.column_stack([spoke.real / distance, spoke.imag / distance, np.ones(len(z))])
-        dx, dy, dr = np.linalg.lstsq(table, distance - radius, rcond=None)[0]
+        dx, dy, dr = least_squares(table, distance - radius)
         centre, radius = centre + complex(dx, dy), radius + float(dr)
         if abs(complex(dx, dy)) + abs(dr) < 1e-15 * radius:
             break

@@ -454,8 +454,12 @@ def _apart(name: str, c0: float, c1: float, least: float) -> Condition:
 
 
 def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
-    """Real roots of a r^2 + b r + c."""
-    return tuple(float(root.real) for root in np.roots([a, b, c]) if abs(root.imag) <= 1e-12 * abs(root))
+    """Real roots of a r^2 + b r + c, the one without cancellation first."""
+    square = b * b - 4 * a * c
+    if a == 0 or square < 0:
+        return (-c / b,) if a == 0 and b else ()
+    q = -(b + math.copysign(math.sqrt(square), b)) / 2
+    return (q / a, c / q) if q else (0.0,)
 
 
 def ratio_range(conditions: Sequence[Condition], ratio: float) -> tuple[tuple[float, str], tuple[float, str]] | None:

@@ -17,6 +17,7 @@ import numpy as np
 from camgen import tolerances
 from camgen.distances import point_to_ring, thinnest_wall
 from camgen.findings import Finding, at_least, at_most
+from camgen.numerics import product
 from camgen.readback import Mesh, Package, mesh_faults, read_3mf, read_dxf, read_stl, slice_mesh
 from camgen.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.undoing import printed
@@ -197,7 +198,7 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
     for item in package.items:
         turn = item.transform[:, :3]
-        bent = float(np.max(np.abs(turn @ turn.T - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
+        bent = float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
         off = max(off, bent * reach)
     laid = [(item.name, item.transform) for item in package.items]
     for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty

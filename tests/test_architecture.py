@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / "camgen"
 
 # Imports go to lower rows only.
 ROWS = (
-    {"errors", "tolerances"},
+    {"errors", "tolerances", "numerics"},
     {"motion", "findings", "spec", "standards"},
     {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
     | {"linkages", "dynamics", "landmarks", "tips", "unpacking"},
