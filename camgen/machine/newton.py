@@ -1,0 +1,381 @@
+"""Larger blocks: several vector loops and relations solved together by Newton's method, with a guard.
+
+    known + sum of z_g + sum of u_j d_j = 0      a loop: z_g turns with the unknown angle of group g, u_j unknown lengths
+    sum of shares - law(argument) = 0            a relation of gears and cams within the block
+
+Start: knots one after the other from the drawn position, each predicted from two derivatives of the one before; a step is
+halved until Newton's corrections shrink by half each; where no step is left, the chain ends there. Between the knots lie
+quintic polynomials; from there all angles converge at once. What is beyond an end, or does not converge, is nan.
+Derivatives: with the unknowns' own rates at zero the residual's jets give the right sides of J x' = -F', J x'' = -F''.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.machine.jets import Jet, plus, product, times, unit_turn, vanishes
+from camgen.machine.model import Floats, Points
+from camgen.machine.order import Key, Relation
+
+# Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
+KNOTS = 36
+SHRINKS = 0.5
+# A step of the drive below which there is none: the chain ends, rad.
+LEAST_STEP = 1e-13
+# Corrections below this (by the unknown's size) leave an error of their square, which is rounding.
+NEAR = 1e-8
+# Residual of a closed block, by the size of its links.
+CLOSED = 1e-13
+# Newton may leave the polynomial between knots by no more, by the unknown's size.
+STRAY = 0.05
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A vector equation: signed origins of bodies, levers by group, lengths along ways that turn with a group; sum 0."""
+
+    roots: tuple[tuple[int, str], ...]
+    levers: dict[str, complex]
+    ways: tuple[tuple[str, str, complex], ...]  # slide, group, unit vector in the group's axes
+
+
+@dataclass(frozen=True)
+class Known:
+    """What earlier blocks give a block: jets by loop, of ways by (loop, unknown), of known lengths, of relations."""
+
+    loops: tuple[Jet, ...]
+    ways: tuple[tuple[int, int, Jet], ...]
+    lengths: dict[str, Jet]
+    relations: tuple[Jet, ...]
+    n: int
+
+    def at(self, k: int) -> Known:
+        """The same at the k-th angle alone."""
+
+        def cut(jet: Jet) -> Jet:
+            return [row[k : k + 1] if isinstance(row, np.ndarray) and row.ndim else row for row in jet]
+
+        return Known(
+            tuple(cut(jet) for jet in self.loops),
+            tuple((c, j, cut(jet)) for c, j, jet in self.ways),
+            {name: cut(jet) for name, jet in self.lengths.items()},
+            tuple(cut(jet) for jet in self.relations),
+            1,
+        )
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A block followed from the drawn position: knots (k,) rad, sorted, and x, x', x'', (3, k, m), there.
+
+    ends: what lies beyond the first and last knot is out of reach, where True. folds: knots at which the determinant's
+    sign has changed.
+    """
+
+    theta: Floats
+    jets: Floats
+    ends: tuple[bool, bool]
+    folds: tuple[float, ...]
+
+    def covers(self, low: float, high: float) -> bool:
+        """Whether all that can be reached of the range is known."""
+        return (self.ends[0] or self.theta[0] <= low) and (self.ends[1] or self.theta[-1] >= high)
+
+    def guess(self, theta: Floats) -> Floats:
+        """The quintic between the knots, (m, n); nan beyond."""
+        if self.theta.size == 1:
+            return np.where(theta == self.theta[0], self.jets[0, 0][:, None], np.nan)
+        k = np.clip(np.searchsorted(self.theta, theta, side="right") - 1, 0, self.theta.size - 2)
+        h = self.theta[k + 1] - self.theta[k]
+        t = (theta - self.theta[k]) / h
+        t = np.where((t < 0) | (t > 1), np.nan, t)
+        s = 1 - t
+        t3, s3 = t**3, s**3
+        rows = (
+            (s3 * (1 + 3 * t + 6 * t * t), s3 * t * (1 + 3 * t) * h, s3 * t * t * 0.5 * h * h),
+            (t3 * (1 + 3 * s + 6 * s * s), -t3 * s * (1 + 3 * s) * h, t3 * s * s * 0.5 * h * h),
+        )
+        x = np.zeros((self.jets.shape[2], theta.size))
+        for end, weights in enumerate(rows):
+            for jet, weight in zip(self.jets, weights, strict=True):
+                x += weight * jet[k + end].T
+        return x
+
+
+@dataclass
+class Block:
+    """Unknown angles (groups), then unknown lengths (slides), of loops and relations; joints name it to people."""
+
+    angles: tuple[str, ...]
+    lengths: tuple[str, ...]
+    loops: tuple[Loop, ...]
+    relations: tuple[Relation, ...]
+    joints: tuple[str, ...]
+    start: Floats
+    trace: Trace | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        self.column: dict[Key, int] = {("angle", name): k for k, name in enumerate(self.angles)}
+        self.column |= {("length", name): k for k, name in enumerate(self.lengths, len(self.angles))}
+        self.size = len(self.column)
+        levers = [abs(lever) for loop in self.loops for lever in loop.levers.values()]
+        levers += [abs(x) for x in self.start[len(self.angles) :]]
+        self.scale = max(1.0, *levers) if levers else 1.0
+        self.unit = np.array([1.0] * len(self.angles) + [self.scale] * len(self.lengths))
+
+    # ---- the equations at x, (m, n) ----
+
+    def _vectors(self, x: Floats, known: Known) -> tuple[list[dict[int, Any]], list[dict[int, Any]]]:
+        """For each loop the vector that turns with each unknown angle, and the way of each unknown length."""
+        few = x.shape[1] < 64
+        na = len(self.angles)
+        turns = np.exp(1j * x[:na]) if few else [unit_turn(row) for row in x[:na]]
+        turning: list[dict[int, Any]] = []
+        along: list[dict[int, Any]] = []
+        for loop in self.loops:
+            z = {self.column["angle", g]: lever * turns[self.column["angle", g]] for g, lever in loop.levers.items()
+                 if ("angle", g) in self.column}  # fmt: skip
+            ways: dict[int, Any] = {}
+            for slide, group, way in loop.ways:
+                k, j = self.column.get(("angle", group)), self.column.get(("length", slide))
+                if k is None:
+                    continue
+                vector = way * turns[k]
+                z[k] = plus(z.get(k, 0), (x[j] if j is not None else known.lengths[slide][0]) * vector)
+                if j is not None:
+                    ways[j] = plus(ways.get(j, 0), vector)
+            turning.append(z)
+            along.append(ways)
+        return turning, along
+
+    def equations(self, x: Floats, known: Known) -> tuple[Floats, Floats]:
+        """Residuals (n, m) and their slopes (n, m, m) at x."""
+        n = x.shape[1]
+        residual, slope = np.zeros((n, self.size)), np.zeros((n, self.size, self.size))
+        turning, along = self._vectors(x, known)
+        for c, (z, ways) in enumerate(zip(turning, along, strict=True)):
+            total = known.loops[c][0]
+            columns: dict[int, Any] = dict(ways)
+            for k, vector in z.items():
+                total = total + vector
+                columns[k] = 1j * vector
+            for loop, j, jet in known.ways:
+                if loop == c:
+                    total = total + x[j] * jet[0]
+                    columns[j] = plus(columns.get(j, 0), jet[0])
+            residual[:, 2 * c], residual[:, 2 * c + 1] = total.real, total.imag
+            for k, column in columns.items():
+                slope[:, 2 * c, k], slope[:, 2 * c + 1, k] = column.real, column.imag
+        for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
+            residual[:, row] = jet[0]
+            for key, share in relation.shares.items():
+                if key in self.column:
+                    residual[:, row] += share * x[self.column[key]]
+                    slope[:, row, self.column[key]] += share
+            if relation.argument in self.column:
+                k = self.column[relation.argument]
+                assert relation.law is not None
+                residual[:, row] -= relation.law(x[k] + relation.shift, 0)
+                slope[:, row, k] -= relation.law(x[k] + relation.shift, 1)
+        return residual, slope
+
+    def forcing(self, x: Floats, known: Known, rates: Floats | None) -> Floats:
+        """The residual's next derivative, (n, m), with that of x at zero: the first, or with rates x', (m, n), the second."""
+        n, order = x.shape[1], 1 if rates is None else 2
+        right = np.zeros((n, self.size))
+        turning, _ = self._vectors(x, known)
+        na = len(self.angles)
+        for c, loop in enumerate(self.loops):
+            total = known.loops[c][order]
+            for which, j, jet in known.ways:
+                if which == c:
+                    total = plus(total, times(x[j], jet[order]))
+                    if rates is not None:
+                        total = plus(total, times(2 * rates[j], jet[1]))
+            if rates is not None:
+                for k, z in turning[c].items():
+                    total = total - rates[k] * rates[k] * z
+            for slide, group, way in loop.ways:
+                k, j = self.column.get(("angle", group)), self.column.get(("length", slide))
+                if k is None:
+                    continue
+                vector = way * (np.exp(1j * x[k]) if n < 64 else unit_turn(x[k]))
+                if j is None:
+                    total = plus(total, times(known.lengths[slide][order], vector))
+                if rates is not None:
+                    speed = known.lengths[slide][1] if j is None else rates[j]
+                    total = plus(total, times(speed, 2j * rates[k] * vector))
+            if not vanishes(total):
+                right[:, 2 * c], right[:, 2 * c + 1] = total.real, total.imag
+        for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
+            right[:, row] = jet[order]
+            if rates is not None and relation.argument in self.column:
+                k = self.column[relation.argument]
+                assert relation.law is not None and k < na
+                right[:, row] -= relation.law(x[k] + relation.shift, 2) * rates[k] ** 2
+        return right
+
+    def determinant(self, x: Floats, known: Known) -> Floats:
+        """Of the slopes with rows and columns brought to one size, (n,): 0 at a dead or change point, at most about 1."""
+        slope = self.equations(x, known)[1]
+        with np.errstate(all="ignore"):
+            slope = slope / np.linalg.norm(slope, axis=1, keepdims=True)
+            slope = slope / np.linalg.norm(slope, axis=2, keepdims=True)
+        sound = np.isfinite(slope).all(axis=(1, 2))
+        found = np.full(len(slope), np.nan)
+        found[sound] = np.linalg.det(slope[sound])
+        return found
+
+    # ---- solving ----
+
+    def rates(self, x: Floats, known: Known, slope: Floats, order: int) -> list[Floats]:
+        """x', x'' as far as the order asks, (m, n) each."""
+        found: list[Floats] = []
+        for k in range(order):
+            found.append(solved(slope, -self.forcing(x, known, found[0] if k else None)).T)
+        return found
+
+    def converge(self, x: Floats, known: Known) -> tuple[Floats, Floats] | None:
+        """A single position from a guess, (m, 1), with its slopes; None where the corrections do not shrink."""
+        last = math.inf
+        for _ in range(12):
+            residual, slope = self.equations(x, known)
+            step = solved(slope, residual).T
+            size = float(np.max(np.abs(step) / self.unit[:, None]))
+            if not size <= max(SHRINKS * last, 1e-14) or size > 1:
+                return None
+            x = x - step
+            if size <= NEAR:
+                residual, slope = self.equations(x, known)
+                return (x, slope) if self._closed(residual, known)[0] else None
+            last = size
+        return None
+
+    def _closed(self, residual: Floats, known: Known) -> NDArray[np.bool_]:
+        size = self.scale + max((float(np.nanmax(np.abs(jet[0]))) for jet in known.loops), default=0.0)
+        closed: NDArray[np.bool_] = np.abs(residual).max(axis=1) <= 10 * CLOSED * size
+        return closed
+
+    def follow(self, known_at: Callable[[Floats], Known], low: float, high: float) -> Trace:
+        """Knots from the drawn position at theta = 0 out to both ends of the range, or as far as the chain closes."""
+        here = known_at(np.zeros(1))
+        first = self.converge(self.start[:, None], here)
+        if first is None:
+            return Trace(np.zeros(1), np.full((3, 1, self.size), np.nan), (True, True), ())
+        origin = np.stack([first[0], *self.rates(first[0], here, first[1], 2)])[:, :, 0]
+        sides, ends, folds = [], [], []
+        for end in (low, high):
+            theta, jets, ended, turns = self._side(known_at, end, origin, first[1])
+            sides.append((theta, jets))
+            ends.append(ended)
+            folds += turns
+        theta = np.array([*sides[0][0][::-1], 0.0, *sides[1][0]])
+        rows = np.array([*sides[0][1][::-1], origin, *sides[1][1]])
+        return Trace(theta, np.swapaxes(rows, 0, 1), (ends[0], ends[1]), tuple(folds))
+
+    def _side(
+        self, known_at: Callable[[Floats], Known], end: float, origin: Floats, slope: Floats
+    ) -> tuple[list[float], list[Floats], bool, list[float]]:
+        theta, jets, folds = 0.0, origin, list[float]()
+        found: tuple[list[float], list[Floats]] = ([], [])
+        if end == 0:
+            return *found, False, folds
+        count = math.ceil(abs(end) / math.tau * KNOTS - 1e-9)
+        grid = np.arange(1, count + 1) * (end / count)
+        ahead = known_at(grid)
+        sign = np.sign(np.linalg.det(slope[0]))
+        share = 1.0  # of the way to the next knot of the grid
+        k = 0
+        while k < count:
+            to = float(theta + share * (grid[k] - theta)) if share < 1 else float(grid[k])
+            here = ahead.at(k) if share == 1 else known_at(np.array([to]))
+            h = to - theta
+            made = self.converge((jets[0] + h * (jets[1] + 0.5 * h * jets[2]))[:, None], here)
+            if made is not None:
+                rows = np.stack([made[0], *self.rates(made[0], here, made[1], 2)])[:, :, 0]
+                if not np.isfinite(rows).all():
+                    made = None
+            if made is None:
+                if abs(h) < LEAST_STEP:
+                    return *found, True, folds
+                share /= 2
+                continue
+            if np.sign(np.linalg.det(made[1][0])) != sign:
+                folds.append(to)
+                sign = -sign
+            theta, jets = to, rows
+            found[0].append(to)
+            found[1].append(jets)
+            if share == 1:
+                k += 1
+            share = min(1.0, 2 * share)
+        return *found, False, folds
+
+    def solve(self, theta: Floats, known: Known, order: int) -> list[Floats]:
+        """x and its derivatives, (m, n) each; nan where the block does not close."""
+        assert self.trace is not None
+        guess = self.trace.guess(theta)
+        open_ = ~np.isfinite(guess).all(axis=0)
+        x = np.where(open_, self.start[:, None], guess)
+        with np.errstate(all="ignore"):
+            for _ in range(8):
+                residual, slope = self.equations(x, known)
+                step = solved(slope, residual).T
+                size = np.abs(step) / self.unit[:, None]
+                x = x - step
+                if not np.any(size[:, ~open_] > NEAR):
+                    break
+            residual, slope = self.equations(x, known)
+            strayed = np.abs(x - guess) / self.unit[:, None]
+            open_ |= ~(self._closed(residual, known) & (strayed.max(axis=0) < STRAY))
+            rows = [x, *self.rates(x, known, slope, order)]
+        for row in rows:
+            row[:, open_] = np.nan
+        return rows
+
+
+def relation_jet(relation: Relation, parts: Sequence[tuple[float, Jet]], argument: Jet | None, order: int) -> Jet:
+    """The known part of a relation: constant + shares of known unknowns - law of a known argument, with derivatives."""
+    rows: Jet = [relation.constant, 0, 0][: order + 1]
+    for share, jet in parts:
+        rows = [plus(row, times(share, value)) for row, value in zip(rows, jet, strict=False)]
+    if relation.law is not None and argument is not None:
+        angle = np.asarray(argument[0] + relation.shift)
+        inner = [relation.law(angle, k) for k in range(order + 1)]
+        rows[0] = rows[0] - inner[0]
+        if order > 0:
+            rows[1] = plus(rows[1], times(-inner[1], argument[1]))
+        if order > 1:
+            curve = plus(times(inner[2], times(argument[1], argument[1])), times(inner[1], argument[2]))
+            rows[2] = plus(rows[2], times(-1.0, curve))
+    return rows
+
+
+def solved(matrices: Floats, right: Floats) -> Floats:
+    """Solutions (n, m) of n systems; nan for a singular one."""
+    m = right.shape[1]
+    with np.errstate(all="ignore"):
+        if m == 1:
+            return right / np.where(matrices[:, 0] == 0, np.nan, matrices[:, 0])
+        if m == 2:
+            (a, b), (c, d) = matrices[:, 0].T, matrices[:, 1].T
+            area = a * d - b * c
+            area = np.where(area == 0, np.nan, area)
+            return np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1) / area[:, None]
+        try:
+            return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0])
+        except np.linalg.LinAlgError:
+            found = np.full(right.shape, np.nan)
+            sound = np.isfinite(matrices).all(axis=(1, 2))
+            sound[sound] = np.linalg.det(matrices[sound]) != 0
+            found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
+            return found
+
+
+__all__ = ["Block", "Known", "Loop", "Points", "Trace", "product", "relation_jet", "solved"]
