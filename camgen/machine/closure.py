@@ -42,9 +42,11 @@ STEPS = 20
 # Largest misfit of a closed chain, by the size of its links and of the ground under them.
 CLOSED = 1e-12
 # Angles a turn that are closed one after another from the drawn position.
-FOLLOWED = 120
+FOLLOWED = 72
 # A step of theta below which the chain ends, rad.
 LEAST_STEP = 1e-6
+# A step of theta at which the determinant's sign may change: a larger one has jumped to another branch, rad.
+PASSES = 1e-4
 # A guess that is further from the solution than this is none, rad or share of the machine's size.
 NEAR = 0.1
 
@@ -171,17 +173,17 @@ class System:
     def _write(self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows) -> None:
         """Write down the conditions of one joint or drive."""
         if isinstance(each, Pin):
-            value, bend = np.zeros(len(q), complex), np.zeros(len(q), complex)
+            where, bend = np.zeros(len(q), complex), np.zeros(len(q), complex)
             slopes: dict[int, Any] = {}
             for place, sign in ((each.a, 1.0), (each.b, -1.0)):
                 seen = self.place(place, q, rates)
-                value = value + sign * seen.where
+                where = where + sign * seen.where
                 bend = bend + sign * 1j * seen.swing * seen.rate**2
                 if seen.column >= 0:
                     for k, part in enumerate((1.0, 1j, seen.swing)):
                         slopes[seen.column + k] = slopes.get(seen.column + k, 0) + sign * part
-            rows.add(value.real, {k: np.real(s) for k, s in slopes.items()}, bend.real)
-            rows.add(value.imag, {k: np.imag(s) for k, s in slopes.items()}, bend.imag)
+            rows.add(where.real, {k: np.real(s) for k, s in slopes.items()}, bend.real)
+            rows.add(where.imag, {k: np.imag(s) for k, s in slopes.items()}, bend.imag)
         elif isinstance(each, Slide | Slot):
             line, slopes, bend = self._line(each, q, rates)
             rows.add(line.imag, {k: s.imag for k, s in slopes.items()}, np.imag(bend))
@@ -190,7 +192,9 @@ class System:
                 rows.add(turn, self._turns((each.runner.body, 1.0), (each.guide.body, -1.0)), 0.0)
         elif isinstance(each, Gear):
             parts = ((each.b, 1.0), (each.a, -each.ratio), (each.carrier, each.ratio - 1.0))
-            value = sum((share * self.angle(body, q) for body, share in parts), -each.phase)
+            value = np.full(len(q), -each.phase)
+            for body, share in parts:
+                value += share * self.angle(body, q)
             rows.add(value, self._turns(*parts), 0.0)
         else:
             self._write_law(each, q, theta, rates, rows)
@@ -235,9 +239,11 @@ class System:
         """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones."""
         self._square()
         theta = np.asarray(theta, float)
+        signs = np.zeros(theta.size)
         if guess is None:
-            guess = self._followed(theta)
+            guess, signs = self._followed(theta)
         q, open_ = self._newton(guess, theta)
+        open_ |= signs * self._sign(q, theta) < 0
         q[open_] = 0
         first, second = self.derivatives(q, theta)
         for rows in (q, first, second):
@@ -273,19 +279,25 @@ class System:
         open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * self.size)
         return q, open_
 
-    def _followed(self, theta: Floats) -> Floats:
-        """Guesses for all theta from angles closed one after the other; nan beyond where the chain ends."""
-        guess = np.full((theta.size, self.width), np.nan)
+    def _sign(self, q: Floats, theta: Floats) -> Floats:
+        """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
+        return np.asarray(np.linalg.slogdet(self.evaluate(q, theta)[1])[0])
+
+    def _followed(self, theta: Floats) -> tuple[Floats, Floats]:
+        """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
+        determinant's sign that is to be found there, 0 where it changes."""
+        guess, signs = np.full((theta.size, self.width), np.nan), np.zeros(theta.size)
         origin, lost = self._newton(self.start[None], np.zeros(1))
         if lost[0]:
-            return guess
+            return guess, signs
         for sign in (1, -1):
             mine = np.flatnonzero(theta * sign >= 0 if sign > 0 else theta < 0)
             if not mine.size:
                 continue
             far = float(np.abs(theta[mine]).max())
             step = 2 * np.pi / FOLLOWED
-            here, q = 0.0, origin
+            here, q, sign_here = 0.0, origin, float(self._sign(origin, np.zeros(1))[0])
+            passed = False
             rows = [(0.0, q, *self.derivatives(q, np.zeros(1)))]
             while abs(here) < far and step > LEAST_STEP:
                 to = np.array([here + sign * step])
@@ -293,19 +305,23 @@ class System:
                 h = sign * step
                 aim = at + h * (first + 0.5 * h * second)
                 new, lost = self._newton(aim, to)
-                if lost[0] or np.abs((new - aim) / self.unit).max() > NEAR:
+                turned = self._sign(new, to)[0] != sign_here
+                if lost[0] or np.abs((new - aim) / self.unit).max() > NEAR or (turned and step > PASSES):
                     step /= 2
                     continue
+                passed |= bool(turned)
+                sign_here = -sign_here if turned else sign_here
                 here = float(to[0])
                 rows.append((here, new, *self.derivatives(new, to)))
                 step = min(2 * step, 2 * np.pi / FOLLOWED)
             knots = np.array([abs(row[0]) for row in rows])
-            q, first, second = (np.concatenate([row[k] for row in rows]) for k in (1, 2, 3))  # type: ignore[misc]
+            q, first, second = (np.concatenate([row[k] for row in rows]) for k in (1, 2, 3))
             nearest = np.searchsorted((knots[1:] + knots[:-1]) / 2, np.abs(theta[mine]))
             h2 = (theta[mine] - sign * knots[nearest])[:, None]
             guess[mine] = q[nearest] + h2 * (first[nearest] + 0.5 * h2 * second[nearest])
             guess[mine[np.abs(theta[mine]) > knots[-1] + LEAST_STEP]] = np.nan
-        return guess
+            signs[mine] = 0.0 if passed else sign_here
+        return guess, signs
 
     # ---- outputs ----
 

@@ -145,9 +145,9 @@ def _acting(system: System, q: Floats) -> Floats:
         else:
             a, b = (load.on, load.by) if isinstance(load, Torque) else (load.a, load.b)
             torque = _torque(load, system, q) / MM
-            for body, sign in ((a, 1.0), (b, -1.0)):
-                if system.column[body] >= 0:
-                    acting[:, system.column[body] + 2] += sign * torque
+            for name, sign in ((a, 1.0), (b, -1.0)):
+                if system.column[name] >= 0:
+                    acting[:, system.column[name] + 2] += sign * torque
     return acting
 
 

@@ -50,7 +50,7 @@ def times(a: Any, b: Any) -> Any:
 
 def product(u: Jet, v: Jet) -> Jet:
     """The jet of u v."""
-    rows = [times(u[0], v[0])]
+    rows: Jet = [times(u[0], v[0])]
     if len(u) > 1:
         rows.append(plus(times(u[1], v[0]), times(u[0], v[1])))
     if len(u) > 2:

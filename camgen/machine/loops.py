@@ -117,8 +117,8 @@ class Chain:
                 _add(levers, self.groups.of[there.body], -self.groups.turned(there))
                 ways = base.ways
                 if not isinstance(joint, Pin):
-                    group, along = self._along(machine, joint.name)
-                    ways = (*ways, (joint.name, group, along if here is a else -along))
+                    group, way = self._along(machine, joint.name)
+                    ways = (*ways, (joint.name, group, way if here is a else -way))
                 self.way[there.body] = Way(base.root, levers, ways)
                 left.remove(joint)
                 moved = True
@@ -131,20 +131,20 @@ class Chain:
                     raise DesignError("bodies without a place", len(bodies), 0, "", ", ".join(bodies), "join them to the ground")
                 continue
             roots: list[tuple[int, str]] = []
-            levers, ways = dict[str, complex](), list[tuple[str, str, complex]]()
+            levers, along = dict[str, complex](), list[tuple[str, str, complex]]()
             for sign, place in zip((-1, 1) if not isinstance(joint, Pin) else (1, -1), both, strict=True):
                 base = Way(place.body) if place.body in before else self.way[place.body]
                 roots.append((sign, base.root))
                 for group, lever in base.levers.items():
                     _add(levers, group, sign * lever)
                 _add(levers, self.groups.of[place.body], sign * self.groups.turned(place))
-                ways += [(slide, group, sign * along) for slide, group, along in base.ways]
+                along += [(slide, group, sign * way) for slide, group, way in base.ways]
             if not isinstance(joint, Pin):
-                group, along = self._along(machine, joint.name)
-                ways.append((joint.name, group, -along))
+                group, way = self._along(machine, joint.name)
+                along.append((joint.name, group, -way))
             if roots[0][1] == roots[1][1]:
                 roots = []
-            loops.append(Loop(tuple(roots), {g: z for g, z in levers.items() if z}, tuple(ways)))
+            loops.append(Loop(tuple(roots), {g: z for g, z in levers.items() if z}, tuple(along)))
         return loops
 
     def _along(self, machine: Machine, name: str) -> tuple[str, complex]:
@@ -215,7 +215,7 @@ class Chain:
         kept = self._followed.get(group)
         if kept is None or kept[0][0] > low or kept[0][-1] < high:
             below, above = (math.ceil(abs(end) / math.tau * FOLLOWED - 1e-9) for end in (low, high))
-            theta = np.arange(-below, above + 1) * (math.tau / FOLLOWED)
+            theta: Floats = np.arange(-below, above + 1) * (math.tau / FOLLOWED)
             step = self.maker["angle", group]
             state = self.state(theta, 0, step + 1)
             angle = np.angle(state.angles[group][0])
@@ -258,8 +258,8 @@ class State:
     def turn(self, group: str) -> Jet:
         """exp(i angle) of a group with its derivatives."""
         if group not in self._turns:
-            e, *rates = self.angles[group]
-            self._turns[group] = turned(e, *[*rates, 0, 0][:2], self.order)
+            e, w, a = [*self.angles[group], 0, 0][:3]
+            self._turns[group] = turned(e, w, a, self.order)
         return self._turns[group]
 
     def origin(self, body: str) -> Jet:

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.machine.jets import Jet, plus, product, times, unit_turn, vanishes
-from camgen.machine.model import Floats, Points
+from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
+from camgen.machine.model import Floats
 from camgen.machine.order import Key, Relation
 
 # Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
@@ -28,6 +28,8 @@ KNOTS = 36
 SHRINKS = 0.5
 # A step of the drive below which there is none: the chain ends, rad.
 LEAST_STEP = 1e-13
+# A step at which the determinant's sign may change: a larger one has jumped to another branch, rad.
+PASSES = 1e-6
 # Corrections below this (by the unknown's size) leave an error of their square, which is rounding.
 NEAR = 1e-8
 # Residual of a closed block, by the size of its links.
@@ -74,18 +76,31 @@ class Known:
 class Trace:
     """A block followed from the drawn position: knots (k,) rad, sorted, and x, x', x'', (3, k, m), there.
 
-    ends: what lies beyond the first and last knot is out of reach, where True. folds: knots at which the determinant's
-    sign has changed.
+    signs: of the determinant, (k,): they change at a change point. ends: what lies beyond the first and last knot is out
+    of reach, where True.
     """
 
     theta: Floats
     jets: Floats
+    signs: Floats
     ends: tuple[bool, bool]
-    folds: tuple[float, ...]
+
+    @property
+    def folds(self) -> Floats:
+        """Knots behind which the determinant's sign has changed, rad."""
+        changed: Floats = self.theta[1:][self.signs[1:] != self.signs[:-1]]
+        return changed
 
     def covers(self, low: float, high: float) -> bool:
         """Whether all that can be reached of the range is known."""
         return (self.ends[0] or self.theta[0] <= low) and (self.ends[1] or self.theta[-1] >= high)
+
+    def same_branch(self, theta: Floats, determinant: Floats) -> NDArray[np.bool_]:
+        """Whether the determinant has the sign of a knot beside each angle."""
+        k = np.clip(np.searchsorted(self.theta, theta, side="right") - 1, 0, max(self.theta.size - 2, 0))
+        sign = np.sign(determinant)
+        same: NDArray[np.bool_] = (sign == self.signs[k]) | (sign == self.signs[np.minimum(k + 1, self.signs.size - 1)])
+        return same
 
     def guess(self, theta: Floats) -> Floats:
         """The quintic between the knots, (m, n); nan beyond."""
@@ -202,15 +217,15 @@ class Block:
                 for k, z in turning[c].items():
                     total = total - rates[k] * rates[k] * z
             for slide, group, way in loop.ways:
-                k, j = self.column.get(("angle", group)), self.column.get(("length", slide))
-                if k is None:
+                turns, slides = self.column.get(("angle", group)), self.column.get(("length", slide))
+                if turns is None:
                     continue
-                vector = way * (np.exp(1j * x[k]) if n < 64 else unit_turn(x[k]))
-                if j is None:
+                vector = way * (np.exp(1j * x[turns]) if n < 64 else unit_turn(x[turns]))
+                if slides is None:
                     total = plus(total, times(known.lengths[slide][order], vector))
                 if rates is not None:
-                    speed = known.lengths[slide][1] if j is None else rates[j]
-                    total = plus(total, times(speed, 2j * rates[k] * vector))
+                    speed = known.lengths[slide][1] if slides is None else rates[slides]
+                    total = plus(total, times(speed, 2j * rates[turns] * vector))
             if not vanishes(total):
                 right[:, 2 * c], right[:, 2 * c + 1] = total.real, total.imag
         for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
@@ -267,31 +282,25 @@ class Block:
         here = known_at(np.zeros(1))
         first = self.converge(self.start[:, None], here)
         if first is None:
-            return Trace(np.zeros(1), np.full((3, 1, self.size), np.nan), (True, True), ())
+            return Trace(np.zeros(1), np.full((3, 1, self.size), np.nan), np.zeros(1), (True, True))
         origin = np.stack([first[0], *self.rates(first[0], here, first[1], 2)])[:, :, 0]
-        sides, ends, folds = [], [], []
-        for end in (low, high):
-            theta, jets, ended, turns = self._side(known_at, end, origin, first[1])
-            sides.append((theta, jets))
-            ends.append(ended)
-            folds += turns
-        theta = np.array([*sides[0][0][::-1], 0.0, *sides[1][0]])
-        rows = np.array([*sides[0][1][::-1], origin, *sides[1][1]])
-        return Trace(theta, np.swapaxes(rows, 0, 1), (ends[0], ends[1]), tuple(folds))
+        sign = float(np.sign(np.linalg.det(first[1][0])))
+        (low_side, below), (high_side, above) = (self._side(known_at, end, origin, sign) for end in (low, high))
+        knots = [*low_side[::-1], (0.0, origin, sign), *high_side]
+        theta, rows, signs = (np.array([knot[k] for knot in knots]) for k in range(3))
+        return Trace(theta, np.swapaxes(rows, 0, 1), signs, (below, above))
 
     def _side(
-        self, known_at: Callable[[Floats], Known], end: float, origin: Floats, slope: Floats
-    ) -> tuple[list[float], list[Floats], bool, list[float]]:
-        theta, jets, folds = 0.0, origin, list[float]()
-        found: tuple[list[float], list[Floats]] = ([], [])
+        self, known_at: Callable[[Floats], Known], end: float, jets: Floats, sign: float
+    ) -> tuple[list[tuple[float, Floats, float]], bool]:
+        """Knots (theta, jets, sign) from the drawn position towards one end, and whether the chain ends before it."""
+        found: list[tuple[float, Floats, float]] = []
         if end == 0:
-            return *found, False, folds
+            return found, False
         count = math.ceil(abs(end) / math.tau * KNOTS - 1e-9)
-        grid = np.arange(1, count + 1) * (end / count)
+        grid: Floats = np.arange(1, count + 1) * (end / count)
         ahead = known_at(grid)
-        sign = np.sign(np.linalg.det(slope[0]))
-        share = 1.0  # of the way to the next knot of the grid
-        k = 0
+        theta, share, k = 0.0, 1.0, 0  # share of the way to the next knot of the grid
         while k < count:
             to = float(theta + share * (grid[k] - theta)) if share < 1 else float(grid[k])
             here = ahead.at(k) if share == 1 else known_at(np.array([to]))
@@ -299,23 +308,18 @@ class Block:
             made = self.converge((jets[0] + h * (jets[1] + 0.5 * h * jets[2]))[:, None], here)
             if made is not None:
                 rows = np.stack([made[0], *self.rates(made[0], here, made[1], 2)])[:, :, 0]
-                if not np.isfinite(rows).all():
-                    made = None
-            if made is None:
+                now = float(np.sign(np.linalg.det(made[1][0])))
+            if made is None or not np.isfinite(rows).all() or (now != sign and abs(h) > PASSES):
                 if abs(h) < LEAST_STEP:
-                    return *found, True, folds
+                    return found, True
                 share /= 2
                 continue
-            if np.sign(np.linalg.det(made[1][0])) != sign:
-                folds.append(to)
-                sign = -sign
-            theta, jets = to, rows
-            found[0].append(to)
-            found[1].append(jets)
+            theta, jets, sign = to, rows, now
+            found.append((theta, jets, sign))
             if share == 1:
                 k += 1
             share = min(1.0, 2 * share)
-        return *found, False, folds
+        return found, False
 
     def solve(self, theta: Floats, known: Known, order: int) -> list[Floats]:
         """x and its derivatives, (m, n) each; nan where the block does not close."""
@@ -334,6 +338,8 @@ class Block:
             residual, slope = self.equations(x, known)
             strayed = np.abs(x - guess) / self.unit[:, None]
             open_ |= ~(self._closed(residual, known) & (strayed.max(axis=0) < STRAY))
+            if any(self.trace.ends):  # near a dead point both branches are near
+                open_ |= ~self.trace.same_branch(theta, np.linalg.det(slope))
             rows = [x, *self.rates(x, known, slope, order)]
         for row in rows:
             row[:, open_] = np.nan
@@ -372,10 +378,8 @@ def solved(matrices: Floats, right: Floats) -> Floats:
             return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0])
         except np.linalg.LinAlgError:
             found = np.full(right.shape, np.nan)
-            sound = np.isfinite(matrices).all(axis=(1, 2))
+            sound: NDArray[np.bool_] = np.isfinite(matrices).all(axis=(1, 2))
             sound[sound] = np.linalg.det(matrices[sound]) != 0
             found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
             return found
 
-
-__all__ = ["Block", "Known", "Loop", "Points", "Trace", "product", "relation_jet", "solved"]

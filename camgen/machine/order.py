@@ -165,7 +165,7 @@ def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
                 row.add((axis, place.body))
                 if abs(place.at) > NO_LEVER and groups.of[place.body] != GROUND:
                     row.add(("angle", groups.of[place.body]))
-            if not isinstance(joint, Pin):
+            if isinstance(joint, Slide | Slot):
                 row.add(("length", joint.name))
                 if groups.of[joint.guide.body] != GROUND:
                     row.add(("angle", groups.of[joint.guide.body]))

@@ -132,7 +132,8 @@ class Run:
 
     @cached_property
     def _forces(self) -> Forces:
-        return kinetostatics(self._system, self.theta, *self._poses, self.machine.speed)
+        q, first, second = self._poses
+        return kinetostatics(self._system, self.theta, q, first, second, self.machine.speed)
 
     def play(self, output: str) -> Play:
         """How far the joints' clearances let the output move."""
