@@ -306,13 +306,16 @@ class System:
                 aim = at + h * (first + 0.5 * h * second)
                 new, lost = self._newton(aim, to)
                 turned = self._sign(new, to)[0] != sign_here
-                if lost[0] or np.abs((new - aim) / self.unit).max() > NEAR or (turned and step > PASSES):
+                v, a = self.derivatives(new, to)
+                back = new - h * (v - 0.5 * h * a) - at
+                away = np.abs(np.concatenate([new - aim, back]) / self.unit).max()
+                if lost[0] or not away < NEAR or (turned and step > PASSES):
                     step /= 2
                     continue
                 passed |= bool(turned)
                 sign_here = -sign_here if turned else sign_here
                 here = float(to[0])
-                rows.append((here, new, *self.derivatives(new, to)))
+                rows.append((here, new, v, a))
                 step = min(2 * step, 2 * np.pi / FOLLOWED)
             knots = np.array([abs(row[0]) for row in rows])
             q, first, second = (np.concatenate([row[k] for row in rows]) for k in (1, 2, 3))

@@ -146,8 +146,10 @@ def drawn(machine: Machine) -> Machine:
     if gap > CLOSED * system.size:
         misfit = np.abs(system.evaluate(q[None], np.zeros(1))[0][0])
         open_ = [each.name for each in system.conditions if misfit[system.rows[each.name]].max() > 0.01 * misfit.max()]
-        raise DesignError("gap of the joints as drawn", gap, 0, "mm", f"joints {', '.join(open_)}",
-                          "change the lengths of the links in this loop, or draw their points nearer to where they meet")  # fmt: skip
+        raise DesignError(
+            "gap of the joints as drawn", gap, 0, "mm", f"joints {', '.join(open_)}",
+            "change the lengths of the links in this loop, or draw their points nearer to where they meet",
+        )  # fmt: skip
     rows = q.reshape(-1, 3)
     start = {body: Pose(complex(x, y), float(angle)) for body, (x, y, angle) in zip(system.bodies, rows, strict=True)}
     return replace(machine, start=start)

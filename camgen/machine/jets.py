@@ -50,7 +50,7 @@ def times(a: Any, b: Any) -> Any:
 
 def product(u: Jet, v: Jet) -> Jet:
     """The jet of u v."""
-    rows: Jet = [times(u[0], v[0])]
+    rows = [times(u[0], v[0])]
     if len(u) > 1:
         rows.append(plus(times(u[1], v[0]), times(u[0], v[1])))
     if len(u) > 2:
@@ -71,7 +71,7 @@ def cross(a: Any, b: Any) -> Any:
     return a.real * b.imag - a.imag * b.real
 
 
-def turned(e: Points, w: Any, a: Any, order: int) -> Jet:
+def turned(e: Any, w: Any, a: Any, order: int) -> Jet:
     """The jet of exp(i phi) from its value and the rates of phi."""
     rows: Jet = [e]
     if order > 0:

@@ -201,11 +201,11 @@ class Chain:
 
     def trace(self, block: Block, low: float, high: float) -> newton.Trace:
         """What was followed of a larger block, over the range at least."""
-        low, high = min(low, 0.0), max(high, math.tau) if high > 0 else 0.0
+        low, high = min(low, 0.0), max(high, math.tau)
         if block.trace is None or not block.trace.covers(low, high):
             upto = self.steps.index(block)
             if block.trace is not None:
-                low, high = min(low, float(block.trace.theta[0])), max(high, float(block.trace.theta[-1]))
+                low, high = min(low, math.floor(block.trace.theta[0])), max(high, math.ceil(block.trace.theta[-1]))
             block.trace = block.follow(lambda theta: self.state(theta, 2, upto).known(block), low, high)
         return block.trace
 
@@ -215,7 +215,7 @@ class Chain:
         kept = self._followed.get(group)
         if kept is None or kept[0][0] > low or kept[0][-1] < high:
             below, above = (math.ceil(abs(end) / math.tau * FOLLOWED - 1e-9) for end in (low, high))
-            theta: Floats = np.arange(-below, above + 1) * (math.tau / FOLLOWED)
+            theta = np.asarray(np.arange(-below, above + 1) * (math.tau / FOLLOWED), float)
             step = self.maker["angle", group]
             state = self.state(theta, 0, step + 1)
             angle = np.angle(state.angles[group][0])

@@ -34,7 +34,7 @@ PASSES = 1e-6
 NEAR = 1e-8
 # Residual of a closed block, by the size of its links.
 CLOSED = 1e-13
-# Newton may leave the polynomial between knots by no more, by the unknown's size.
+# Newton may leave its guess by no more, by the unknown's size: further away it is another branch, or the knots are too few.
 STRAY = 0.05
 
 
@@ -237,11 +237,10 @@ class Block:
         return right
 
     def determinant(self, x: Floats, known: Known) -> Floats:
-        """Of the slopes with rows and columns brought to one size, (n,): 0 at a dead or change point, at most about 1."""
+        """Of the slopes with columns of length 1, (n,): 0 at a dead or change point, at most 1."""
         slope = self.equations(x, known)[1]
         with np.errstate(all="ignore"):
             slope = slope / np.linalg.norm(slope, axis=1, keepdims=True)
-            slope = slope / np.linalg.norm(slope, axis=2, keepdims=True)
         sound = np.isfinite(slope).all(axis=(1, 2))
         found = np.full(len(slope), np.nan)
         found[sound] = np.linalg.det(slope[sound])
@@ -258,12 +257,12 @@ class Block:
 
     def converge(self, x: Floats, known: Known) -> tuple[Floats, Floats] | None:
         """A single position from a guess, (m, 1), with its slopes; None where the corrections do not shrink."""
-        last = math.inf
+        last = STRAY / SHRINKS
         for _ in range(12):
             residual, slope = self.equations(x, known)
             step = solved(slope, residual).T
             size = float(np.max(np.abs(step) / self.unit[:, None]))
-            if not size <= max(SHRINKS * last, 1e-14) or size > 1:
+            if not size <= max(SHRINKS * last, 1e-14):
                 return None
             x = x - step
             if size <= NEAR:
@@ -298,7 +297,7 @@ class Block:
         if end == 0:
             return found, False
         count = math.ceil(abs(end) / math.tau * KNOTS - 1e-9)
-        grid: Floats = np.arange(1, count + 1) * (end / count)
+        grid = np.asarray(np.arange(1, count + 1) * (end / count), float)
         ahead = known_at(grid)
         theta, share, k = 0.0, 1.0, 0  # share of the way to the next knot of the grid
         while k < count:
@@ -309,7 +308,8 @@ class Block:
             if made is not None:
                 rows = np.stack([made[0], *self.rates(made[0], here, made[1], 2)])[:, :, 0]
                 now = float(np.sign(np.linalg.det(made[1][0])))
-            if made is None or not np.isfinite(rows).all() or (now != sign and abs(h) > PASSES):
+                back = np.abs(rows[0] - h * (rows[1] - 0.5 * h * rows[2]) - jets[0]) / self.unit
+            if made is None or not back.max() < STRAY or (now != sign and abs(h) > PASSES):
                 if abs(h) < LEAST_STEP:
                     return found, True
                 share /= 2
@@ -339,7 +339,7 @@ class Block:
             strayed = np.abs(x - guess) / self.unit[:, None]
             open_ |= ~(self._closed(residual, known) & (strayed.max(axis=0) < STRAY))
             if any(self.trace.ends):  # near a dead point both branches are near
-                open_ |= ~self.trace.same_branch(theta, np.linalg.det(slope))
+                open_ = open_ | ~self.trace.same_branch(theta, np.linalg.det(slope))
             rows = [x, *self.rates(x, known, slope, order)]
         for row in rows:
             row[:, open_] = np.nan

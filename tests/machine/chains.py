@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from hypothesis import strategies as st
 
 from camgen.machine import (
     GROUND,
@@ -116,6 +117,15 @@ def four_bar(frame: float, crank: float, coupler: float, rocker: float, branch: 
     return linked(points, links, "crank", lengths, outputs=outputs, **keys)
 
 
+@st.composite
+def closing_four_bars(draw: Any) -> tuple[float, float, float, float]:
+    """Frame, crank, coupler, rocker that close over the whole turn with half a millimetre to spare."""
+    short, spare = draw(st.floats(5, 30)), draw(st.floats(3, 40))
+    frame, crank = draw(st.sampled_from([(short, short + spare), (short + spare, short)]))
+    total, differ = frame + crank + draw(st.floats(0.5, 40)), (spare - 0.5) * draw(st.floats(-1, 1))
+    return frame, crank, (total + differ) / 2, (total - differ) / 2
+
+
 def take_up(interchanged: bool = False, low: bool = True) -> Machine:
     """The two-crank take-up of the paper with masses, its eye D and thread over M and N."""
     l2, l3 = (19.0, 30.0) if interchanged else (30.0, 19.0)
@@ -126,7 +136,7 @@ def take_up(interchanged: bool = False, low: bool = True) -> Machine:
         "coupler": {"mass": 6.3e-3, "centre": centre[0], "inertia": 5.1e-6},
         "rocker": {"mass": 8.3e-3, "centre": centre[1], "inertia": 2.5e-6},
     }
-    base = four_bar(9, 30, l2, l3, -1, masses=masses, speed=5000 * math.tau / 60)
+    base = four_bar(9, 30, l2, l3, 1, masses=masses, speed=5000 * math.tau / 60)
     outputs = (*base.outputs, Output("D", Path(eye)), Output("thread", Function(guides, thread_length)))
     return Machine(base.bodies, base.joints, base.drives, base.start, (), outputs, base.speed)
 
@@ -210,8 +220,8 @@ def jansen() -> Machine:
     y = meet(x, z, j, b, -1)  # above
     w = meet(z, y, d, e, 1)
     v = meet(x, z, k, c, 1)  # below
-    u = meet(w, v, f, g, 1)
-    foot = meet(u, v, h, i, 1)
+    u = meet(w, v, f, g, -1)
+    foot = meet(u, v, h, i, -1)
     points = {"O": o, "Z": z, "X": x, "Y": y, "W": w, "V": v, "U": u, "P": foot}
     links = {GROUND: "O Z", "crank": "O X", "j": "X Y", "top": "Z Y W", "k": "X V", "c": "Z V", "f": "W U", "low": "U V P"}
     return linked(points, links, "crank", outputs=(Output("foot", Path(at(points, links, "low", "P"))),))
