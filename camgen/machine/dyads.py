@@ -53,22 +53,25 @@ def two_angles(known: Jet, c1: complex, c2: complex, branch: int) -> tuple[Jet, 
     z1 = u
     z1 *= way
     z2 = np.subtract(way, z1, out=way)
-    first, second = [z1 / c1], [z2 / c2]
+    first, second = [z1 * (1 / c1)], [z2 * (1 / c2)]
     if order > 0:
-        # z1 x z2 is minus half the root; dot products with z2 and z1 part the two rates.
+        # z1 x z2 is minus half the root; inner products with z2 and z1 part the two rates.
         swing = 2.0 / divisor
-        w1 = dot(z2, known[1])
-        w1 *= swing
-        w2 = dot(z1, known[1])
-        w2 *= -swing
+        z1, z2 = np.conj(z1), np.conj(z2)
+        w1, w2 = inner(z2, known[1]) * swing, inner(z1, known[1]) * -swing
         first.append(w1)
         second.append(w2)
     if order > 1:
         s1, s2 = w1 * w1, w2 * w2
-        inner = (q - (r1**2 + r2**2)) * 0.5  # z1 . z2
-        first.append((minus(dot(z2, known[2]), s1 * inner + s2 * r2**2)) * swing)
-        second.append((minus(dot(z1, known[2]), s2 * inner + s1 * r1**2)) * -swing)
+        both = (q - (r1**2 + r2**2)) * 0.5  # z1 . z2
+        first.append((inner(z2, known[2]) - (s1 * both + s2 * r2**2)) * swing)
+        second.append(((s2 * both + s1 * r1**2) - inner(z1, known[2])) * swing)
     return first, second
+
+
+def inner(conjugate: Any, b: Any) -> Any:
+    """The inner product of plane vectors, (n,), the first one given as its conjugate."""
+    return 0.0 * conjugate.real if vanishes(b) else (conjugate * b).real
 
 
 def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Jet, Jet]:

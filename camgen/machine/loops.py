@@ -325,7 +325,7 @@ class State:
         driven = {slide for loop in block.loops for slide, group, _ in loop.ways if group in block.angles}
         lengths = {slide: self.lengths[slide] for slide in driven if slide in self.lengths}
         about = tuple(self.relation(relation, unknown) for relation in block.relations)
-        return Known(tuple(total for total, _ in sums), ways, lengths, about, self.theta.size)
+        return Known(tuple(total for total, _ in sums), ways, lengths, about)
 
     # ---- steps ----
 

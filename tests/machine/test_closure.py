@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machine.chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up
 
 from camgen.machine import Cam, Gear, Machine, Pin, Place, Slide, Slot, solve
 from camgen.machine import closure as module
 from camgen.machine.closure import System
+from machine.chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
 
@@ -48,6 +48,25 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
     tree = ast.parse(File(module.__file__).read_text(encoding="utf-8"))
     ours = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and "camgen" in (node.module or "")}
     assert ours == {"camgen.machine.model"}
+
+
+# Imports inside the package go to earlier rows only.
+ROWS = (
+    {"model"}, {"jets", "closure"}, {"order", "dyads", "forces", "freedom"}, {"newton"}, {"loops"}, {"turning", "run"},
+    {"__init__"},
+)  # fmt: skip
+
+
+def test_imports_inside_the_package_go_down() -> None:
+    row = {name: k for k, names in enumerate(ROWS) for name in names}
+    files = list(File(module.__file__).parent.glob("*.py"))
+    assert {file.stem for file in files} == set(row)
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("camgen.machine"):
+                path = (node.module or "").split(".")[2:]
+                for name in path[:1] or [alias.name for alias in node.names]:
+                    assert row[name] < row[file.stem], f"{file.stem} imports {name}"
 
 
 def test_a_guess_saves_the_way_there() -> None:

@@ -7,12 +7,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from machine.chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
 
 from camgen import dynamics, linkages
 from camgen.machine import (
-    GROUND, Body, Cam, Drive, Force, Gravity, Machine, Pin, Place, Pose, Slide, Spring, Torque, TorsionSpring, Turning, solve,
+    GROUND,
+    Body,
+    Cam,
+    Drive,
+    Force,
+    Gravity,
+    Machine,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+    Spring,
+    Torque,
+    TorsionSpring,
+    Turning,
+    solve,
 )  # fmt: skip
+from machine.chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
 
 THETA = np.arange(7200) * math.tau / 7200
 FEW = THETA[::100]

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from machine.chains import CHAINS, four_bar, linked, peaucellier, scotch_yoke, slider_crank, stephenson_three
 
 from camgen.errors import DesignError
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide, Turning, solve
 from camgen.machine.freedom import drawn, freedoms, refuse_unsound
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
+from machine.chains import CHAINS, four_bar, linked, peaucellier, scotch_yoke, slider_crank, stephenson_three
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -33,11 +33,12 @@ def test_a_loose_body_is_named_alone() -> None:
     machine = four_bar(40, 15, 45, 35)
     wheel = Body("wheel")
     joints = (*machine.joints, Pin("axle", Place("wheel"), Place("rocker", 10 + 0j)))
-    loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start={**machine.start, "wheel": Pose(0j, 0.0)}))
+    start = {**machine.start, "wheel": Pose(0j, 0.0)}
+    loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start))
     with pytest.raises(DesignError, match=r"freedoms left is 1  at wheel \(.*join it to another body") as error:
         refuse_unsound(loose)
     assert "rocker" not in error.value.where
-    unheld = replace(machine, bodies=(*machine.bodies, wheel), start={**machine.start, "wheel": Pose(0j, 0.0)})
+    unheld = replace(machine, bodies=(*machine.bodies, wheel), start=start)
     with pytest.raises(DesignError, match=r"freedoms left is 3  at wheel"):
         refuse_unsound(unheld)
 
@@ -99,11 +100,9 @@ def test_rough_points_are_closed_on_exact_lengths() -> None:
 
 def test_contradicting_lengths_are_told_with_their_loop() -> None:
     machine = four_bar(40, 15, 45, 35)
-    short = tuple(replace(j, b=Place("coupler", 8 + 0j)) if j.name == "B" and isinstance(j, Pin) and j.b.body == "coupler"
-                  else replace(j, a=Place("coupler", 8 + 0j)) if j.name == "B" and isinstance(j, Pin) and j.a.body == "coupler"
-                  else replace(j, a=Place("rocker", 9 + 0j)) if False else j for j in machine.joints)  # fmt: skip
     short = tuple(
-        replace(j, a=Place(j.a.body, 5 + 0j), b=Place(j.b.body, 6 + 0j)) if isinstance(j, Pin) and j.name == "B" else j for j in short
+        replace(j, a=Place(j.a.body, 5 + 0j), b=Place(j.b.body, 6 + 0j)) if isinstance(j, Pin) and j.name == "B" else j
+        for j in machine.joints
     )
     with pytest.raises(DesignError, match="gap of the joints as drawn is .*joints .*B.*change the lengths") as error:
         drawn(replace(machine, joints=short))
@@ -134,12 +133,12 @@ def test_range_by_newton_ends_at_the_same_dead_point_in_both_ways_of_solving() -
     machine = stephenson_three()
     found = turn(machine)
     assert not found.full and found.high - found.low < math.tau
-    inside = np.array([found.low + 1e-6, found.high - 1e-6])
-    beyond = np.array([found.low - 1e-6, found.high + 1e-6])
+    inside = np.array([found.low + 1e-4, found.high - 1e-4])
+    beyond = np.array([found.low - 1e-9, found.high + 1e-9])
     assert np.isfinite(solve(machine, inside)["D"]).all() and np.isnan(solve(machine, beyond)["D"]).all()
     speed = np.abs(solve(machine, inside).derivatives("D")[1])
     usual = np.abs(solve(machine, [0.0]).derivatives("D")[1])
-    assert (speed > 50 * usual).all()  # it stalls there: the output races against the drive
+    assert (speed > 20 * usual).all()  # it stalls there: the output races against the drive
 
 
 def test_a_parallelogram_has_its_change_points_told() -> None:
