@@ -368,12 +368,13 @@ class Block:
                     break
             residual, slope = self.equations(x, known)
             strayed = np.abs(x - guess) / self.unit[:, None]
-            lost: NDArray[np.bool_] = open_ | ~self._closed(residual, known) | ~(strayed.max(axis=0) < STRAY)
+            found: NDArray[np.bool_] = self._closed(residual, known)
+            found &= strayed.max(axis=0) < STRAY
             if any(self.trace.ends):  # near a dead point both branches are near
-                lost = lost | ~self.trace.same_branch(theta, np.linalg.det(slope))
+                found &= self.trace.same_branch(theta, np.linalg.det(slope))
             rows = [x, *self.rates(x, known, slope, order)]
         for row in rows:
-            row[:, lost] = np.nan
+            row[:, open_ | ~found] = np.nan
         return rows
 
 
@@ -409,8 +410,7 @@ def solved(matrices: Floats, right: Floats) -> Floats:
             return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0])
         except np.linalg.LinAlgError:
             found = np.full(right.shape, np.nan)
-            sound: NDArray[np.bool_] = np.isfinite(matrices).all(axis=(1, 2))
-            sound[sound] = np.linalg.det(matrices[sound]) != 0
+            sound = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(np.nan_to_num(matrices)) != 0)
             found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
             return found
 

@@ -197,9 +197,12 @@ def watt_two() -> Machine:
     return linked(points, links, "crank", outputs=(Output("last", Angle("last"), "rad"),))
 
 
-def stephenson_three(driven: str = "last") -> Machine:
-    """A four-bar O A B C, its coupler point D led by E-D to a crank about G; driven there, no dyad is left."""
-    points = {"O": 0j, "A": 20 + 36j, "B": 75 + 52j, "C": 82 - 4j, "D": 50 + 90j, "E": 138 + 62j, "G": 130 + 55j}
+def stephenson_three(driven: str = "last", crank: complex = 3 + 2.6j) -> Machine:
+    """A four-bar O A B C, its coupler point D led by E-D to a crank about G; driven there, no dyad is left.
+
+    With the crank 8 + 7j it cannot turn fully.
+    """
+    points = {"O": 0j, "A": 20 + 36j, "B": 75 + 52j, "C": 82 - 4j, "D": 50 + 90j, "E": 130 + 55j + crank, "G": 130 + 55j}
     links = {GROUND: "O C G", "crank": "O A", "coupler": "A B D", "rocker": "C B", "link": "D E", "last": "G E"}
     outputs = (Output("D", Path(at(points, links, "coupler", "D"))), Output("crank", Angle("crank"), "rad"))
     return linked(points, links, driven, outputs=outputs)
@@ -288,6 +291,44 @@ def ram_machine() -> Machine:
     return machine
 
 
+def excavator() -> Machine:
+    """A driven length in a chain of unknown angles: a ram that lifts an arm."""
+    bodies = (Body(GROUND), Body("arm", {"T": 30 + 0j}), Body("tube"), Body("rod"))
+    joints = (
+        Pin("C", Place("arm"), Place(GROUND)),
+        Pin("Z", Place("tube"), Place(GROUND, -40j)),
+        Slide("ram", Place("tube"), Place("rod")),
+        Pin("T", Place("rod"), Place("arm", 30 + 0j)),
+    )
+    start = {"arm": Pose(0j, 0.1), "tube": Pose(-40j, 0.9), "rod": Pose(30 + 0j, 0.9)}
+    law = Wave(50.0, 12.0)
+    return drawn(Machine(bodies, joints, (Drive("oil", "rod", law, "ram"),), start,
+                            outputs=(Output("arm", Angle("arm"), "rad"), Output("ram", Along("ram")))))  # fmt: skip
+
+
+def planetary() -> Machine:
+    """A planet on a turning arm, geared 1 : 1 to a sun that stands still."""
+    points = {"O": 0j, "P": 30 + 0j, "Q": 45 + 0j}
+    gear = Gear("mesh", GROUND, "planet", -1.0, carrier="arm")
+    return linked(points, {GROUND: "O", "arm": "O P", "planet": "P Q"}, "arm", joints=(gear,),
+                     outputs=(Output("Q", Path(Place("planet", 15 + 0j))), Output("planet", Angle("planet"), "rad")))  # fmt: skip
+
+
+def wedge() -> Machine:
+    """Three slides in a ring: 3 n - 2 j says none, but it moves."""
+    bodies = (Body(GROUND), Body("wedge"), Body("lifter"))
+    slope = 0.3
+    joints = (
+        Slide("along", Place(GROUND), Place("wedge")),
+        Slide("up", Place(GROUND, 10 + 0j), Place("lifter"), angle=math.pi / 2, turn=0.0),
+        Slide("face", Place("wedge"), Place("lifter"), angle=math.atan(slope)),
+    )
+    start = {"wedge": Pose(0j, 0.0), "lifter": Pose(complex(10, 10 * slope), 0.0)}
+    push = Wave(-5.0, 5.0)
+    drive = Drive("push", "wedge", push, "along")
+    return Machine(bodies, joints, (drive,), start, outputs=(Output("up", Along("up")),))
+
+
 CHAINS: dict[str, Callable[[], Machine]] = {
     "four-bar": lambda: four_bar(40, 15, 45, 35),
     "take-up": take_up,
@@ -299,10 +340,13 @@ CHAINS: dict[str, Callable[[], Machine]] = {
     "Peaucellier": peaucellier,
     "Watt II": watt_two,
     "Stephenson III": stephenson_three,
+    "Stephenson III, stalling": lambda: stephenson_three(crank=8 + 7j),
     "Jansen": jansen,
     "Klann": klann,
     "double butterfly": double_butterfly,
     "geared five-bar": geared_five_bar,
     "Hoeken": hoeken,
+    "excavator": excavator,
+    "planetary": planetary,
     "cam, rocker, Watt, ram, gear": ram_machine,
 }

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from camgen.machine import Cam, Gear, Machine, Pin, Place, Slide, Slot, solve
 from camgen.machine import closure as module
 from camgen.machine.closure import System
-from machine.chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up
+from machine.chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up, wedge
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
 
@@ -34,6 +34,10 @@ def test_both_routes_agree(name: str) -> None:
     assert np.abs(closed.q - q)[both].max() < 1e-11
     assert np.abs(closed.first - first)[both].max() < 1e-10
     assert np.abs(closed.second - second)[both].max() < 1e-9
+
+
+def test_a_ring_of_slides_by_both_routes() -> None:
+    np.testing.assert_allclose(System(wedge()).close(THETA).q, poses(wedge(), THETA)[0], atol=1e-12)
 
 
 @settings(max_examples=25, deadline=None)
@@ -118,10 +122,10 @@ def test_a_wrong_hole_is_seen_at_the_output() -> None:
 
 def test_beyond_a_dead_point_there_is_nothing() -> None:
     theta = np.linspace(0, math.tau, 100)
-    closed = System(stephenson_three()).close(theta)
+    closed = System(stephenson_three(crank=8 + 7j)).close(theta)
     good = np.isfinite(closed.q).all(axis=1)
     assert good[0] and not good.all() and (np.diff(good.astype(int)) != 0).sum() == 1
-    assert (np.isfinite(poses(stephenson_three(), theta)[0]).all(axis=1) == good).all()
+    assert (np.isfinite(poses(stephenson_three(crank=8 + 7j), theta)[0]).all(axis=1) == good).all()
 
 
 def test_conditions_that_do_not_match_are_refused() -> None:

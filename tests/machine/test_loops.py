@@ -13,22 +13,16 @@ from camgen import linkages
 from camgen.machine import (
     GROUND,
     Along,
-    Angle,
     Body,
     Drive,
-    Gear,
     Machine,
     Output,
-    Path,
-    Pin,
     Place,
     Pose,
-    Slide,
     Slot,
     Turning,
     solve,
 )  # fmt: skip
-from camgen.machine.freedom import drawn
 from camgen.machine.loops import Dyad, chain_of
 from camgen.machine.newton import Block
 from machine.chains import (
@@ -36,18 +30,20 @@ from machine.chains import (
     Wave,
     closing_four_bars,
     double_butterfly,
+    excavator,
     four_bar,
     geared_five_bar,
     hoeken,
     jansen,
     klann,
-    linked,
     peaucellier,
+    planetary,
     ram_machine,
     scotch_yoke,
     slider_crank,
     stephenson_three,
     watt_two,
+    wedge,
     whitworth,
 )  # fmt: skip
 
@@ -214,7 +210,7 @@ def test_where_a_dyad_does_not_close_it_is_nan() -> None:
 
 
 def test_newton_stops_at_a_dead_point() -> None:
-    machine = stephenson_three()
+    machine = stephenson_three(crank=8 + 7j)
     theta = np.linspace(0, math.tau, 721)
     run = solve(machine, theta)
     good = np.isfinite(run["D"])
@@ -227,17 +223,7 @@ def test_newton_stops_at_a_dead_point() -> None:
 
 def test_driven_cylinder_lifts_an_arm() -> None:
     """A length that is driven in a chain of unknown angles (an excavator's ram): law of cosines."""
-    bodies = (Body(GROUND), Body("arm", {"T": 30 + 0j}), Body("tube"), Body("rod"))
-    joints = (
-        Pin("C", Place("arm"), Place(GROUND)),
-        Pin("Z", Place("tube"), Place(GROUND, -40j)),
-        Slide("ram", Place("tube"), Place("rod")),
-        Pin("T", Place("rod"), Place("arm", 30 + 0j)),
-    )
-    start = {"arm": Pose(0j, 0.1), "tube": Pose(-40j, 0.9), "rod": Pose(30 + 0j, 0.9)}
-    law = Wave(50.0, 12.0)
-    machine = drawn(Machine(bodies, joints, (Drive("oil", "rod", law, "ram"),), start,
-                            outputs=(Output("arm", Angle("arm"), "rad"), Output("ram", Along("ram")))))  # fmt: skip
+    machine, law = excavator(), Wave(50.0, 12.0)
     run = solve(machine, THETA)
     length = law(THETA)
     corner = np.arccos((30**2 + 40**2 - length**2) / (2 * 30 * 40))
@@ -247,10 +233,7 @@ def test_driven_cylinder_lifts_an_arm() -> None:
 
 def test_planet_carrier() -> None:
     """A planet on a turning arm, geared to a fixed sun: it turns (1 - ratio) times with the arm."""
-    points = {"O": 0j, "P": 30 + 0j, "Q": 45 + 0j}
-    gear = Gear("mesh", GROUND, "planet", -1.0, carrier="arm")
-    machine = linked(points, {GROUND: "O", "arm": "O P", "planet": "P Q"}, "arm", joints=(gear,),
-                     outputs=(Output("Q", Path(Place("planet", 15 + 0j))), Output("planet", Angle("planet"), "rad")))  # fmt: skip
+    machine = planetary()
     run = solve(machine, THETA)
     np.testing.assert_allclose(run["planet"], 2 * THETA, atol=1e-13)
     np.testing.assert_allclose(run["Q"], 30 * np.exp(1j * THETA) + 15 * np.exp(2j * THETA), atol=1e-12)
@@ -258,17 +241,7 @@ def test_planet_carrier() -> None:
 
 def test_wedge_of_three_slides() -> None:
     """Three slides in a ring: 3 n - 2 j says none, but it moves: along / lift = the wedge's slope."""
-    bodies = (Body(GROUND), Body("wedge"), Body("lifter"))
-    slope = 0.3
-    joints = (
-        Slide("along", Place(GROUND), Place("wedge")),
-        Slide("up", Place(GROUND, 10 + 0j), Place("lifter"), angle=math.pi / 2, turn=0.0),
-        Slide("face", Place("wedge"), Place("lifter"), angle=math.atan(slope)),
-    )
-    start = {"wedge": Pose(0j, 0.0), "lifter": Pose(complex(10, 10 * slope), 0.0)}
-    push = Wave(-5.0, 5.0)
-    drive = Drive("push", "wedge", push, "along")
-    machine = Machine(bodies, joints, (drive,), start, outputs=(Output("up", Along("up")),))
+    machine, slope, push = wedge(), 0.3, Wave(-5.0, 5.0)
     np.testing.assert_allclose(solve(machine, THETA)["up"], slope * (10 - push(THETA)), atol=1e-13)
 
 
