@@ -258,6 +258,7 @@ class Machine:
     """Bodies, joints, drives, loads, outputs; two machines are the same only where they are one object.
 
     start: pose of each moving body at theta = 0, as drawn; it picks the branch of every dyad. speed: d theta / dt, rad/s.
+    Raises ValueError for a name used twice, a body that is not there, or one without a start.
     """
 
     bodies: tuple[Body, ...]
@@ -267,6 +268,20 @@ class Machine:
     loads: tuple[Load, ...] = ()
     outputs: tuple[Output, ...] = ()
     speed: float = 1.0
+
+    def __post_init__(self) -> None:
+        bodies = [body.name for body in self.bodies]
+        for names in (bodies, [each.name for each in (*self.joints, *self.drives)], [output.name for output in self.outputs]):
+            twice = {name for name in names if names.count(name) > 1}
+            if twice:
+                raise ValueError(f"named twice: {', '.join(sorted(twice))}")
+        for each in (*self.joints, *self.drives):
+            for value in vars(each).values():
+                if isinstance(value, Place) and value.body not in (*bodies, GROUND):
+                    raise ValueError(f"{each.name} is on {value.body}, which is no body")
+        lost = [body.name for body in self.moving if body.name not in self.start]
+        if lost:
+            raise ValueError(f"without a start: {', '.join(lost)}")
 
     @property
     def moving(self) -> tuple[Body, ...]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -126,7 +126,7 @@ class Trace:
         return x
 
 
-@dataclass
+@dataclass(eq=False)
 class Block:
     """Unknown angles (groups), then unknown lengths (slides), of loops and relations; joints name it to people."""
 
@@ -136,7 +136,7 @@ class Block:
     relations: tuple[Relation, ...]
     joints: tuple[str, ...]
     start: Floats
-    trace: Trace | None = field(default=None, compare=False)
+    trace: Trace | None = None
 
     def __post_init__(self) -> None:
         self.column: dict[Key, int] = {("angle", name): k for k, name in enumerate(self.angles)}

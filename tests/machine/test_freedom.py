@@ -182,3 +182,12 @@ def test_a_cam_and_its_own_follower_alone() -> None:
     found = refuse_unsound(machine)
     assert (found.pairs, found.half_pairs, found.count) == (2, 1, 1)
     assert freedoms(scotch_yoke()).half_pairs == 1
+
+
+def test_a_drawing_that_closes_stays_as_it_is() -> None:
+    for name, make in CHAINS.items():
+        machine = make()
+        again = drawn(machine)
+        for body, pose in machine.start.items():
+            assert again.start[body].place == pytest.approx(pose.place, abs=1e-9), name
+            assert again.start[body].angle == pytest.approx(pose.angle, abs=1e-10), name

@@ -11,7 +11,7 @@ from pathlib import Path as File
 import numpy as np
 import pytest
 
-from camgen.machine import Body, Machine, Pin, solve
+from camgen.machine import Body, Pin, Place, solve
 from camgen.machine.closure import System
 from machine.chains import CHAINS, geared_five_bar, jansen, scotch_yoke, slider_crank, take_up
 
@@ -131,6 +131,12 @@ def test_judged_and_made_outputs_agree() -> None:
 
 
 def test_names_that_are_not_there() -> None:
-    machine = Machine((Body("ground"),), (), (), {})
-    with pytest.raises(StopIteration):
-        machine.joint("nobody")
+    machine = slider_crank()
+    with pytest.raises(ValueError, match="named twice: rod"):
+        replace(machine, bodies=(*machine.bodies, Body("rod")))
+    with pytest.raises(ValueError, match="named twice: guide"):
+        replace(machine, joints=(*machine.joints, machine.joint("guide")))
+    with pytest.raises(ValueError, match="P is on nobody"):
+        replace(machine, joints=(*machine.joints, Pin("P", Place("nobody"), Place("rod"))))
+    with pytest.raises(ValueError, match="without a start: rod"):
+        replace(machine, start={name: pose for name, pose in machine.start.items() if name != "rod"})
