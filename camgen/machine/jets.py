@@ -80,20 +80,16 @@ def turned(e: Any, w: Any, a: Any, order: int) -> Jet:
     """The jet of exp(i phi) from its value and the rates of phi."""
     rows: Jet = [e]
     if order > 0:
-        rows.append(times(1j * w, e) if not isinstance(w, np.ndarray) else _compose(-w * e.imag, w * e.real))
+        rows.append(times(1j, times(w, e)))
     if order > 1:
         if isinstance(w, np.ndarray) or isinstance(a, np.ndarray):
-            rows.append(_compose(-w * w, a) * e)
+            both = np.empty(np.broadcast(w, a).shape, complex)
+            both.real = -w * w
+            both.imag = a
+            rows.append(both * e)
         else:
             rows.append((1j * a - w * w) * e)
     return rows
-
-
-def _compose(real: Any, imag: Any) -> Points:
-    both = np.empty(np.broadcast(real, imag).shape, complex)
-    both.real = real
-    both.imag = imag
-    return both
 
 
 def thread_length(*places: Points) -> Floats:
