@@ -1,0 +1,433 @@
+"""The judge's route: a machine closed by Newton's method on the poses of all bodies at once.
+
+It knows nothing of loops and dyads. Every moving body has a pose (x, y, angle); every joint says by how much it is open
+and how that changes with the poses; measured centres, guide lines and rolled cam laws stand in the same joints. The one
+Jacobian of these conditions gives speeds, accelerations, how far a displacement in each joint moves each output, and,
+transposed, the forces.
+
+    q       poses, (n, 3 bodies): x mm, y mm, angle rad of each moving body in the machine's order
+    rows    of each joint and drive: Pin x, y; Slide across (mm), turn (rad); Slot across; Gear, Cam, Drive one scalar
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.machine.model import (
+    GROUND,
+    Along,
+    Angle,
+    Cam,
+    Drive,
+    Floats,
+    Gear,
+    Joint,
+    Machine,
+    Path,
+    Pin,
+    Place,
+    Points,
+    Pose,
+    Slide,
+    Slot,
+)
+
+# Steps of Newton's method; five are needed from a near guess.
+STEPS = 20
+# Largest misfit of a closed chain, by the size of its links and of the ground under them.
+CLOSED = 1e-12
+# Angles a turn that are closed one after another from the drawn position.
+FOLLOWED = 72
+# A step of theta below which the chain ends, rad.
+LEAST_STEP = 1e-6
+# A step of theta at which the determinant's sign may change: a larger one has jumped to another branch, rad.
+PASSES = 1e-4
+# A guess that is further from the solution than this is none, rad or share of the machine's size.
+NEAR = 0.1
+
+
+@dataclass(frozen=True)
+class Closed:
+    """Poses and their derivatives to theta, (n, 3 bodies) each; nan where the machine does not close."""
+
+    theta: Floats
+    q: Floats
+    first: Floats
+    second: Floats
+
+
+@dataclass
+class _Rows:
+    """Conditions as they are written down: values, slopes by column, and second derivatives with q'' = 0."""
+
+    values: list[Floats] = field(default_factory=list)
+    slopes: list[dict[int, Any]] = field(default_factory=list)
+    bends: list[Any] = field(default_factory=list)
+
+    def add(self, value: Any, slopes: dict[int, Any], bend: Any) -> None:
+        """Write one down."""
+        self.values.append(value)
+        self.slopes.append(slopes)
+        self.bends.append(bend)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A place at the poses: where it is, how that changes with its body's angle, its body's first column, and the angle's
+    rate; column -1 is the ground's."""
+
+    where: Any
+    swing: Any
+    column: int
+    rate: Any
+
+    @property
+    def speed(self) -> Any:
+        """What the turn gives to its speed."""
+        return self.swing * self.rate
+
+
+class System:
+    """The conditions of a machine, ready at any poses."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.bodies = [body.name for body in machine.moving]
+        self.column = {name: 3 * k for k, name in enumerate(self.bodies)} | {GROUND: -1}
+        self.width = 3 * len(self.bodies)
+        self.rows: dict[str, slice] = {}
+        self._turn_said = _forest(machine)
+        self.conditions: tuple[Joint | Drive, ...] = (*machine.joints, *machine.drives)
+        row = 0
+        for each in self.conditions:
+            count = 2 if isinstance(each, Pin) or (isinstance(each, Slide) and each.name in self._turn_said) else 1
+            self.rows[each.name] = slice(row, row + count)
+            row += count
+        self.height = row
+        start = [machine.start_of(body) for body in self.bodies]
+        self.start = np.array([part for p in start for part in (p.place.real, p.place.imag, p.angle)], float)
+        levers = [abs(z) for body in machine.bodies for z in body.points.values()]
+        self.size = max(1.0, np.abs(self.start).max(initial=0), *levers)
+        self.unit = np.tile([self.size, self.size, 1.0], len(self.bodies))
+
+    # ---- conditions ----
+
+    def angle(self, body: str, q: Floats) -> Any:
+        """A body's angle, (n,) rad."""
+        return 0.0 if body == GROUND else q[:, self.column[body] + 2]
+
+    def place(self, place: Place, q: Floats, rates: Floats | None = None) -> _Seen:
+        """A place at the poses."""
+        k = self.column[place.body]
+        if k < 0:
+            return _Seen(np.full(len(q), complex(place.at)), 0j, -1, 0.0)
+        spoke = place.at * np.exp(1j * q[:, k + 2])
+        return _Seen(q[:, k] + 1j * q[:, k + 1] + spoke, 1j * spoke, k, 0.0 if rates is None else rates[:, k + 2])
+
+    def _line(self, slide: Slide | Slot, q: Floats, rates: Floats | None) -> tuple[Any, dict[int, Any], Any]:
+        """Runner seen from the guide: complex, along + i across; its slopes by column and its second derivative, q'' = 0."""
+        guide, runner = self.place(slide.guide, q, rates), self.place(slide.runner, q, rates)
+        back = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
+        way = runner.where - guide.where
+        slopes: dict[int, Any] = {}
+        for seen, sign in ((runner, 1.0), (guide, -1.0)):
+            if seen.column >= 0:
+                for k, part in enumerate((1.0, 1j, seen.swing)):
+                    slopes[seen.column + k] = slopes.get(seen.column + k, 0) + sign * back * part
+        if guide.column >= 0:
+            slopes[guide.column + 2] = slopes[guide.column + 2] - 1j * back * way
+        bend: Any = 0.0
+        if rates is not None:
+            w = guide.rate
+            speed = runner.speed - guide.speed
+            for seen, sign in ((runner, 1.0), (guide, -1.0)):
+                if seen.column >= 0:
+                    speed = speed + sign * (rates[:, seen.column] + 1j * rates[:, seen.column + 1])
+            pull = 1j * (runner.speed * runner.rate - guide.speed * guide.rate)
+            bend = back * (pull - 2j * w * speed - w * w * way)
+        return way * back, slopes, bend
+
+    def along(self, name: str, q: Floats, rates: Floats | None = None) -> tuple[Any, dict[int, Any], Any]:
+        """Place along a slide or slot, mm, its slopes and its second derivative with q'' = 0."""
+        value, slopes, bend = self._line(self.machine.slide(name), q, rates)
+        return value.real, {k: slope.real for k, slope in slopes.items()}, np.real(bend)
+
+    def evaluate(self, q: Floats, theta: Floats, rates: Floats | None = None) -> tuple[Floats, Floats, Floats]:
+        """Misfits (n, rows), their slopes (n, rows, columns), and with rates q' their second derivatives where q'' = 0."""
+        rows = _Rows()
+        for each in self.conditions:
+            self._write(each, q, theta, rates, rows)
+        n = len(q)
+        values, slopes, bends = np.zeros((n, self.height)), np.zeros((n, self.height, self.width)), np.zeros((n, self.height))
+        for r in range(self.height):
+            values[:, r], bends[:, r] = rows.values[r], rows.bends[r]
+            for k, slope in rows.slopes[r].items():
+                slopes[:, r, k] = slope
+        return values, slopes, bends
+
+    def _write(self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows) -> None:
+        """Write down the conditions of one joint or drive."""
+        if isinstance(each, Pin):
+            where, bend = np.zeros(len(q), complex), np.zeros(len(q), complex)
+            slopes: dict[int, Any] = {}
+            for place, sign in ((each.a, 1.0), (each.b, -1.0)):
+                seen = self.place(place, q, rates)
+                where = where + sign * seen.where
+                bend = bend + sign * 1j * seen.swing * seen.rate**2
+                if seen.column >= 0:
+                    for k, part in enumerate((1.0, 1j, seen.swing)):
+                        slopes[seen.column + k] = slopes.get(seen.column + k, 0) + sign * part
+            rows.add(where.real, {k: np.real(s) for k, s in slopes.items()}, bend.real)
+            rows.add(where.imag, {k: np.imag(s) for k, s in slopes.items()}, bend.imag)
+        elif isinstance(each, Slide | Slot):
+            line, slopes, bend = self._line(each, q, rates)
+            rows.add(line.imag, {k: s.imag for k, s in slopes.items()}, np.imag(bend))
+            if isinstance(each, Slide) and each.name in self._turn_said:
+                turn = self.angle(each.runner.body, q) - self.angle(each.guide.body, q) - each.turn
+                rows.add(turn, self._turns((each.runner.body, 1.0), (each.guide.body, -1.0)), 0.0)
+        elif isinstance(each, Gear):
+            parts = ((each.b, 1.0), (each.a, -each.ratio), (each.carrier, each.ratio - 1.0))
+            value = np.full(len(q), -each.phase)
+            for body, share in parts:
+                value += share * self.angle(body, q)
+            rows.add(value, self._turns(*parts), 0.0)
+        else:
+            self._write_law(each, q, theta, rates, rows)
+
+    def _write_law(self, each: Cam | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows) -> None:
+        """A cam's or a drive's condition: follower - rest - law."""
+        body = each.follower if isinstance(each, Cam) else each.body
+        if each.slide is not None:
+            value, slopes, bend = self.along(each.slide, q, rates)
+        else:
+            value, slopes, bend = self.angle(body, q), self._turns((body, 1.0)), 0.0
+        if isinstance(each, Drive):
+            rows.add(value - each.law(theta, 0), slopes, bend - (0.0 if rates is None else each.law(theta, 2)))
+            return
+        angle = self.angle(each.cam, q) - each.phase + np.zeros(len(q))
+        if each.cam != GROUND:
+            k = self.column[each.cam] + 2
+            slopes = {**slopes, k: slopes.get(k, 0.0) - each.law(angle, 1)}
+            if rates is not None:
+                bend = bend - each.law(angle, 2) * rates[:, k] ** 2
+        rows.add(value - each.rest - each.law(angle, 0), slopes, bend)
+
+    def _turns(self, *parts: tuple[str, float]) -> dict[int, Any]:
+        """Slopes of a sum of angles."""
+        slopes: dict[int, Any] = {}
+        for body, share in parts:
+            if body != GROUND:
+                k = self.column[body] + 2
+                slopes[k] = slopes.get(k, 0.0) + share
+        return slopes
+
+    def drift(self, theta: Floats) -> Floats:
+        """How the conditions change with theta at fixed poses, (n, rows): only the drives do."""
+        change = np.zeros((len(theta), self.height))
+        for drive in self.machine.drives:
+            change[:, self.rows[drive.name].start] = -drive.law(theta, 1)
+        return change
+
+    # ---- closing ----
+
+    def close(self, theta: Floats, guess: Floats | None = None) -> Closed:
+        """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones."""
+        self._square()
+        theta = np.asarray(theta, float)
+        signs = np.zeros(theta.size)
+        if guess is None:
+            guess, signs = self._followed(theta)
+        q, open_ = self._newton(guess, theta)
+        open_ |= signs * self._sign(q, theta) < 0
+        q[open_] = 0
+        first, second = self.derivatives(q, theta)
+        for rows in (q, first, second):
+            rows[open_] = np.nan
+        return Closed(theta, q, first, second)
+
+    def derivatives(self, q: Floats, theta: Floats) -> tuple[Floats, Floats]:
+        """q', q'' to theta at closed poses."""
+        with np.errstate(all="ignore"):
+            slopes = self.evaluate(q, theta)[1]
+            first = solved(slopes, -self.drift(theta))
+            bends = self.evaluate(q, theta, first)[2]
+            return first, solved(slopes, -bends)
+
+    def _square(self) -> None:
+        if self.height != self.width:
+            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 freedoms each")
+
+    def _newton(self, guess: Floats, theta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        q = guess.copy()
+        open_ = ~np.isfinite(q).all(axis=1)
+        q[open_] = self.start
+        with np.errstate(all="ignore"):
+            for _ in range(STEPS):
+                misfit, slopes, _ = self.evaluate(q, theta)
+                step = solved(slopes, misfit)
+                open_ |= ~np.isfinite(step).all(axis=1)
+                step[open_] = 0
+                q -= step
+                if np.abs(step / self.unit).max(initial=0) <= 1e-9:  # the error left is its square
+                    break
+            misfit = self.evaluate(q, theta)[0]
+        open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * self.size)
+        return q, open_
+
+    def _sign(self, q: Floats, theta: Floats) -> Floats:
+        """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
+        return np.asarray(np.linalg.slogdet(self.evaluate(q, theta)[1])[0])
+
+    def _followed(self, theta: Floats) -> tuple[Floats, Floats]:
+        """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
+        determinant's sign that is to be found there, 0 where it changes."""
+        guess, signs = np.full((theta.size, self.width), np.nan), np.zeros(theta.size)
+        origin, lost = self._newton(self.start[None], np.zeros(1))
+        if lost[0]:
+            return guess, signs
+        for sign in (1, -1):
+            mine = np.flatnonzero(theta * sign >= 0 if sign > 0 else theta < 0)
+            if not mine.size:
+                continue
+            far = float(np.abs(theta[mine]).max())
+            step = 2 * np.pi / FOLLOWED
+            here, q, sign_here = 0.0, origin, float(self._sign(origin, np.zeros(1))[0])
+            passed = False
+            rows = [(0.0, q, *self.derivatives(q, np.zeros(1)))]
+            while abs(here) < far and step > LEAST_STEP:
+                to = np.array([here + sign * step])
+                _, at, first, second = rows[-1]
+                h = sign * step
+                aim = at + h * (first + 0.5 * h * second)
+                new, lost = self._newton(aim, to)
+                turned = self._sign(new, to)[0] != sign_here
+                v, a = self.derivatives(new, to)
+                back = new - h * (v - 0.5 * h * a) - at
+                away = np.abs(np.concatenate([new - aim, back]) / self.unit).max()
+                if lost[0] or not away < NEAR or (turned and step > PASSES):
+                    step /= 2
+                    continue
+                passed |= bool(turned)
+                sign_here = -sign_here if turned else sign_here
+                here = float(to[0])
+                rows.append((here, new, v, a))
+                step = min(2 * step, 2 * np.pi / FOLLOWED)
+            knots = np.array([abs(row[0]) for row in rows])
+            q, first, second = (np.concatenate([row[k] for row in rows]) for k in (1, 2, 3))
+            nearest = np.searchsorted((knots[1:] + knots[:-1]) / 2, np.abs(theta[mine]))
+            h2 = (theta[mine] - sign * knots[nearest])[:, None]
+            guess[mine] = q[nearest] + h2 * (first[nearest] + 0.5 * h2 * second[nearest])
+            guess[mine[np.abs(theta[mine]) > knots[-1] + LEAST_STEP]] = np.nan
+            signs[mine] = 0.0 if passed else sign_here
+        return guess, signs
+
+    # ---- outputs ----
+
+    def output(self, name: str, q: Floats, theta: Floats) -> tuple[Any, Floats]:
+        """An output's value, (n,), complex mm for a path, and its slopes to the poses, (n, 1 or 2, 3 bodies)."""
+        of = self.machine.output(name).of
+        n = len(q)
+        gradient = np.zeros((n, 2 if isinstance(of, Path) else 1, self.width))
+        if isinstance(of, Path):
+            seen = self.place(of.of, q)
+            self._enter(gradient[:, 0], seen, np.ones(n, complex))
+            self._enter(gradient[:, 1], seen, np.full(n, 1j))
+            return seen.where, gradient
+        if isinstance(of, Angle):
+            for k, share in self._turns((of.body, 1.0), (of.on, -1.0)).items():
+                gradient[:, 0, k] = share
+            return self.angle(of.body, q) - self.angle(of.on, q), gradient
+        if isinstance(of, Along):
+            value, slopes, _ = self.along(of.slide, q)
+            for k, slope in slopes.items():
+                gradient[:, 0, k] = slope
+            return value, gradient
+        places = [self.place(place, q) for place in of.of]
+        value = of.value(*(np.asarray(seen.where)[None] for seen in places))[0]
+        still = [np.stack([seen.where, np.zeros(n, complex)]) for seen in places]
+        for k, seen in enumerate(places):
+            steep = np.zeros(n, complex)
+            for part in (1.0, 1j):
+                moved = [s.copy() for s in still]
+                moved[k][1] = part
+                steep += part * of.value(*moved)[1]
+            self._enter(gradient[:, 0], seen, steep)
+        return value, gradient
+
+    def press(self, total: Floats, place: Place, q: Floats, force: Points) -> None:
+        """Add to generalised forces, (n, 3 bodies), what a force (complex) on a place does: N and N mm."""
+        self._enter(total, self.place(place, q), force)
+
+    def _enter(self, gradient: Floats, seen: _Seen, steep: Points) -> None:
+        """Add to a gradient, (n, 3 bodies), what Re(conj(steep) d where) is by the poses."""
+        if seen.column >= 0:
+            gradient[:, seen.column] += steep.real
+            gradient[:, seen.column + 1] += steep.imag
+            gradient[:, seen.column + 2] += np.real(np.conj(steep) * seen.swing)
+
+    def shares(self, name: str, q: Floats, theta: Floats) -> dict[str, Floats]:
+        """By joint and drive, (n,): largest movement of the output per mm (rad for what is an angle) of displacement there.
+
+        One transposed solve. Of a Slide the displacement across its guide counts.
+        """
+        self._square()
+        slopes = self.evaluate(q, theta)[1]
+        _, gradient = self.output(name, q, theta)
+        found = np.stack([solved(np.swapaxes(slopes, 1, 2), gradient[:, k]) for k in range(gradient.shape[1])], axis=1)
+        by_joint = {}
+        for each in self.conditions:
+            part = found[:, :, self.rows[each.name]]
+            if isinstance(each, Slide):
+                part = part[:, :, :1]
+            by_joint[each.name] = _stretch(part)
+        return by_joint
+
+    def poses(self, q: Floats) -> Mapping[str, Pose]:
+        """The same as poses of all bodies."""
+        ground = Pose(np.zeros(len(q), complex), np.zeros(len(q)))
+        return {GROUND: ground} | {
+            body: Pose(q[:, k] + 1j * q[:, k + 1], q[:, k + 2]) for body, k in self.column.items() if k >= 0
+        }
+
+
+def _forest(machine: Machine) -> set[str]:
+    """Slides whose turn says something new: one that closes a ring of slides repeats the others."""
+    leader = {body.name: body.name for body in machine.bodies} | {GROUND: GROUND}
+
+    def top(body: str) -> str:
+        while leader[body] != body:
+            body = leader[body]
+        return body
+
+    said = set()
+    for joint in machine.joints:
+        if isinstance(joint, Slide) and top(joint.guide.body) != top(joint.runner.body):
+            leader[top(joint.runner.body)] = top(joint.guide.body)
+            said.add(joint.name)
+    return said
+
+
+def _stretch(parts: Floats) -> Floats:
+    """Largest singular value of (n, 1 or 2, 1 or 2) matrices."""
+    if parts.shape[1] == 1 or parts.shape[2] == 1:
+        return np.asarray(np.sqrt((parts**2).sum(axis=(1, 2))))
+    (a, b), (c, d) = np.moveaxis(parts, 0, -1)
+    total, area = a * a + b * b + c * c + d * d, a * d - b * c
+    return np.asarray(np.sqrt((total + np.sqrt(np.maximum(total**2 - 4 * area**2, 0))) / 2))
+
+
+def solved(matrices: Floats, right: Floats) -> Floats:
+    """Solutions (n, m) of n systems; nan for a singular one."""
+    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    found = np.full(right.shape, np.nan)
+    try:
+        found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
+    except np.linalg.LinAlgError:
+        sound &= np.linalg.matrix_rank(np.nan_to_num(matrices)) == matrices.shape[1]
+        found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
+    return found

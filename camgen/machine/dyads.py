@@ -1,0 +1,145 @@
+"""Dyads in closed form: one vector loop with two unknowns, all angles at once.
+
+    two angles             known + c1 e1 + c2 e2 = 0               RRR
+    an angle, a length     known + c e + u d = 0                   slider: d is known
+                           known + (c + u d) e = 0                 inverted slider, slot: d turns with e
+    two lengths            known + u1 d1 + u2 d2 = 0               linear
+
+e = exp(i phi); c complex mm in the axes that turn; d a unit vector. All jets are lists as in `jets`. The branch is the
+sign at the start. Where a dyad does not close it is nan. Where it only just closes (stretched or folded), the position
+exists and the derivatives do not: they are nan.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from camgen.machine.jets import Jet, cross, minus, plus, times, vanishes
+from camgen.machine.model import Floats
+
+# A dyad that misses by less than this share of its size squared is taken as just closing: rounding of theta does as much.
+JUST_CLOSES = 1e-14
+
+
+def signed_root(square: Floats, slack: float, branch: int) -> tuple[Floats, Floats]:
+    """The square's root with the branch's sign, 0 where it misses by the slack, nan beyond; the same to divide by."""
+    if square.min(initial=np.inf) > 0:
+        root = np.sqrt(square)
+        root = root if branch > 0 else np.negative(root, out=root)
+        return root, root
+    root = branch * np.sqrt(np.where((square < 0) & (square >= -slack), 0.0, square))
+    return root, np.where(root == 0, np.nan, root)
+
+
+def two_angles(known: Jet, c1: complex, c2: complex, branch: int) -> tuple[Jet, Jet]:
+    """e1, e2 and the rates of their angles, [e, w, a] each; branch +1 has c1 e1 to the left of the way that is to close."""
+    order = len(known) - 1
+    r1, r2 = abs(c1), abs(c2)
+    total, differ = (r1 + r2) ** 2, (r1 - r2) ** 2
+    way = -known[0]
+    q = way.real * way.real
+    q += way.imag * way.imag
+    # Heron's formula in factors, which lose nothing to cancellation: the root is four times the triangle's area.
+    square = total - q
+    square *= q - differ
+    root, divisor = signed_root(square, (total * JUST_CLOSES) * total, branch)
+    half = 0.5 / q
+    u = np.empty(way.shape, complex)
+    np.multiply(root, half, out=u.imag)
+    half *= r1**2 - r2**2
+    np.add(half, 0.5, out=u.real)
+    z1 = u
+    z1 *= way
+    z2 = np.subtract(way, z1, out=way)
+    first, second = [z1 * (1 / c1)], [z2 * (1 / c2)]
+    if order > 0:
+        # z1 x z2 is minus half the root; inner products with z2 and z1 part the two rates.
+        swing = 2.0 / divisor
+        z1, z2 = np.conj(z1), np.conj(z2)
+        w1, w2 = inner(z2, known[1]) * swing, inner(z1, known[1]) * -swing
+        first.append(w1)
+        second.append(w2)
+    if order > 1:
+        s1, s2 = w1 * w1, w2 * w2
+        both = (q - (r1**2 + r2**2)) * 0.5  # z1 . z2
+        first.append((inner(z2, known[2]) - (s1 * both + s2 * r2**2)) * swing)
+        second.append(((s2 * both + s1 * r1**2) - inner(z1, known[2])) * swing)
+    return first, second
+
+
+def inner(conjugate: Any, b: Any) -> Any:
+    """The inner product of plane vectors, (n,), the first one given as its conjugate."""
+    return 0.0 * conjugate.real if vanishes(b) else (conjugate * b).real
+
+
+def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Jet, Jet]:
+    """[e, w, a] and the length [u, u', u''] along the known way d; branch +1 has c e ahead along d."""
+    r = abs(c)
+    x = -known[0] * np.conj(d[0])
+    y = x.imag
+    root, divisor = signed_root((r - y) * (r + y), JUST_CLOSES * r**2, branch)
+    z = (root + 1j * y) * d[0]
+    angle, length = [z / c], [x.real - root]
+    return _rates(known, z, d, angle, length, -divisor, inverted=False)
+
+
+def inverted(known: Jet, c: complex, d: complex, branch: int) -> tuple[Jet, Jet]:
+    """[e, w, a] and the length [u, u', u''] along d, which turns with e; branch +1 has the end ahead of c's foot."""
+    foot = c * d.conjugate()
+    p, q = foot.real, foot.imag
+    far = np.abs(known[0])
+    root, divisor = signed_root((far - q) * (far + q), JUST_CLOSES * q**2, branch)
+    e = -known[0] / (d * (root + 1j * q))
+    angle, length = [e], [root - p]
+    return _rates(known, -known[0], [d * e], angle, length, -divisor, inverted=True)
+
+
+def _rates(known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, area: Any, inverted: bool) -> tuple[Jet, Jet]:
+    """Rates of an angle whose vector is z and a length along d; area is the cross product of their columns i z and d."""
+    order, u = len(known) - 1, length[0]
+    along = d[0]
+
+    def part(f: Any) -> tuple[Any, Any]:
+        """w, u' of i z w + d u' = -f, by Cramer."""
+        if vanishes(f):
+            return 0.0 * area, 0.0 * area
+        return -cross(f, along) / area, dot(z, f) / area
+
+    if order > 0:
+        f = known[1] if inverted else plus(known[1], times(u, d[1]))
+        w, v = part(f)
+        angle.append(w)
+        length.append(v)
+    if order > 1:
+        f = minus(known[2], w * w * z)
+        f = f + 2j * v * w * along if inverted else plus(plus(f, times(u, d[2])), times(2 * v, d[1]))
+        a, b = part(f)
+        angle.append(a)
+        length.append(b)
+    return angle, length
+
+
+def two_lengths(known: Jet, d1: Jet, d2: Jet) -> tuple[Jet, Jet]:
+    """Both lengths with their derivatives; nan where the ways are parallel."""
+    area = cross(d1[0] + 0j, d2[0] + 0j) * np.ones(np.shape(known[0]))
+    area[np.abs(area) < JUST_CLOSES] = np.nan
+    u1: Jet = []
+    u2: Jet = []
+    for k, row in enumerate(known):
+        f = row
+        if k == 1:
+            f = plus(f, plus(times(u1[0], d1[1]), times(u2[0], d2[1])))
+        if k == 2:
+            for u, d in ((u1, d1), (u2, d2)):
+                f = plus(f, plus(times(u[0], d[2]), times(2 * u[1], d[1])))
+        f = f + np.zeros(area.shape, complex)
+        u1.append(-cross(f, d2[0]) / area)
+        u2.append(cross(f, d1[0]) / area)
+    return u1, u2
+
+
+def dot(a: Any, b: Any) -> Any:
+    """The inner product of plane vectors, (n,)."""
+    return 0.0 * a.real if vanishes(b) else a.real * b.real + a.imag * b.imag

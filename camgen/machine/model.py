@@ -1,0 +1,311 @@
+"""What a machine is: bodies, joints, drives, loads, outputs. Records and nothing but data.
+
+    body      a rigid link; its frame is its own, its points complex mm in it; the body "ground" stands still
+    place     a point of a body, in the body's frame
+    pose      where a body's frame is on the ground: ground = place + exp(i angle) * own
+    joint     holds two bodies together: Pin, Slide, Slot, Gear, Cam
+    drive     says a body's angle, or a place along a slide, as a function of theta
+    theta     the machine's independent variable, rad; it grows at the machine's speed, rad/s of either sign
+    law       a callable (theta, order) -> (n,): value and derivatives to theta, order 0..2, for theta (n,) rad
+
+Lengths mm, angles rad counter-clockwise, masses kg, inertia kg m^2, forces N, torques N m, time s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Points = NDArray[np.complex128]
+Law = Callable[[Floats, int], Floats]
+
+GROUND = "ground"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point of a body: `at` is complex mm in the body's frame."""
+
+    body: str
+    at: complex = 0j
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a body's frame is: place complex mm, angle rad; scalars, or (n,) each over the turn."""
+
+    place: Any
+    angle: Any
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid link. mass: kg; centre: of mass, complex mm in its frame; inertia: about that centre, kg m^2."""
+
+    name: str
+    points: Mapping[str, complex] = field(default_factory=dict)
+    mass: float = 0.0
+    centre: complex = 0j
+    inertia: float = 0.0
+
+    def at(self, point: str) -> Place:
+        """The named point as a place."""
+        return Place(self.name, complex(self.points[point]))
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A turning joint: both places coincide. Its reaction is the force of b on a, N. clearance: diametral, mm."""
+
+    name: str
+    a: Place
+    b: Place
+    clearance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A straight guide on one body for another that does not turn in it.
+
+    The runner's place lies on the line through the guide's place at `angle` (rad, in the guide's frame); the runner's
+    frame stands at `turn` rad to the guide's. The length along the line from the guide's place is the slide's place.
+    clearance: across, mm.
+    """
+
+    name: str
+    guide: Place
+    runner: Place
+    angle: float = 0.0
+    turn: float = 0.0
+    clearance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A pin of one body (runner) in a straight slot of another (guide), free to turn; the line as in a Slide."""
+
+    name: str
+    guide: Place
+    runner: Place
+    angle: float = 0.0
+    clearance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Gear:
+    """Turns in proportion, both seen from the carrier: angle of b = ratio * angle of a + phase (rad).
+
+    clearance: backlash as an angle of b, rad.
+    """
+
+    name: str
+    a: str
+    b: str
+    ratio: float
+    phase: float = 0.0
+    carrier: str = GROUND
+    clearance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Cam:
+    """A cam contact: the follower's angle (rad), or its place along `slide` (mm), = rest + law(cam's angle - phase).
+
+    Both angles are those to the ground. closure "force": the cam can only push, towards larger s (push 1) or smaller
+    (push -1). clearance: lash of the follower, in the unit of s.
+    """
+
+    name: str
+    cam: str
+    follower: str
+    law: Law
+    slide: str | None = None
+    phase: float = 0.0
+    rest: float = 0.0
+    closure: Literal["form", "force"] = "form"
+    push: int = 1
+    clearance: float = 0.0
+
+
+Joint = Pin | Slide | Slot | Gear | Cam
+
+
+@dataclass(frozen=True)
+class Turning:
+    """The usual law of a drive: start + rate * theta."""
+
+    rate: float = 1.0
+    start: float = 0.0
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """The order-th derivative at theta, (n,)."""
+        if order == 0:
+            return self.start + self.rate * np.asarray(theta, float)
+        return np.full(np.shape(theta), self.rate if order == 1 else 0.0)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Says the angle of a body to the ground (rad), or with `slide` the place along that slide or slot (mm)."""
+
+    name: str
+    body: str
+    law: Law = field(default_factory=Turning)
+    slide: str | None = None
+
+
+@dataclass(frozen=True)
+class Force:
+    """A constant force on a place, complex N in the ground's frame."""
+
+    name: str
+    on: Place
+    force: complex
+
+
+@dataclass(frozen=True)
+class Torque:
+    """A constant torque on a body, N m, and its reverse on another."""
+
+    name: str
+    on: str
+    torque: float
+    by: str = GROUND
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring between two places: rate N/mm, free length mm; it pulls where it is longer, pushes where shorter."""
+
+    name: str
+    a: Place
+    b: Place
+    rate: float
+    free: float = 0.0
+
+
+@dataclass(frozen=True)
+class TorsionSpring:
+    """Torque rate * (angle of a - angle of b - free) draws a back: rate N m/rad, free rad."""
+
+    name: str
+    a: str
+    b: str
+    rate: float
+    free: float = 0.0
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """The same acceleration on all masses, complex m/s^2."""
+
+    acceleration: complex = -9.80665j
+
+
+Load = Force | Torque | Spring | TorsionSpring | Gravity
+
+
+@dataclass(frozen=True)
+class Angle:
+    """The angle of a body to another, rad, continuous."""
+
+    body: str
+    on: str = GROUND
+
+
+@dataclass(frozen=True)
+class Along:
+    """The place along the named slide or slot, mm."""
+
+    slide: str
+
+
+@dataclass(frozen=True)
+class Path:
+    """The path of a place on the ground, complex mm."""
+
+    of: Place
+
+
+@dataclass(frozen=True)
+class Function:
+    """Any real function of places on the ground.
+
+    value(*jets): jets are (order + 1, n) complex, each a place with its derivatives; returns (order + 1, n), the value
+    with its derivatives. Called with unit derivatives it is its own gradient.
+    """
+
+    of: tuple[Place, ...]
+    value: Callable[..., Floats]
+
+
+@dataclass(frozen=True)
+class Output:
+    """What is wanted and judged."""
+
+    name: str
+    of: Angle | Along | Path | Function
+    unit: str = "mm"
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """Bodies, joints, drives, loads, outputs; two machines are the same only where they are one object.
+
+    start: pose of each moving body at theta = 0, as drawn; it picks the branch of every dyad. speed: d theta / dt, rad/s.
+    Raises ValueError for a name used twice, a body that is not there, or one without a start.
+    """
+
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+    drives: tuple[Drive, ...]
+    start: Mapping[str, Pose]
+    loads: tuple[Load, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    speed: float = 1.0
+
+    def __post_init__(self) -> None:
+        bodies = [body.name for body in self.bodies]
+        for names in (bodies, [each.name for each in (*self.joints, *self.drives)], [output.name for output in self.outputs]):
+            twice = {name for name in names if names.count(name) > 1}
+            if twice:
+                raise ValueError(f"named twice: {', '.join(sorted(twice))}")
+        for each in (*self.joints, *self.drives):
+            for value in vars(each).values():
+                if isinstance(value, Place) and value.body not in (*bodies, GROUND):
+                    raise ValueError(f"{each.name} is on {value.body}, which is no body")
+        lost = [body.name for body in self.moving if body.name not in self.start]
+        if lost:
+            raise ValueError(f"without a start: {', '.join(lost)}")
+
+    @property
+    def moving(self) -> tuple[Body, ...]:
+        """All bodies but the ground."""
+        return tuple(body for body in self.bodies if body.name != GROUND)
+
+    def body(self, name: str) -> Body:
+        """The named body."""
+        return next((body for body in self.bodies if body.name == name), Body(name))
+
+    def joint(self, name: str) -> Joint:
+        """The named joint."""
+        return next(joint for joint in self.joints if joint.name == name)
+
+    def slide(self, name: str) -> Slide | Slot:
+        """The named slide or slot."""
+        joint = self.joint(name)
+        assert isinstance(joint, Slide | Slot), f"{name} is no slide"
+        return joint
+
+    def output(self, name: str) -> Output:
+        """The named output."""
+        return next(output for output in self.outputs if output.name == name)
+
+    def start_of(self, body: str) -> Pose:
+        """The body's pose as drawn."""
+        return Pose(0j, 0.0) if body == GROUND else self.start[body]

@@ -1,0 +1,416 @@
+"""Larger blocks: several vector loops and relations solved together by Newton's method, with a guard.
+
+    known + sum of z_g + sum of u_j d_j = 0      a loop: z_g turns with the unknown angle of group g, u_j unknown lengths
+    sum of shares - law(argument) = 0            a relation of gears and cams within the block
+
+Start: knots one after the other from the drawn position, each predicted from two derivatives of the one before; a step is
+halved until Newton's corrections shrink by half each; where no step is left, the chain ends there. Between the knots lie
+quintic polynomials; from there all angles converge at once. What is beyond an end, or does not converge, is nan.
+Derivatives: with the unknowns' own rates at zero the residual's jets give the right sides of J x' = -F', J x'' = -F''.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
+from camgen.machine.model import Floats
+from camgen.machine.order import Key, Relation
+
+# Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
+KNOTS = 36
+SHRINKS = 0.5
+# A step of the drive below which there is none: the chain ends, rad.
+LEAST_STEP = 1e-13
+# A step at which the determinant's sign may change: a larger one has jumped to another branch, rad.
+PASSES = 1e-6
+# Corrections below this (by the unknown's size) leave an error of their square, which is rounding.
+NEAR = 1e-8
+# The same for a knot, whose error is then lost in that of the polynomials between knots.
+ROUGH = 1e-5
+# Residual of a closed block, by the size of its links.
+CLOSED = 1e-13
+# Newton may leave its guess by no more, by the unknown's size: further away it is another branch, or the knots are too few.
+STRAY = 0.05
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A vector equation: signed origins of bodies, levers by group, lengths along ways that turn with a group; sum 0."""
+
+    roots: tuple[tuple[int, str], ...]
+    levers: dict[str, complex]
+    ways: tuple[tuple[str, str, complex], ...]  # slide, group, unit vector in the group's axes
+
+
+@dataclass(frozen=True)
+class Known:
+    """What earlier blocks give a block: jets by loop, of ways by (loop, unknown), of known lengths, of relations."""
+
+    loops: tuple[Jet, ...]
+    ways: tuple[tuple[int, int, Jet], ...]
+    lengths: dict[str, Jet]
+    relations: tuple[Jet, ...]
+    plain: bool = False
+
+    def at(self, k: int) -> Known:
+        """The same at the k-th angle alone, in plain numbers: a hundred times faster there than arrays."""
+
+        def cut(jet: Jet) -> Jet:
+            return [row[k].item() if isinstance(row, np.ndarray) and row.ndim else row for row in jet]
+
+        return Known(
+            tuple(cut(jet) for jet in self.loops),
+            tuple((c, j, cut(jet)) for c, j, jet in self.ways),
+            {name: cut(jet) for name, jet in self.lengths.items()},
+            tuple(cut(jet) for jet in self.relations),
+            True,
+        )
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A block followed from the drawn position: knots (k,) rad, sorted, and x, x', x'', (3, k, m), there.
+
+    signs: of the determinant, (k,): they change at a change point. ends: what lies beyond the first and last knot is out
+    of reach, where True.
+    """
+
+    theta: Floats
+    jets: Floats
+    signs: Floats
+    ends: tuple[bool, bool]
+
+    @property
+    def folds(self) -> Floats:
+        """Knots behind which the determinant's sign has changed, rad."""
+        changed: Floats = self.theta[1:][self.signs[1:] != self.signs[:-1]]
+        return changed
+
+    def covers(self, low: float, high: float) -> bool:
+        """Whether all that can be reached of the range is known."""
+        return (self.ends[0] or self.theta[0] <= low) and (self.ends[1] or self.theta[-1] >= high)
+
+    def same_branch(self, theta: Floats, determinant: Floats) -> NDArray[np.bool_]:
+        """Whether the determinant has the sign of a knot beside each angle."""
+        k = np.clip(np.searchsorted(self.theta, theta, side="right") - 1, 0, max(self.theta.size - 2, 0))
+        sign = np.sign(determinant)
+        same: NDArray[np.bool_] = (sign == self.signs[k]) | (sign == self.signs[np.minimum(k + 1, self.signs.size - 1)])
+        return same
+
+    def guess(self, theta: Floats) -> Floats:
+        """The quintic between the knots, (m, n); nan beyond."""
+        if self.theta.size == 1:
+            return np.where(theta == self.theta[0], self.jets[0, 0][:, None], np.nan)
+        k = np.clip(np.searchsorted(self.theta, theta, side="right") - 1, 0, self.theta.size - 2)
+        h = self.theta[k + 1] - self.theta[k]
+        t = (theta - self.theta[k]) / h
+        t = np.where((t < 0) | (t > 1), np.nan, t)
+        s = 1 - t
+        t3, s3 = t**3, s**3
+        rows = (
+            (s3 * (1 + 3 * t + 6 * t * t), s3 * t * (1 + 3 * t) * h, s3 * t * t * 0.5 * h * h),
+            (t3 * (1 + 3 * s + 6 * s * s), -t3 * s * (1 + 3 * s) * h, t3 * s * s * 0.5 * h * h),
+        )
+        x = np.zeros((self.jets.shape[2], theta.size))
+        for end, weights in enumerate(rows):
+            for jet, weight in zip(self.jets, weights, strict=True):
+                x += weight * jet[k + end].T
+        return x
+
+
+@dataclass(eq=False)
+class Block:
+    """Unknown angles (groups), then unknown lengths (slides), of loops and relations; joints name it to people."""
+
+    angles: tuple[str, ...]
+    lengths: tuple[str, ...]
+    loops: tuple[Loop, ...]
+    relations: tuple[Relation, ...]
+    joints: tuple[str, ...]
+    start: Floats
+    trace: Trace | None = None
+
+    def __post_init__(self) -> None:
+        self.column: dict[Key, int] = {("angle", name): k for k, name in enumerate(self.angles)}
+        self.column |= {("length", name): k for k, name in enumerate(self.lengths, len(self.angles))}
+        self.size = len(self.column)
+        levers = [abs(lever) for loop in self.loops for lever in loop.levers.values()]
+        levers += [abs(x) for x in self.start[len(self.angles) :]]
+        self.scale = max(1.0, *levers) if levers else 1.0
+        self.unit = np.array([1.0] * len(self.angles) + [self.scale] * len(self.lengths))
+
+    # ---- the equations at x, (m, n) ----
+
+    def _plain(self, x: Floats, known: Known) -> tuple[Any, Known]:
+        """The unknowns one by one; of a single angle in plain numbers."""
+        if x.shape[1] != 1:
+            return x, known
+        return x[:, 0].tolist(), known if known.plain else known.at(0)
+
+    def _turns(self, x: Any) -> list[Any]:
+        """exp(i angle) of each unknown angle."""
+        angles = x[: len(self.angles)]
+        return [cmath.exp(1j * angle) for angle in angles] if isinstance(x, list) else [unit_turn(angle) for angle in angles]
+
+    def _vectors(self, x: Any, turns: list[Any], known: Known) -> tuple[list[dict[int, Any]], list[dict[int, Any]]]:
+        """For each loop the vector that turns with each unknown angle, and the way of each unknown length."""
+        turning: list[dict[int, Any]] = []
+        along: list[dict[int, Any]] = []
+        for loop in self.loops:
+            z = {self.column["angle", g]: lever * turns[self.column["angle", g]] for g, lever in loop.levers.items()
+                 if ("angle", g) in self.column}  # fmt: skip
+            ways: dict[int, Any] = {}
+            for slide, group, way in loop.ways:
+                k, j = self.column.get(("angle", group)), self.column.get(("length", slide))
+                if k is None:
+                    continue
+                vector = way * turns[k]
+                z[k] = plus(z.get(k, 0), (x[j] if j is not None else known.lengths[slide][0]) * vector)
+                if j is not None:
+                    ways[j] = plus(ways.get(j, 0), vector)
+            turning.append(z)
+            along.append(ways)
+        return turning, along
+
+    def _filled(self, n: int, entries: dict[tuple[int, ...], Any], *shape: int) -> Floats:
+        """The entries by row (and column) as an array, (n, *shape)."""
+        rows = np.zeros((n, *shape))
+        for place, value in entries.items():
+            rows.T[place[::-1]] = value
+        return rows
+
+    def equations(self, x: Floats, known: Known) -> tuple[Floats, Floats]:
+        """Residuals (n, m) and their slopes (n, m, m) at x, (m, n)."""
+        n = x.shape[1]
+        at, known = self._plain(x, known)
+        residual: dict[tuple[int, ...], Any] = {}
+        slope: dict[tuple[int, ...], Any] = {}
+        turning, along = self._vectors(at, self._turns(at), known)
+        for c, (z, ways) in enumerate(zip(turning, along, strict=True)):
+            total = known.loops[c][0]
+            columns: dict[int, Any] = dict(ways)
+            for k, vector in z.items():
+                total = total + vector
+                columns[k] = 1j * vector
+            for loop, j, jet in known.ways:
+                if loop == c:
+                    total = total + at[j] * jet[0]
+                    columns[j] = plus(columns.get(j, 0), jet[0])
+            residual[2 * c,], residual[2 * c + 1,] = total.real, total.imag
+            for k, column in columns.items():
+                slope[2 * c, k], slope[2 * c + 1, k] = column.real, column.imag
+        for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
+            value = jet[0]
+            for key, share in relation.shares.items():
+                if key in self.column:
+                    value = value + share * at[self.column[key]]
+                    slope[row, self.column[key]] = slope.get((row, self.column[key]), 0.0) + share
+            if relation.argument in self.column:
+                k = self.column[relation.argument]
+                assert relation.law is not None
+                value = value - relation.law(x[k] + relation.shift, 0)
+                slope[row, k] = slope.get((row, k), 0.0) - relation.law(x[k] + relation.shift, 1)
+            residual[row,] = value
+        return self._filled(n, residual, self.size), self._filled(n, slope, self.size, self.size)
+
+    def forcing(self, x: Floats, known: Known, rates: Floats | None) -> Floats:
+        """The residual's next derivative, (n, m), with that of x at zero: the first, or with rates x', (m, n), the second."""
+        n, order = x.shape[1], 1 if rates is None else 2
+        at, known = self._plain(x, known)
+        speeds = None if rates is None else rates[:, 0].tolist() if n == 1 else rates
+        right: dict[tuple[int, ...], Any] = {}
+        turns = self._turns(at)
+        turning, _ = self._vectors(at, turns, known)
+        for c, loop in enumerate(self.loops):
+            total = known.loops[c][order]
+            for which, j, jet in known.ways:
+                if which == c:
+                    total = plus(total, times(at[j], jet[order]))
+                    if speeds is not None:
+                        total = plus(total, times(2 * speeds[j], jet[1]))
+            if speeds is not None:
+                for k, z in turning[c].items():
+                    total = total - speeds[k] * speeds[k] * z
+            for slide, group, way in loop.ways:
+                turn, slid = self.column.get(("angle", group)), self.column.get(("length", slide))
+                if turn is None:
+                    continue
+                vector = way * turns[turn]
+                if slid is None:
+                    total = plus(total, times(known.lengths[slide][order], vector))
+                if speeds is not None:
+                    speed = known.lengths[slide][1] if slid is None else speeds[slid]
+                    total = plus(total, times(speed, 2j * speeds[turn] * vector))
+            if not vanishes(total):
+                right[2 * c,], right[2 * c + 1,] = total.real, total.imag
+        for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
+            value = jet[order]
+            if rates is not None and relation.argument in self.column:
+                k = self.column[relation.argument]
+                assert relation.law is not None
+                value = value - relation.law(x[k] + relation.shift, 2) * rates[k] ** 2
+            right[row,] = value
+        return self._filled(n, right, self.size)
+
+    def determinant(self, x: Floats, known: Known) -> Floats:
+        """Of the slopes with columns of length 1, (n,): 0 at a dead or change point, at most 1."""
+        slope = self.equations(x, known)[1]
+        with np.errstate(all="ignore"):
+            slope = slope / np.linalg.norm(slope, axis=1, keepdims=True)
+        sound = np.isfinite(slope).all(axis=(1, 2))
+        found = np.full(len(slope), np.nan)
+        found[sound] = np.linalg.det(slope[sound])
+        return found
+
+    # ---- solving ----
+
+    def rates(self, x: Floats, known: Known, slope: Floats, order: int) -> list[Floats]:
+        """x', x'' as far as the order asks, (m, n) each."""
+        found: list[Floats] = []
+        for k in range(order):
+            found.append(solved(slope, -self.forcing(x, known, found[0] if k else None)).T)
+        return found
+
+    def converge(self, x: Floats, known: Known, near: float = NEAR) -> tuple[Floats, Floats] | None:
+        """A single position from a guess, (m, 1), with its slopes; None where the corrections do not shrink.
+
+        near: the last correction by the unknowns' size; with more than NEAR it is a knot, not a solution.
+        """
+        last = STRAY / SHRINKS
+        for _ in range(12):
+            residual, slope = self.equations(x, known)
+            step = solved(slope, residual).T
+            size = float(np.max(np.abs(step) / self.unit[:, None]))
+            if not size <= max(SHRINKS * last, 1e-14):
+                return None
+            x = x - step
+            if size <= near and near > NEAR:
+                return x, slope
+            if size <= NEAR:
+                residual, slope = self.equations(x, known)
+                return (x, slope) if self._closed(residual, known)[0] else None
+            last = size
+        return None
+
+    def _closed(self, residual: Floats, known: Known) -> NDArray[np.bool_]:
+        size = self.scale + max((float(np.nanmax(np.abs(jet[0]))) for jet in known.loops), default=0.0)
+        closed: NDArray[np.bool_] = np.abs(residual).max(axis=1) <= 10 * CLOSED * size
+        return closed
+
+    def follow(self, known_at: Callable[[Floats], Known], low: float, high: float) -> Trace:
+        """Knots from the drawn position at theta = 0 out to both ends of the range, or as far as the chain closes."""
+        here = known_at(np.zeros(1))
+        first = self.converge(self.start[:, None], here)
+        if first is None:
+            return Trace(np.zeros(1), np.full((3, 1, self.size), np.nan), np.zeros(1), (True, True))
+        origin = np.stack([first[0], *self.rates(first[0], here, first[1], 2)])[:, :, 0]
+        sign = float(np.sign(np.linalg.det(first[1][0])))
+        (low_side, below), (high_side, above) = (self._side(known_at, end, origin, sign) for end in (low, high))
+        knots = [*low_side[::-1], (0.0, origin, sign), *high_side]
+        theta, rows, signs = (np.array([knot[k] for knot in knots]) for k in range(3))
+        return Trace(theta, np.swapaxes(rows, 0, 1), signs, (below, above))
+
+    def _side(
+        self, known_at: Callable[[Floats], Known], end: float, jets: Floats, sign: float
+    ) -> tuple[list[tuple[float, Floats, float]], bool]:
+        """Knots (theta, jets, sign) from the drawn position towards one end, and whether the chain ends before it."""
+        found: list[tuple[float, Floats, float]] = []
+        if end == 0:
+            return found, False
+        count = math.ceil(abs(end) / math.tau * KNOTS - 1e-9)
+        grid = np.asarray(np.arange(1, count + 1) * (end / count), float)
+        ahead = known_at(grid)
+        theta, share, k = 0.0, 1.0, 0  # share of the way to the next knot of the grid
+        while k < count:
+            to = float(theta + share * (grid[k] - theta)) if share < 1 else float(grid[k])
+            here = ahead.at(k) if share == 1 else known_at(np.array([to]))
+            h = to - theta
+            # A whole step need not end on the last digit: where there are knots, all angles converge from them.
+            near = ROUGH if share == 1 else NEAR
+            made = self.converge((jets[0] + h * (jets[1] + 0.5 * h * jets[2]))[:, None], here, near)
+            if made is not None:
+                rows = np.stack([made[0], *self.rates(made[0], here, made[1], 2)])[:, :, 0]
+                now = float(np.sign(np.linalg.det(made[1][0])))
+                back = np.abs(rows[0] - h * (rows[1] - 0.5 * h * rows[2]) - jets[0]) / self.unit
+            if made is None or not back.max() < STRAY or (now != sign and abs(h) > PASSES):
+                if abs(h) < LEAST_STEP:
+                    return found, True
+                share /= 2
+                continue
+            theta, jets, sign = to, rows, now
+            found.append((theta, jets, sign))
+            if share == 1:
+                k += 1
+            share = min(1.0, 2 * share)
+        return found, False
+
+    def solve(self, theta: Floats, known: Known, order: int) -> list[Floats]:
+        """x and its derivatives, (m, n) each; nan where the block does not close."""
+        assert self.trace is not None
+        guess = self.trace.guess(theta)
+        open_ = np.asarray(~np.isfinite(guess).all(axis=0), bool)
+        x = np.where(open_, self.start[:, None], guess)
+        with np.errstate(all="ignore"):
+            for _ in range(8):
+                residual, slope = self.equations(x, known)
+                step = solved(slope, residual).T
+                size = np.abs(step) / self.unit[:, None]
+                x = x - step
+                if not np.any(size[:, ~open_] > NEAR):
+                    break
+            residual, slope = self.equations(x, known)
+            strayed = np.abs(x - guess) / self.unit[:, None]
+            found: NDArray[np.bool_] = self._closed(residual, known)
+            found &= strayed.max(axis=0) < STRAY
+            if any(self.trace.ends):  # near a dead point both branches are near
+                found &= self.trace.same_branch(theta, np.linalg.det(slope))
+            rows = [x, *self.rates(x, known, slope, order)]
+        for row in rows:
+            row[:, open_ | ~found] = np.nan
+        return rows
+
+
+def relation_jet(relation: Relation, parts: Sequence[tuple[float, Jet]], argument: Jet | None, order: int) -> Jet:
+    """The known part of a relation: constant + shares of known unknowns - law of a known argument, with derivatives."""
+    rows: Jet = [relation.constant, 0, 0][: order + 1]
+    for share, jet in parts:
+        rows = [plus(row, times(share, value)) for row, value in zip(rows, jet, strict=False)]
+    if relation.law is not None and argument is not None:
+        angle = np.asarray(argument[0] + relation.shift)
+        inner = [relation.law(angle, k) for k in range(order + 1)]
+        rows[0] = rows[0] - inner[0]
+        if order > 0:
+            rows[1] = plus(rows[1], times(-inner[1], argument[1]))
+        if order > 1:
+            curve = plus(times(inner[2], times(argument[1], argument[1])), times(inner[1], argument[2]))
+            rows[2] = plus(rows[2], times(-1.0, curve))
+    return rows
+
+
+def solved(matrices: Floats, right: Floats) -> Floats:
+    """Solutions (n, m) of n systems; nan for a singular one."""
+    m = right.shape[1]
+    with np.errstate(all="ignore"):
+        if m == 1:
+            return right / np.where(matrices[:, 0] == 0, np.nan, matrices[:, 0])
+        if m == 2:
+            (a, b), (c, d) = matrices[:, 0].T, matrices[:, 1].T
+            area = a * d - b * c
+            area = np.where(area == 0, np.nan, area)
+            return np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1) / area[:, None]
+        try:
+            return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0])
+        except np.linalg.LinAlgError:
+            found = np.full(right.shape, np.nan)
+            sound = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(np.nan_to_num(matrices)) != 0)
+            found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
+            return found
+

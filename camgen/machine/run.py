@@ -1,0 +1,168 @@
+"""A machine run over angles: outputs with their rates, poses, points, forces and play, each worked out when asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from camgen.machine.closure import System
+from camgen.machine.forces import Forces, kinetostatics
+from camgen.machine.jets import stacked
+from camgen.machine.loops import State, chain_of
+from camgen.machine.model import GROUND, Cam, Floats, Machine, Place, Points, Pose
+
+
+def solve(machine: Machine, theta: ArrayLike, order: int = 2) -> Run:
+    """The machine at theta, (n,) rad, with derivatives up to the order, 0..2.
+
+    nan where it does not close. Raises DesignError where the machine's equations and unknowns do not match.
+    """
+    if order not in (0, 1, 2):
+        raise ValueError(f"order is 0, 1 or 2, not {order}")
+    return Run(machine, np.ravel(np.asarray(theta, float)), order)
+
+
+@dataclass(frozen=True)
+class Play:
+    """How far the clearance of each joint, and of all together, can move an output either way, (n,), in its unit.
+
+    First order, each joint at its worst.
+    """
+
+    by_joint: Mapping[str, Floats]
+    total: Floats
+
+
+class _Rates(Mapping[str, Floats | Points]):
+    """The outputs' time derivatives of one order, by name."""
+
+    def __init__(self, run: Run, order: int) -> None:
+        self._run, self._order = run, order
+
+    def __getitem__(self, name: str) -> Floats | Points:
+        if self._order > self._run.order:
+            raise ValueError(f"solved with order {self._run.order}; order={self._order} is needed")
+        rows: Floats | Points = self._run.derivatives(name)[self._order] * self._run.machine.speed**self._order
+        return rows
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(output.name for output in self._run.machine.outputs)
+
+    def __len__(self) -> int:
+        return len(self._run.machine.outputs)
+
+
+class Run:
+    """What a machine does at theta, (n,) rad. run["name"] is an output: rad, mm, or complex mm for a path, (n,)."""
+
+    def __init__(self, machine: Machine, theta: Floats, order: int) -> None:
+        self.machine, self.theta, self.order = machine, theta, order
+        self._state: State = chain_of(machine).state(theta, order)
+        self._outputs: dict[str, Floats | Points] = {}
+
+    def __getitem__(self, name: str) -> Floats | Points:
+        rows: Floats | Points = self.derivatives(name)[0]
+        return rows
+
+    def derivatives(self, name: str) -> Floats | Points:
+        """An output with its derivatives to theta, (order + 1, n)."""
+        if name not in self._outputs:
+            with np.errstate(all="ignore"):
+                self._outputs[name] = self._state.output(self.machine.output(name))
+        return self._outputs[name]
+
+    @property
+    def velocity(self) -> Mapping[str, Floats | Points]:
+        """Of each output by name: rad/s, mm/s."""
+        return _Rates(self, 1)
+
+    @property
+    def acceleration(self) -> Mapping[str, Floats | Points]:
+        """Of each output by name: rad/s^2, mm/s^2."""
+        return _Rates(self, 2)
+
+    def pose(self, body: str) -> Pose:
+        """A body's frame on the ground: place (n,) complex mm, angle (n,) rad, continuous."""
+        return Pose(stacked(self._state.origin(body)[:1], self.theta.size, complex)[0], self._angles(body)[0])
+
+    def point(self, body: str, point: str | complex) -> Points:
+        """A body's named point, or a place in its frame (complex mm), with derivatives to theta, (order + 1, n) complex mm."""
+        place = self.machine.body(body).at(point) if isinstance(point, str) else Place(body, point)
+        with np.errstate(all="ignore"):
+            return np.asarray(stacked(self._state.point(place), self.theta.size, complex))
+
+    def length(self, slide: str) -> Floats:
+        """Place along a slide or slot with derivatives to theta, (order + 1, n) mm."""
+        return np.asarray(stacked(self._state.lengths[slide], self.theta.size, float))
+
+    def angle(self, body: str) -> Floats:
+        """A body's angle, continuous, with derivatives to theta, (order + 1, n) rad."""
+        return self._angles(body)
+
+    def _angles(self, body: str) -> Floats:
+        groups = self._state.chain.groups
+        with np.errstate(all="ignore"):
+            rows: Floats = stacked(self._state.angle(groups.of[body]), self.theta.size, float)
+        rows[0] += groups.excess[body]
+        return rows
+
+    @cached_property
+    def _system(self) -> System:
+        return System(self.machine)
+
+    @cached_property
+    def _poses(self) -> Floats:
+        """Poses of all moving bodies with derivatives, (order + 1, n, 3 bodies)."""
+        rows = np.empty((self.order + 1, self.theta.size, self._system.width))
+        for k, body in enumerate(self._system.bodies):
+            origin = stacked(self._state.origin(body), self.theta.size, complex)
+            rows[:, :, 3 * k], rows[:, :, 3 * k + 1], rows[:, :, 3 * k + 2] = origin.real, origin.imag, self._angles(body)
+        return rows
+
+    def forces(self) -> Forces:
+        """Reactions, contacts, drives, energy and power at the machine's speed."""
+        if self.order < 2:
+            raise ValueError(f"solved with order {self.order}; order=2 is needed")
+        return self._forces
+
+    @cached_property
+    def _forces(self) -> Forces:
+        q, first, second = self._poses
+        return kinetostatics(self._system, self.theta, q, first, second, self.machine.speed)
+
+    def play(self, output: str) -> Play:
+        """How far the joints' clearances let the output move."""
+        reach = self._system.shares(output, self._poses[0], self.theta)
+        by_joint = {j.name: reach[j.name] * (j.clearance / 2) for j in self.machine.joints}
+        return Play(by_joint, np.asarray(sum(by_joint.values(), np.zeros(self.theta.size))))
+
+    def lift_off(self, cam: str) -> Floats:
+        """Angles theta within the run's, sorted, at which a force-closed cam's contact force changes sign, rad."""
+        joint = self.machine.joint(cam)
+        assert isinstance(joint, Cam), f"{cam} is no cam"
+
+        def force(theta: Floats) -> Floats:
+            return solve(self.machine, theta).forces().contacts[cam]
+
+        return sign_changes(force, np.sort(self.theta))
+
+
+def sign_changes(value: Callable[[Floats], Floats], grid: Floats) -> Floats:
+    """Angles between those of a sorted grid at which a continuous value changes sign, (k,) rad, by bisection."""
+    at = value(grid)
+    found = np.flatnonzero(np.signbit(at[:-1]) != np.signbit(at[1:]))
+    found = found[np.isfinite(at[found] * at[found + 1])]
+    low, high, left = grid[found], grid[found + 1], np.signbit(at[found])
+    for _ in range(math.ceil(math.log2(1e15)) if found.size else 0):
+        middle = (low + high) / 2
+        same = np.signbit(value(middle)) == left
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return (low + high) / 2
+
+
+__all__ = ["GROUND", "Play", "Run", "sign_changes", "solve"]

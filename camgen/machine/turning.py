@@ -1,0 +1,194 @@
+"""How far a machine's drive can turn, and where on its way it stands near a fold.
+
+    determinant    of a block's equations with all sizes taken out: of a dyad the sine of its transmission angle
+    dead point     the chain ends: beyond it a block does not close, and at it the determinant is 0
+    change point   the determinant touches or passes 0 and the chain goes on: two branches meet, and play decides which is
+                   taken; closed forms keep their branch there, Newton's method goes straight on
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.errors import DesignError
+from camgen.machine.loops import Chain, Direct, Step, chain_of
+from camgen.machine.model import Floats, Machine
+from camgen.machine.newton import Block
+
+# Angles a turn that are looked at first.
+LOOKED = 720
+# Determinant below which a position counts as a fold: 0.06 deg of transmission angle.
+FOLD = 1e-3
+
+
+@dataclass(frozen=True)
+class Fold:
+    """The nearest a block comes to a fold: least determinant (0 at a change or dead point) and theta, rad, where.
+
+    joints: names of the block's joints. passed: whether the determinant changes its sign there.
+    """
+
+    joints: tuple[str, ...]
+    theta: float
+    determinant: float
+    passed: bool = False
+
+    @property
+    def change_point(self) -> bool:
+        """Whether it is one, to the rounding of practice."""
+        return self.passed or self.determinant < FOLD
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Range of theta about 0, rad, over which a machine closes: full where it closes all round; who ends it below and
+    above (joints of the block that opens), none where nothing does."""
+
+    low: float
+    high: float
+    full: bool
+    ends: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
+
+
+def turn(machine: Machine) -> Turn:
+    """The range over which the machine closes from its drawn position; dead points to 1e-9 rad or better."""
+    chain = chain_of(machine)
+    high, above = _end(chain, 1)
+    if not above:
+        return Turn(0.0, math.tau, True)
+    low, below = _end(chain, -1)
+    return Turn(low, high, False, (below, above))
+
+
+def refuse_partial(machine: Machine) -> None:
+    """Raise DesignError where the machine cannot turn fully: the range that it can have, and the joints that end it."""
+    found = turn(machine)
+    if found.full:
+        return
+    low, high = math.degrees(found.low), math.degrees(found.high)
+    names = " and ".join(dict.fromkeys(", ".join(joints) for joints in found.ends if joints))
+    raise DesignError(
+        "range of the drive", high - low, 360, "deg", f"joint {names}: it closes from {low:.6g} to {high:.6g} deg",
+        f"give the drive a range within {low:.6g} to {high:.6g} deg, or change the lengths of its links",
+    )  # fmt: skip
+
+
+def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> list[Fold]:
+    """For each block the place of the range, rad, where it comes nearest to a fold, and each place where its sign changes."""
+    chain = chain_of(machine)
+    theta = np.linspace(low, high, LOOKED + 1)
+    found = []
+    for number, step in enumerate(chain.steps):
+        if isinstance(step, Direct):
+            continue
+        block = step if isinstance(step, Block) else step.block
+
+        def sine(angles: Floats, number: int = number) -> Floats:
+            return determinant(chain, number, angles)
+
+        values = sine(theta)
+        if not np.isfinite(values).any():
+            continue
+        least = min(_minima(lambda t, f=sine: np.abs(f(t)), theta), key=lambda pair: pair[1])  # type: ignore[misc]
+        signs = np.sign(values[np.isfinite(values)])
+        places = theta[np.isfinite(values)][1:][signs[1:] * signs[:-1] < 0]
+        found.append(Fold(block.joints, least[0], max(least[1], 0.0), bool(places.size)))
+        found += [Fold(block.joints, float(place), 0.0, True) for place in places if abs(place - least[0]) > 0.02]
+    return found
+
+
+def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> None:
+    """Raise DesignError at a change point: the joints and the angle."""
+    for fold in folds(machine, low, high):
+        if fold.change_point:
+            raise DesignError(
+                "sine of the transmission angle", fold.determinant, FOLD, "",
+                f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
+                "all links lie in one line there and either branch can follow: change a length, or add a second coupled crank",
+            )  # fmt: skip
+
+
+def determinant(chain: Chain, number: int, theta: Floats) -> Floats:
+    """Of a step's equations at theta, (n,); nan where it does not close."""
+    step = chain.steps[number]
+    if isinstance(step, Direct):
+        return np.ones(theta.size)
+    block = step if isinstance(step, Block) else step.block
+    state = chain.state(theta, 0, number + 1)
+    with np.errstate(all="ignore"):
+        known = chain.state(theta, 0, number).known(block)
+        rows = [np.angle(state.angles[name][0]) for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        if isinstance(step, Block) and block.relations:  # laws of angles want them continuous
+            rows[: len(block.angles)] = [state.angle(name)[0] for name in block.angles]
+        return block.determinant(np.array(rows), known)
+
+
+def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[float, float]]:
+    """Places and values of the least of a positive function near each of its least samples; -1 where it is nan."""
+
+    def safe(t: Floats) -> Floats:
+        return np.nan_to_num(value(t), nan=-1.0)
+
+    at = safe(theta)
+    inner = np.flatnonzero((at[1:-1] <= at[:-2]) & (at[1:-1] <= at[2:])) + 1
+    inner = inner[at[inner] >= 0]
+    low, high = theta[inner - 1], theta[inner + 1]
+    for _ in range(60 if inner.size else 0):
+        a, b = low + (high - low) / 3, high - (high - low) / 3
+        first = safe(a) < safe(b)
+        low, high = np.where(first, low, a), np.where(first, b, high)
+    middle = (low + high) / 2
+    k = int(np.nanargmin(np.where(at >= 0, at, np.inf)))
+    return [(float(theta[k]), float(at[k])), *zip(middle.tolist(), safe(middle).tolist(), strict=True)]
+
+
+def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
+    """How far the chain closes in one sense, up to a turn, and the joints of the step that opens there."""
+    theta = np.linspace(0.0, sign * math.tau, LOOKED + 1)
+    nearest, by = sign * math.tau, tuple[str, ...]()
+    for number, step in enumerate(chain.steps):
+        if isinstance(step, Direct):
+            continue
+        if isinstance(step, Block):
+            trace = chain.trace(step, min(0.0, sign * math.tau), max(0.0, sign * math.tau))
+            end = float(trace.theta[-1 if sign > 0 else 0])
+            if trace.ends[1 if sign > 0 else 0] and abs(end) < abs(nearest):
+                nearest, by = end, step.joints
+            continue
+        closes = _closes(chain, number, step)
+        open_at = np.flatnonzero(~closes(theta))
+        if open_at.size:
+            bad = float(theta[open_at[0]])
+            good = float(theta[open_at[0] - 1]) if open_at[0] else 0.0
+        else:  # a gap between two samples
+            lows = _minima(lambda t, k=number: np.abs(determinant(chain, k, t)), theta)  # type: ignore[misc]
+            gaps = [place for place, value in lows if value < 0]
+            if not gaps:
+                continue
+            bad = min(gaps, key=abs)
+            good = bad - sign * math.tau / LOOKED
+        for _ in range(60):
+            middle = (good + bad) / 2
+            good, bad = (middle, bad) if closes(np.array([middle]))[0] else (good, middle)
+        if abs(good) < abs(nearest):
+            nearest, by = good, step.block.joints
+    return nearest, by
+
+
+def _closes(chain: Chain, number: int, step: Step) -> Callable[[Floats], NDArray[np.bool_]]:
+    """Whether the first steps close at theta, (n,)."""
+    assert not isinstance(step, Direct)
+    block = step if isinstance(step, Block) else step.block
+
+    def closes(theta: Floats) -> NDArray[np.bool_]:
+        state = chain.state(theta, 0, number + 1)
+        rows = [state.angles[name][0] for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        finite: NDArray[np.bool_] = np.isfinite(np.array(rows)).all(axis=0)
+        return finite
+
+    return closes

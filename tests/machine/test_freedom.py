@@ -1,0 +1,193 @@
+"""Freedoms, rough drawings, ranges and folds: what is loose, locked, driven twice or folds is told with its names."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError
+from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide, Turning, solve
+from camgen.machine.freedom import drawn, freedoms, refuse_unsound
+from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
+from machine.chains import CHAINS, four_bar, linked, peaucellier, scotch_yoke, slider_crank, stephenson_three
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_sound_chains_have_one_freedom_and_no_more(name: str) -> None:
+    found = refuse_unsound(CHAINS[name]())
+    assert (found.count, found.drives, found.moves, found.spare, found.loose) == (1, 1, 0, 0, ())
+
+
+def test_a_missing_drive_names_all_that_moves() -> None:
+    machine = replace(four_bar(40, 15, 45, 35), drives=())
+    with pytest.raises(DesignError, match=r"freedoms left is 1 .*crank, coupler, rocker .*3 x 3 - 2 x 4 - 0 = 1.*drive one"):
+        refuse_unsound(machine)
+    with pytest.raises(DesignError, match="is held by nothing"):
+        solve(machine, [0.0])
+
+
+def test_a_loose_body_is_named_alone() -> None:
+    machine = four_bar(40, 15, 45, 35)
+    wheel = Body("wheel")
+    joints = (*machine.joints, Pin("axle", Place("wheel"), Place("rocker", 10 + 0j)))
+    start = {**machine.start, "wheel": Pose(0j, 0.0)}
+    loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start))
+    with pytest.raises(DesignError, match=r"freedoms left is 1  at wheel \(.*join it to another body") as error:
+        refuse_unsound(loose)
+    assert "rocker" not in error.value.where
+    unheld = replace(machine, bodies=(*machine.bodies, wheel), start=start)
+    with pytest.raises(DesignError, match=r"freedoms left is 3  at wheel"):
+        refuse_unsound(unheld)
+
+
+def test_a_second_drive_is_named() -> None:
+    machine = four_bar(40, 15, 45, 35)
+    angle = machine.start["rocker"].angle
+    twice = replace(machine, drives=(*machine.drives, Drive("second", "rocker", Turning(1.0, angle))))
+    with pytest.raises(DesignError, match="number of drives is 2 .*limit 1.*take away one of the drives motor, second"):
+        refuse_unsound(twice)
+    with pytest.raises(DesignError, match="says more than there is to decide"):
+        solve(twice, [0.0])
+
+
+def test_a_rigid_chain_and_an_over_constrained_loop_are_named() -> None:
+    machine = four_bar(40, 15, 45, 35)
+    brace = Body("brace")
+    a, b = Place("crank", 7 + 0j), Place("rocker", 12 + 3j)
+    rocker = machine.start["rocker"]
+    far = rocker.place + np.exp(1j * rocker.angle) * b.at - 7
+    braced = replace(
+        machine, bodies=(*machine.bodies, brace), start={**machine.start, "brace": Pose(7 + 0j, float(np.angle(far)))},
+        joints=(*machine.joints, Pin("P", Place("brace"), a), Pin("Q", Place("brace", complex(abs(far))), b)),
+    )  # fmt: skip
+    with pytest.raises(DesignError, match="this chain is rigid"):
+        refuse_unsound(braced)
+
+
+def three_cranks() -> Machine:
+    """A parallelogram with a third crank: 3 n - 2 j counts none, and it moves."""
+    points = {"O": 0j, "C": 40 + 0j, "E": 20 + 0j, "A": 6 + 8j, "B": 46 + 8j, "D": 26 + 8j}
+    links = {GROUND: "O C E", "crank": "O A", "bar": "A B D", "second": "C B", "third": "E D"}
+    return linked(points, links, "crank")
+
+
+def test_a_redundant_crank_moves_and_is_told_by_the_rank() -> None:
+    found = freedoms(three_cranks())
+    assert found.count == 0 and found.spare == 1 and found.moves == 0
+    with pytest.raises(DesignError, match="conditions too many is 1 .*over-constrained.*slot"):
+        refuse_unsound(three_cranks())
+
+
+def test_a_special_drawing_does_not_hide_the_rank() -> None:
+    """Drawn folded in one line a parallelogram's Jacobian is singular there, and nowhere else."""
+    folded = four_bar(40, 15, 40, 15)
+    assert freedoms(folded).moves == 0 and freedoms(folded).spare == 0
+    refuse_unsound(peaucellier())
+
+
+def test_rough_points_are_closed_on_exact_lengths() -> None:
+    exact = four_bar(40, 15, 45, 35)
+    rng = np.random.default_rng(7)
+    rough = {name: Pose(p.place + complex(*rng.normal(0, 2, 2)), p.angle + rng.normal(0, 0.1)) for name, p in exact.start.items()}
+    again = drawn(replace(exact, start=rough))
+    for name, pose in exact.start.items():
+        assert again.start[name].place == pytest.approx(pose.place, abs=1e-11)
+        assert again.start[name].angle == pytest.approx(pose.angle, abs=1e-12)
+
+
+def test_contradicting_lengths_are_told_with_their_loop() -> None:
+    machine = four_bar(40, 15, 45, 35)
+    short = tuple(
+        replace(j, a=Place(j.a.body, 5 + 0j), b=Place(j.b.body, 6 + 0j)) if isinstance(j, Pin) and j.name == "B" else j
+        for j in machine.joints
+    )
+    with pytest.raises(DesignError, match="gap of the joints as drawn is .*joints .*B.*change the lengths") as error:
+        drawn(replace(machine, joints=short))
+    assert error.value.value > 1
+
+
+def test_range_of_a_chain_that_cannot_turn_fully() -> None:
+    """A crank too long for its rod: it closes where the rod still reaches the guide; exact dead points."""
+    found = turn(slider_crank(30.0, 20.0))
+    end = math.asin(20 / 30)
+    assert not found.full and found.low == pytest.approx(-end, abs=1e-12) and found.high == pytest.approx(end, abs=1e-12)
+    assert "B" in found.ends[1]
+    with pytest.raises(DesignError, match=r"range of the drive is 83.6206 deg .*closes from -41.8103 to 41.8103 deg"):
+        refuse_partial(slider_crank(30.0, 20.0))
+    refuse_partial(slider_crank())
+
+
+def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:
+    frame, crank, coupler, rocker = 40.0, 25.0, 30.0, 32.0
+    machine = four_bar(frame, crank, coupler, rocker)
+    end = math.acos((frame**2 + crank**2 - (coupler + rocker) ** 2) / (2 * frame * crank))
+    found = turn(machine)
+    assert (found.low, found.high) == (pytest.approx(-end, abs=1e-7), pytest.approx(end, abs=1e-7))
+
+
+def test_range_by_newton_ends_at_the_same_dead_point_in_both_ways_of_solving() -> None:
+    """Stephenson III from the far side: at its end the four-bar and the link stand so that the determinant is nothing."""
+    machine = stephenson_three(crank=8 + 7j)
+    found = turn(machine)
+    assert not found.full and found.high - found.low < math.tau
+    inside = np.array([found.low + 1e-4, found.high - 1e-4])
+    beyond = np.array([found.low - 1e-9, found.high + 1e-9])
+    assert np.isfinite(solve(machine, inside)["D"]).all() and np.isnan(solve(machine, beyond)["D"]).all()
+    speed = np.abs(solve(machine, inside).derivatives("D")[1])
+    usual = np.abs(solve(machine, [0.0]).derivatives("D")[1])
+    assert (speed > 20 * usual).all()  # it stalls there: the output races against the drive
+
+
+def test_a_parallelogram_has_its_change_points_told() -> None:
+    machine = four_bar(40, 15, 40, 15)
+    told = [fold for fold in folds(machine, -0.5, 0.5) if fold.change_point]
+    assert told and told[0].joints == ("B",) and abs(told[0].theta) < 1e-6
+    with pytest.raises(DesignError, match=r"transmission angle .*joints B, .*change point"):
+        refuse_folds(machine)
+    refuse_folds(four_bar(40, 15, 45, 35))
+
+
+def test_a_near_change_point_is_told_too() -> None:
+    """A parallelogram 1 um off passes both routes in silence and they disagree; the determinant tells."""
+    points = {"O": 0j, "C": 40 + 0j, "A": 15j, "B": 40 + 15j}
+    links = {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}
+    machine = linked(points, links, "crank", {"A-B": 40.0, "C-B": 15.000001})
+    with pytest.raises(DesignError, match="change point"):
+        refuse_folds(machine)
+    clear = linked(points, links, "crank", {"A-B": 40.0, "C-B": 17.0})
+    refuse_folds(clear, -0.5, 0.5)
+
+
+def test_a_change_point_in_a_larger_block_is_passed_and_told() -> None:
+    """A dyad of the parallelogram put through Newton goes straight on where the closed form turns back."""
+    from camgen.machine.loops import Dyad, chain_of
+
+    points = {"O": 0j, "C": 40 + 0j, "A": 15j, "B": 40 + 15j}
+    machine = linked(points, {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}, "crank")
+    chain = chain_of(machine)
+    chain.steps = [step.block if isinstance(step, Dyad) else step for step in chain.steps]
+    told = folds(machine)
+    assert any(fold.passed for fold in told)
+    assert {round(math.degrees(fold.theta)) for fold in told if fold.change_point} & {90, 270}
+
+
+def test_a_cam_and_its_own_follower_alone() -> None:
+    bodies = (Body(GROUND), Body("cam"), Body("tappet"))
+    cam = Cam("contact", "cam", "tappet", Turning(2.0), "guide")
+    joints = (Pin("O", Place("cam"), Place(GROUND)), Slide("guide", Place(GROUND), Place("tappet")), cam)
+    machine = Machine(bodies, joints, (Drive("motor", "cam"),), {"cam": Pose(0j, 0.0), "tappet": Pose(0j, 0.0)})
+    found = refuse_unsound(machine)
+    assert (found.pairs, found.half_pairs, found.count) == (2, 1, 1)
+    assert freedoms(scotch_yoke()).half_pairs == 1
+
+
+def test_a_drawing_that_closes_stays_as_it_is() -> None:
+    for name, make in CHAINS.items():
+        machine = make()
+        again = drawn(machine)
+        for body, pose in machine.start.items():
+            assert again.start[body].place == pytest.approx(pose.place, abs=1e-9), name
+            assert again.start[body].angle == pytest.approx(pose.angle, abs=1e-10), name
