@@ -1,0 +1,67 @@
+"""Rigid links from a drawing: what is dimensioned is exact, the rest keeps its drawn distances.
+
+A link's axes have their origin at its first point and x towards its second; of a link with one point they are the ground's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Points = NDArray[np.complex128]
+
+STEPS = 200  # of the search for a shape; three or four suffice unless the points lie on one line
+CLOSED = 1e-13  # of its size: lengths that are met
+
+
+def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Points, float]:
+    """The points of a link with the given lengths between pairs of them, and by how much they miss at worst, mm.
+
+    drawn: (n,) complex mm. Distances without a length stay as drawn, or as near as may be where there are more of them
+    than a rigid body has freedoms (least squares). The first point stays, and so does the direction to the second.
+    """
+    pairs = list(combinations(range(len(drawn)), 2))
+    fixed = [k for k, each in enumerate(pairs) if each in lengths]
+    free = [k for k, each in enumerate(pairs) if each not in lengths]
+    wanted = np.array([lengths.get(each, abs(drawn[each[1]] - drawn[each[0]])) for each in pairs])
+    z, size = drawn.astype(complex), float(wanted.max(initial=1e-300))
+    best, missed = z, np.inf
+    for _ in range(STEPS if fixed else 0):
+        off, slope = _distances(z, pairs)
+        off = off - wanted
+        worst = float(np.abs(off[fixed]).max())
+        if worst < missed:
+            best, missed = z, worst
+        met = worst <= CLOSED * size
+        step = -np.linalg.pinv(slope[fixed], rcond=1e-9) @ off[fixed]
+        if free:  # along what leaves the given lengths alone
+            _, values, ways = np.linalg.svd(slope[fixed])
+            rank = int(np.count_nonzero(values > 1e-9 * values.max(initial=1e-300)))
+            way = ways[rank:].T
+            rest = off[free] + slope[free] @ step
+            step = step - way @ (np.linalg.pinv(slope[free] @ way, rcond=1e-9) @ rest)
+        if met and np.abs(step).max() <= 1e-9 * size:
+            break
+        z = z + (step[0::2] + 1j * step[1::2]) * min(1.0, 0.5 * size / max(float(np.abs(step).max()), 1e-300))
+    if not fixed:
+        missed = 0.0
+    if len(drawn) > 1 and best[1] != best[0]:
+        turn = (drawn[1] - drawn[0]) / (best[1] - best[0])
+        best = drawn[0] + (best - best[0]) * turn / abs(turn)
+    return best, missed
+
+
+def _distances(z: Points, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, Floats]:
+    """Distances of pairs of points, (m,), and their slopes to all coordinates x0, y0, x1, ..., (m, 2 n)."""
+    off, slope = np.zeros(len(pairs)), np.zeros((len(pairs), 2 * len(z)))
+    for k, (a, b) in enumerate(pairs):
+        way = z[b] - z[a]
+        off[k] = abs(way)
+        unit = way / off[k] if off[k] else 1.0 + 0j
+        slope[k, 2 * a : 2 * a + 2] = -unit.real, -unit.imag
+        slope[k, 2 * b : 2 * b + 2] = unit.real, unit.imag
+    return off, slope
