@@ -21,8 +21,8 @@ from camgen import __version__
 from camgen.errors import CamgenError, Fault, FileError, SpecError, printable
 
 if TYPE_CHECKING:
-    from camgen.mechanism import Mechanism
-    from camgen.report import Report
+    from camgen.machines.mechanism import Mechanism
+    from camgen.report.report import Report
 
 KINDS = ("dxf", "stl", "3mf", "report")
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
@@ -68,7 +68,7 @@ def build(
     specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, as_json: bool
 ) -> None:  # fmt: skip
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
-    from camgen import pipeline
+    from camgen.pipeline import build as pipeline
 
     if len(specs) > 1:
         _refuse_one_name_twice(specs, settings)
@@ -81,7 +81,7 @@ def build(
 @_as_json
 def check(folders: Sequence[Path], jobs: int, as_json: bool) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
-    from camgen import pipeline
+    from camgen.pipeline import build as pipeline
 
     _each(folders, pipeline.check, as_json, jobs)
 
@@ -101,7 +101,7 @@ def new(mechanism: str, file: Path | None) -> None:
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: wanted.feed_range=80.")
 def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
     """Search for what SPEC's table [wanted] ([synthesis] of an indexing cam) asks; write that spec to FILE, or print it."""
-    from camgen import pipeline
+    from camgen.pipeline import build as pipeline
     from camgen.spec import dump
 
     mechanism = pipeline.read_mechanism(spec, settings)
@@ -160,7 +160,7 @@ def motion(
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
     acceleration, pressure angle.
     """
-    from camgen import outline_motion
+    from camgen.pipeline import outline_motion
 
     request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
     _each([file], lambda path, progress, jobs: outline_motion.run(path, request, out, progress), as_json)
@@ -176,8 +176,8 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding that fails is a file that is not sound, or a
     motion that is further off than its tolerance allows.
     """
-    from camgen import benchmark_report
-    from camgen.terminal import Bar
+    from camgen.pipeline import benchmark_report
+    from camgen.report.terminal import Bar
 
     _refuse_one_name_twice(specs, ())
     starters = [_starters() / f"{name}.toml" for name in benchmark_report.STARTERS]
@@ -190,9 +190,9 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 @cli.command("list")
 def list_() -> None:
     """List the mechanisms and the laws of motion."""
-    from camgen.mechanisms import MECHANISMS
-    from camgen.motion import LAWS
-    from camgen.segments import ABOUT, FAMILIES
+    from camgen.machines import MECHANISMS
+    from camgen.motion.laws import LAWS
+    from camgen.motion.segments import ABOUT, FAMILIES
 
     click.echo("Mechanisms")
     for name in MECHANISMS:
@@ -220,7 +220,7 @@ def schema(mechanism: str) -> None:
 @cli.command()
 def selftest() -> None:
     """Print published constants beside those computed here; exit 1 if one is off."""
-    from camgen.selftest import rows
+    from camgen.machines.selftest import rows
 
     click.echo(f"{'constant':<44}{'published':>18}{'here':>20}")
     found = list(rows())
@@ -236,7 +236,7 @@ def selftest() -> None:
 
 def _known(name: str) -> type[Mechanism]:
     """The class of a mechanism; SpecError with the nearest name where there is none."""
-    from camgen.mechanisms import MECHANISMS, load
+    from camgen.machines import MECHANISMS, load
     from camgen.spec import unknown
 
     if name not in MECHANISMS:
@@ -258,7 +258,7 @@ def _hand_over(text: str, file: Path | None) -> None:
 
 def _refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:
     """SpecError where two specs would write the same folder; specs that cannot be read are told when their turn comes."""
-    from camgen import pipeline
+    from camgen.pipeline import build as pipeline
 
     first: dict[str, Path] = {}
     for spec in specs:
@@ -282,8 +282,8 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
 
     Several paths are shared out to the cores; for a single one the work shares out its own steps.
     """
-    from camgen.jobs import Workers
-    from camgen.terminal import Bar, print_report
+    from camgen.pipeline.jobs import Workers
+    from camgen.report.terminal import Bar, print_report
 
     jobs = jobs or os.cpu_count() or 1
     shared = len(paths) > 1 and jobs > 1

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from camgen import pipeline
-from camgen.moving import still_svg
+from camgen.pipeline import build as pipeline
+from camgen.report.animation import still_svg
 
 TOP = Path(__file__).resolve().parent.parent
 FRAMES = {

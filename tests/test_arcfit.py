@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_sampling import blunt_cam, ellipse, knife_cam, sine, spiral
 
-from camgen.arcfit import as_circle, bulges, fit_arcs, theoretical_arcs
-from camgen.outlines import Arc, Contour, Line, Piece, Smooth, circle, end_point, kidney, polygon, start_point
+from camgen.geometry.arcs import as_circle, bulges, fit_arcs, theoretical_arcs
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Smooth, circle, end_point, kidney, polygon, start_point
 
 
 def closed(piece: Smooth) -> Contour:

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen import benchmark, benchmark_report
-from camgen.benchmark import Bench, Row, measure
-from camgen.benchmark_report import STARTERS, sentences, to_markdown
 from camgen.cli import main
+from camgen.pipeline import benchmark, benchmark_report
+from camgen.pipeline.benchmark import Bench, Row, measure
+from camgen.pipeline.benchmark_report import STARTERS, sentences, to_markdown
 
 COARSE = (1e-1, 1e-2, 1e-3, 1e-4)
 UNTIMED = 9  # columns of the README's tables that hold no file sizes and no seconds

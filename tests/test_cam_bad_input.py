@@ -12,7 +12,7 @@ import pytest
 
 from camgen import spec as specs
 from camgen.errors import CamgenError, SpecError
-from camgen.mechanisms import load
+from camgen.machines import load
 
 SPECS = Path(__file__).parent.parent / "specs"
 NOTHING = (math.nan, math.inf, -math.inf, 1e12, 10**400, {}, {"x": 1}, [[[0]]], [None])

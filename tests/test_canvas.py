@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgen.canvas import blend_choice, canvas, time_below
-from camgen.followers import DiscCam, SwingingArm
-from camgen.motion import Floats
-from camgen.program import uniform_swing
+from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machines.uniform_swing.web_thickness import blend_choice, canvas, time_below
+from camgen.motion.laws import Floats
+from camgen.motion.program import uniform_swing
 
 THETA = np.linspace(0, 2 * math.pi, 14401)
 SWING = math.radians(30)

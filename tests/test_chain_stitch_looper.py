@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen import pipeline, spec
-from camgen.clearance import judge_clearance, sections
+from camgen import spec
 from camgen.errors import DesignError, SpecError
-from camgen.export import write_stl
-from camgen.looper_design import clearances
-from camgen.mechanisms.chain_stitch_looper import ALLOWED, ChainStitchLooper
-from camgen.outlines import Arc, Contour
-from camgen.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
-from camgen.solids import solid
+from camgen.files.export import write_stl
+from camgen.files.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
+from camgen.geometry.outlines import Arc, Contour
+from camgen.judge.clearance import judge_clearance, sections
+from camgen.machines.chain_stitch_looper.design import clearances
+from camgen.machines.chain_stitch_looper.mechanism import ALLOWED, ChainStitchLooper
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
 
 ROOT = Path(__file__).parent.parent
 STARTER = ROOT / "specs" / "chain-stitch-looper.toml"

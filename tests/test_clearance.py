@@ -17,10 +17,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen import spec
-from camgen.clearance import convex_pieces, judge_clearance, least_distance, signed_distances
-from camgen.export import Placed, write_3mf, write_stl
-from camgen.mechanisms.chain_stitch_looper import ChainStitchLooper
-from camgen.solids import solid
+from camgen.files.export import Placed, write_3mf, write_stl
+from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, signed_distances
+from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
+from camgen.parts.solids import solid
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))["clearance"]

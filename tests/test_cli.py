@@ -18,13 +18,14 @@ from typing import Any
 
 import pytest
 
-from camgen import __version__, pipeline
+from camgen import __version__
 from camgen.cli import main
 from camgen.errors import DesignError, FileError
 from camgen.findings import at_most
-from camgen.mechanisms import MECHANISMS
-from camgen.motion import LAWS
-from camgen.report import Report
+from camgen.machines import MECHANISMS
+from camgen.motion.laws import LAWS
+from camgen.pipeline import build as pipeline
+from camgen.report.report import Report
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -311,9 +312,9 @@ def test_file_name_that_is_no_text(tmp_path: Path) -> None:
 SLOW = """
 import sys, time
 from pathlib import Path
-from camgen import pipeline
+from camgen.pipeline import build as pipeline
 from camgen.cli import main
-from camgen.folder import Staged
+from camgen.files.folder import Staged
 def build(spec, out, only, overrides, progress, jobs):
     with Staged(out / "cam") as folder:
         (folder / "half.dxf").write_text("half")

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgen.closure import Chain, Guide, judge_linkage, measure, measure_faces
-from camgen.mechanism import Eye, Pin, Pose, Slide, Traced
-from camgen.rings import Ring, Shape
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.linkage import Chain, Guide, judge_linkage, measure, measure_faces
+from camgen.machine.contacts import Eye, Pin, Pose, Slide, Traced
 
 THETA = np.linspace(0.1, 6.3, 97)
 Z = np.zeros(len(THETA))
@@ -75,7 +75,7 @@ def test_convergence_is_quadratic(monkeypatch: pytest.MonkeyPatch) -> None:
     """Exact derivatives double the digits with each step: 5 steps from 0.5 mm off."""
     joints, traced, eyes, guides = slider_crank(1.5, 48)
     chain = Chain(joints, traced, rough(48), eyes, guides)
-    monkeypatch.setattr("camgen.closure._STEPS", 5)
+    monkeypatch.setattr("camgen.judge.linkage._STEPS", 5)
     np.testing.assert_allclose(chain.close(THETA).output, place(THETA, 1.5, 48), atol=1e-12)
 
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.contact import RollingContact, Touch, contact, rolling_contact
-from camgen.contact_faces import ArmFace, SlideFace
-from camgen.contact_tips import ArmTip, Form, SlideTip
-from camgen.linkages import slider_travel
-from camgen.readback import Ring
+from camgen.files.readback import Ring
+from camgen.judge.contact import RollingContact, Touch, contact, rolling_contact
+from camgen.judge.contact_faces import ArmFace, SlideFace
+from camgen.judge.contact_tips import ArmTip, Form, SlideTip
+from camgen.machine.linkages import slider_travel
 
 EXACT = 1e-9  # mm, what the contact claims
 

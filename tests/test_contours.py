@@ -15,19 +15,20 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen.expectation import expected
-from camgen.export import write_dxf, write_stl
-from camgen.fits import compensated
-from camgen.making import compensation
-from camgen.mechanism import Mechanism, Rolling
-from camgen.outlines import Region, polygon
-from camgen.parts import Layer, Part
-from camgen.pipeline import read_mechanism
-from camgen.rings import Ring, Shape
-from camgen.rolling import judge_motion, judged_angles
-from camgen.sampling import facet_contour
-from camgen.solids import Mesh, solid
-from camgen.verify import judge_dxf, judge_mesh
+from camgen.files.export import write_dxf, write_stl
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Region, polygon
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.rolling import judge_motion, judged_angles
+from camgen.judge.round_trip import judge_dxf, judge_mesh
+from camgen.machine.contacts import Rolling
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import compensated
+from camgen.parts.part import Layer, Part
+from camgen.parts.solids import Mesh, solid
+from camgen.pipeline.build import read_mechanism
+from camgen.pipeline.expectation import expected
+from camgen.pipeline.making import compensation
 
 SPECS = Path(__file__).parent.parent / "specs"
 MACHINES = {

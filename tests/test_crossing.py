@@ -11,14 +11,14 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.crossing import Edge, chord, crossed_at, rounded, spread, volume
 from camgen.errors import DesignError
-from camgen.outlines import Arc, Line, Region, circle, kidney, polygon
-from camgen.parts import Layer, Part
-from camgen.readback import Mesh, mesh_faults, slice_mesh
-from camgen.rings import Ring, Shape
-from camgen.sampling import facet_contour
-from camgen.solids import solid
+from camgen.files.readback import Mesh, mesh_faults, slice_mesh
+from camgen.geometry.crossing import Edge, chord, crossed_at, rounded, spread, volume
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Arc, Line, Region, circle, kidney, polygon
+from camgen.geometry.rings import Ring, Shape
+from camgen.parts.part import Layer, Part
+from camgen.parts.solids import solid
 
 PLATE = Region(polygon([-4, 4, 4 + 3j, -4 + 3j]), (circle(1 + 1.5j, 1),))
 PILL = Region(kidney(0j, 3.0, 1.0, 0.2, 2.5))

@@ -16,19 +16,19 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen import pipeline
 from camgen import spec as specs
-from camgen.arcfit import fit_arcs
 from camgen.errors import CamgenError, DesignError, SpecError
-from camgen.followers import DiscCam
-from camgen.linkages import slider_travel
-from camgen.mechanism import Rolling
-from camgen.mechanisms.disc_cam import DiscCamDrive
-from camgen.readback import Shape, read_stl, shape_of, slice_mesh
-from camgen.report import Report, to_html
-from camgen.rings import Ring, bore_circle, fit_circle
-from camgen.rolling import mounted
-from camgen.sampling import facet_contour
+from camgen.files.readback import Shape, read_stl, shape_of, slice_mesh
+from camgen.geometry.arcs import fit_arcs
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.rings import Ring, bore_circle, fit_circle
+from camgen.judge.rolling import mounted
+from camgen.machine.cams import DiscCam
+from camgen.machine.contacts import Rolling
+from camgen.machine.linkages import slider_travel
+from camgen.machines.disc_cam import DiscCamDrive
+from camgen.pipeline import build as pipeline
+from camgen.report.report import Report, to_html
 
 SPEC = Path(__file__).parent.parent / "specs" / "disc-cam.toml"
 INCH = 25.4

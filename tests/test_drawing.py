@@ -13,12 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
-from camgen.arcfit import fit_arcs
-from camgen.dimensions import edge_rows, holes_of, nearest_and_farthest, number
-from camgen.drawing import write_drawing
-from camgen.outlines import Region, circle, kidney, polygon
-from camgen.parts import Layer, Part, hull, keyed_bore
-from camgen.sheet import LAYERS, Text
+from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
+from camgen.files.drawing import write_drawing
+from camgen.files.sheet import LAYERS, Text
+from camgen.geometry.arcs import fit_arcs
+from camgen.geometry.outlines import Region, circle, kidney, polygon
+from camgen.parts.part import Layer, Part, hull, keyed_bore
 
 META = {"Mechanism": "uniform-swing", "Material": "steel (C45)"}
 

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.dynamics import Body, Forces, Pin, Slide, crank_weight, kinetostatics, smallest_circle
-from camgen.linkages import RRP, RRR, Crank, Fixed, Linkage
+from camgen.machine.dynamics import Body, Forces, Pin, Slide, crank_weight, kinetostatics, smallest_circle
+from camgen.machine.linkages import RRP, RRR, Crank, Fixed, Linkage
 
 TAKE_UP = tomllib.loads((Path(__file__).parent / "reference" / "thread-take-up.toml").read_text())
 THETA = np.arange(36000) * 2 * math.pi / 36000

@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen import pipeline
 from camgen.cli import main
 from camgen.errors import DesignError, SpecError
-from camgen.making import assembled
-from camgen.mechanisms.eccentric_drive import EccentricDrive
-from camgen.solids import solid
+from camgen.machines.eccentric_drive.mechanism import EccentricDrive
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.making import assembled
 from camgen.spec import validate
 
 SPEC = Path(__file__).parent.parent / "specs" / "eccentric-drive.toml"

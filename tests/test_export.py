@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from test_solids import TOLERANCE, cam, hub
 
-from camgen.export import Placed, placing, write_3mf, write_dxf, write_stl
-from camgen.outlines import Region, circle
-from camgen.solids import solid
+from camgen.files.export import Placed, placing, write_3mf, write_dxf, write_stl
+from camgen.geometry.outlines import Region, circle
+from camgen.parts.solids import solid
 
 
 def area(entity):
@@ -162,9 +162,9 @@ class Later(datetime.datetime):
 datetime.datetime = Later
 sys.path.insert(0, sys.argv[3])
 from test_solids import cam, hub
-from camgen.export import *
-from camgen.drawing import write_drawing
-from camgen.solids import solid
+from camgen.files.export import *
+from camgen.files.drawing import write_drawing
+from camgen.parts.solids import solid
 folder = pathlib.Path(sys.argv[1])
 for part in (cam(), hub()):
     mesh = solid(part, 1e-3)

@@ -13,19 +13,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipe
 
-from camgen.contact import rolling_contact
-from camgen.distances import point_to_ring
 from camgen.errors import DesignError
-from camgen.fits import Compensation, compensated, offset, parallel_curve
-from camgen.mechanisms.uniform_swing import UniformSwing
-from camgen.outlines import Arc, Contour, Line, Region, Smooth, circle, kidney, polygon
-from camgen.parts import Layer, Part
-from camgen.readback import Mesh as ReadMesh
-from camgen.readback import slice_mesh
-from camgen.rings import Ring, Shape, fit_circle, shape_of
-from camgen.sampling import facet_contour
-from camgen.solids import solid
-from camgen.undoing import grown, printed
+from camgen.files.readback import Mesh as ReadMesh
+from camgen.files.readback import slice_mesh
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Arc, Contour, Line, Region, Smooth, circle, kidney, polygon
+from camgen.geometry.rings import Ring, Shape, fit_circle, shape_of
+from camgen.judge.as_printed import grown, printed
+from camgen.judge.contact import rolling_contact
+from camgen.machines.uniform_swing.mechanism import UniformSwing
+from camgen.parts.fits import Compensation, compensated, offset, parallel_curve
+from camgen.parts.part import Layer, Part
+from camgen.parts.solids import solid
 
 L_SHAPE = [0, 6, 6 + 2j, 2 + 2j, 2 + 5j, 5j]
 

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import pytest
 
-from camgen import folder as folders
 from camgen.errors import FileError
-from camgen.folder import Staged, write_manifest
+from camgen.files import folder as folders
+from camgen.files.folder import Staged, write_manifest
 
 
 def tree(folder: Path) -> dict[str, bytes]:
@@ -162,7 +162,7 @@ def test_result_that_cannot_be_brought_back_at_once_is_not_thrown_away(tmp_path:
 BUILD = """
 import os, signal, sys
 from pathlib import Path
-from camgen import folder as folders
+from camgen.files import folder as folders
 target, when = Path(sys.argv[1]), sys.argv[2]
 def killed(*_):
     os.kill(os.getpid(), signal.SIGKILL)
@@ -393,7 +393,7 @@ def test_write_that_the_system_cuts_short(tmp_path: Path) -> None:
         import sys
         from pathlib import Path
         from camgen.errors import FileError
-        from camgen.folder import Staged
+        from camgen.files.folder import Staged
         try:
             with Staged(Path(sys.argv[1])) as folder:
                 (folder / "big.stl").write_bytes(bytes(1_000_000))

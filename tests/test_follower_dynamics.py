@@ -10,20 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgen.follower_dynamics import (
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.machine.cam_forces import (
     Load,
     arm_contact,
-    inertia_of,
     kicks,
     lift_of,
     lift_off,
     pair_contact,
 )  # fmt: skip
-from camgen.followers import DiscCam, SwingingArm
-from camgen.motion import POLYNOMIAL_345, Floats
-from camgen.outlines import Region, circle, polygon
-from camgen.parts import Layer, Part
-from camgen.program import Program, Segment, uniform_swing
+from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.motion.laws import POLYNOMIAL_345, Floats
+from camgen.motion.program import Program, Segment, uniform_swing
+from camgen.parts.inertia import inertia_of
+from camgen.parts.part import Layer, Part
 
 THETA = np.linspace(0, 2 * math.pi, 7201)
 BLEND = math.radians(20)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.followers import DiscCam, SwingingArm, greatest
-from camgen.motion import UNIFORM
-from camgen.program import Program, Segment, uniform_swing
+from camgen.machine.cams import DiscCam, SwingingArm, greatest
+from camgen.motion.laws import UNIFORM
+from camgen.motion.program import Program, Segment, uniform_swing
 
 FACTS = tomllib.loads((Path(__file__).parent / "reference" / "uniform_swing.toml").read_text())
 L, H = FACTS["machine"]["pivot_distance"], FACTS["machine"]["arm_offset"]

@@ -13,15 +13,15 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgen.distances import point_to_ring
 from camgen.errors import DesignError
-from camgen.followers import DiscCam, SwingingArm
-from camgen.hardware import Base, Collet, Frame, axle, overlap, plate, rounded, spacer, swept_box
-from camgen.outlines import Contour, Points, circle, polygon
-from camgen.program import uniform_swing
-from camgen.sampling import facet_contour
-from camgen.solids import solid
-from camgen.standards import BEARINGS, MOTOR_FACES, SCREW_LENGTHS, SCREWS, Bought, dowel, fastener, flange
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Points, circle, polygon
+from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.motion.program import uniform_swing
+from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, SCREW_LENGTHS, SCREWS, Bought, dowel, fastener, flange
+from camgen.parts.hardware import Base, Collet, Frame, axle, overlap, plate, rounded, spacer, swept_box
+from camgen.parts.solids import solid
 
 SWING, TIP = math.radians(30), complex(-60, -30)
 CORNER = 1 - math.pi / 4  # area that rounding a right angle with radius 1 takes

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen import pipeline
 from camgen.errors import DesignError, FileError, SpecError
-from camgen.mechanisms.indexing_cam import IndexingCam
-from camgen.motion import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
+from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.machines.indexing_cam.unloader import CrankSpring
+from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
+from camgen.pipeline import build as pipeline
 from camgen.spec import dump, read, schema, validate
-from camgen.unloader import CrankSpring
 
 REFERENCE = tomllib.loads((Path(__file__).parent / "reference" / "indexing-cam.toml").read_text())
 STARTER = Path(__file__).resolve().parent.parent / "specs" / "indexing-cam.toml"

@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.export import Placed, placing, write_3mf
-from camgen.interference import Clearance, interference, swept
-from camgen.outlines import Region, circle, polygon
-from camgen.parts import Layer, Part
-from camgen.readback import Mesh
-from camgen.rings import Floats, Points, Ring
-from camgen.slabs import Body, Course, Slab, judge_plate, slabs_of
-from camgen.solids import solid
+from camgen.files.export import Placed, placing, write_3mf
+from camgen.files.readback import Mesh
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.geometry.rings import Floats, Points, Ring
+from camgen.judge.interference import Clearance, interference, swept
+from camgen.judge.slabs import Body, Course, Slab, judge_plate, slabs_of
+from camgen.parts.part import Layer, Part
+from camgen.parts.solids import solid
 
 
 def about(angle: Callable[[Floats], Floats], at: complex = 0j) -> Course:

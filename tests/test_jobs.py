@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from camgen import pipeline
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
-from camgen.jobs import Case, Workers, read_mechanism
-from camgen.pipeline import build, check
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.build import build, check
+from camgen.pipeline.jobs import Case, Workers, read_mechanism
 
 SPECS = Path(__file__).parent.parent / "specs"
 CAMS = ["parts.make='cams'", "parts.bore=8"]
@@ -82,14 +82,14 @@ def test_a_fault_in_a_part_leaves_nothing_behind(tmp_path: Path) -> None:
 
 # What runs only where an output asks for it: (function, kinds of files that ask for it).
 STAGES = {
-    "camgen.solids.solid": "stl",
-    "camgen.export.write_dxf": "dxf",
-    "camgen.drawing.write_drawing": "dxf",
-    "camgen.budget.error_budget": "report",
-    "camgen.figures.plot_svg": "report",
-    "camgen.pipeline.animation": "report",
-    "camgen.packing.laid_out": "3mf",
-    "camgen.sweep.sweep": "3mf",
+    "camgen.parts.solids.solid": "stl",
+    "camgen.files.export.write_dxf": "dxf",
+    "camgen.files.drawing.write_drawing": "dxf",
+    "camgen.judge.budget.error_budget": "report",
+    "camgen.report.figures.plot_svg": "report",
+    "camgen.pipeline.build.animation": "report",
+    "camgen.files.plates.laid_out": "3mf",
+    "camgen.judge.assembly.sweep": "3mf",
 }
 
 
@@ -108,13 +108,13 @@ def test_no_stage_runs_that_no_output_asks_for(tmp_path: Path, monkeypatch: pyte
         module, _, name = target.rpartition(".")
         spy = spied(target, getattr(import_module(module), name))
         monkeypatch.setattr(target, spy)
-        for user in ("camgen.making", "camgen.judging"):
+        for user in ("camgen.pipeline.making", "camgen.pipeline.judging"):
             if hasattr(import_module(user), name):
                 monkeypatch.setattr(f"{user}.{name}", spy)
     build(SPECS / "uniform-swing.toml", tmp_path, frozenset({only}), [] if only == "3mf" else CAMS)
     wanted = {target for target, kind in STAGES.items() if kind == only}
     if only == "3mf":
-        wanted |= {"camgen.solids.solid"}
+        wanted |= {"camgen.parts.solids.solid"}
     if only == "report":
-        wanted -= {"camgen.budget.error_budget"}  # no part was read, so nothing has an error
+        wanted -= {"camgen.judge.budget.error_budget"}  # no part was read, so nothing has an error
     assert ran == wanted

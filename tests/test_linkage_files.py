@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from stl_rows import TRIANGLE, with_own_normals
 
-from camgen import pipeline
-from camgen.contact import rolling_contact
-from camgen.export import write_stl
-from camgen.linkages import RRR, Crank, Fixed, Linkage
-from camgen.readback import bore_circle, read_stl, shape_of, slice_mesh
-from camgen.solids import solid
+from camgen.files.export import write_stl
+from camgen.files.readback import bore_circle, read_stl, shape_of, slice_mesh
+from camgen.judge.contact import rolling_contact
+from camgen.machine.linkages import RRR, Crank, Fixed, Linkage
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
 
 SPEC = Path(__file__).parent.parent / "specs" / "eccentric-drive.toml"
 Change = Callable[[np.ndarray, np.ndarray], np.ndarray]

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen import landmarks, linkages
 from camgen.errors import DesignError
-from camgen.landmarks import double_points, extremes, moving_centrode, near_stops, refuse_open, zeros
-from camgen.linkages import RPR, RRP, RRR, Crank, Fixed, Linkage, On, direction, distance, four_bar, slider_travel
+from camgen.machine import landmarks, linkages
+from camgen.machine.landmarks import double_points, extremes, moving_centrode, near_stops, refuse_open, zeros
+from camgen.machine.linkages import RPR, RRP, RRR, Crank, Fixed, Linkage, On, direction, distance, four_bar, slider_travel
 
 REFERENCE = Path(__file__).parent / "reference"
 ECCENTRIC = tomllib.loads((REFERENCE / "eccentric-drive.toml").read_text())

@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import SpecError
-from camgen.motion import (
+from camgen.motion.laws import (
     DWELLS,
     LAWS,
     MR_13_COSINES,

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from test_sampling import blunt_cam
 
-from camgen.arcfit import bulges, fit_arcs
-from camgen.nearness import outline_error
-from camgen.outlines import Arc, Contour, Smooth, circle, kidney
-from camgen.rings import Ring
-from camgen.sampling import facet_contour
+from camgen.geometry.arcs import bulges, fit_arcs
+from camgen.geometry.deviation import outline_error
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Arc, Contour, Smooth, circle, kidney
+from camgen.geometry.rings import Ring
 
 
 def straight(points: np.ndarray) -> Ring:

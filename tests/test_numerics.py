@@ -63,7 +63,7 @@ KERNELS = ("Prescott", "Haswell", "SkylakeX")
 BUILD = """
 import sys
 from pathlib import Path
-from camgen import pipeline
+from camgen.pipeline import build as pipeline
 specs, out = Path(sys.argv[1]), Path(sys.argv[2])
 matched = out.parent / "matched.toml"
 matched.write_text((specs / "disc-cam.toml").read_text().replace('law = "modified-sine"', 'law = "matched"'))

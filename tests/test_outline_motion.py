@@ -22,12 +22,12 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen import pipeline
 from camgen.cli import main
 from camgen.errors import DesignError, FileError, SpecError
-from camgen.follower_table import read_follower
-from camgen.outline_files import read_outline
-from camgen.outline_motion import low_passed, recover
+from camgen.files.foreign import read_outline
+from camgen.judge.follower_table import read_follower
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.outline_motion import low_passed, recover
 
 A, E, R = 20.0, 5.0, 6.0  # disc, off centre, roller
 LEVER = "oscillating,pivot=60/0,arm=55,radius=6,leaves=+1"

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.export import Placed, write_3mf
-from camgen.interference import judge_plate
-from camgen.lying import lying_side, side
-from camgen.outlines import Region, circle, polygon
-from camgen.packing import DENSITY, Layout, Spot, footprint, laid_out, parts_list, write_plates
-from camgen.parts import Layer, Part, hull
-from camgen.readback import read_3mf
-from camgen.solids import Mesh, solid
-from camgen.verify import judge_copies
+from camgen.files.export import Placed, write_3mf
+from camgen.files.lying import lying_side, side
+from camgen.files.plates import DENSITY, Layout, Spot, footprint, laid_out, parts_list, write_plates
+from camgen.files.readback import read_3mf
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.judge.interference import judge_plate
+from camgen.judge.round_trip import judge_copies
+from camgen.parts.part import Layer, Part, hull
+from camgen.parts.solids import Mesh, solid
 
 BED = (120.0, 90.0)
 

@@ -12,7 +12,7 @@ import gallery
 import numpy as np
 import pytest
 
-from camgen import pipeline
+from camgen.pipeline import build as pipeline
 
 TOP = Path(__file__).parent.parent
 SPEC = TOP / "specs" / "uniform-swing.toml"

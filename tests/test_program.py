@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgen.motion import LAWS, UNIFORM, Law, modified_sine
-from camgen.program import Program, Segment, matched, uniform_swing
+from camgen.motion.laws import LAWS, UNIFORM, Law, modified_sine
+from camgen.motion.program import Program, Segment, matched, uniform_swing
 
 NORTON = tomllib.loads((Path(__file__).parent / "reference" / "motion_laws.toml").read_text())["norton"]
 SWING = math.radians(30)

@@ -12,9 +12,9 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgen import readback
 from camgen.errors import FileError
-from camgen.readback import Mesh, Ring, bore_circle, fit_circle, mesh_faults, read_dxf, read_stl, shape_of, slice_mesh
+from camgen.files import readback
+from camgen.files.readback import Mesh, Ring, bore_circle, fit_circle, mesh_faults, read_dxf, read_stl, shape_of, slice_mesh
 
 SQUARE = np.array([0, 10, 10 + 10j, 10j], complex)
 

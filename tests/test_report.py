@@ -18,11 +18,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import FileError
-from camgen.figures import STEPS, plot_svg, thinned
 from camgen.findings import Finding, at_least, at_most
-from camgen.mechanism import Plot, Pose, Table
-from camgen.moving import Animation, Body, still_svg, svg_path
-from camgen.report import (
+from camgen.machine.contacts import Pose
+from camgen.machine.study import Plot, Table
+from camgen.report.animation import Animation, Body, still_svg, svg_path
+from camgen.report.figures import STEPS, plot_svg, thinned
+from camgen.report.report import (
     Report,
     _used,
     to_html,
@@ -324,7 +325,7 @@ def test_same_report_same_bytes() -> None:
 
 
 def test_report_does_not_load_the_plotting_library() -> None:
-    code = "import sys, camgen.report, camgen.figures; sys.exit('matplotlib' in sys.modules)"
+    code = "import sys, camgen.report.report, camgen.report.figures; sys.exit('matplotlib' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[1])
 
 

@@ -17,14 +17,14 @@ import numpy as np
 import pytest
 from stl_rows import TRIANGLE, with_own_normals
 
-from camgen import pipeline
 from camgen.errors import FileError
-from camgen.expectation import expected
-from camgen.mechanism import Mechanism
-from camgen.readback import read_dxf, shape_of
-from camgen.rings import Ring, Shape
-from camgen.rolling import judge_motion
-from camgen.verify import Expected, Section, _judge_sections, judge_mesh
+from camgen.files.readback import read_dxf, shape_of
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.rolling import judge_motion
+from camgen.judge.round_trip import Expected, Section, _judge_sections, judge_mesh
+from camgen.machines.mechanism import Mechanism
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.expectation import expected
 
 # No windows, so that the cam's holes are alike in a mirror and only the profile tells.
 OVERRIDES = ("parts.windows=0", "name='cam'", "parts.make='cams'", "parts.bore=8")

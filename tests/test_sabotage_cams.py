@@ -12,10 +12,10 @@ import ezdxf
 import numpy as np
 import pytest
 
-from camgen import pipeline
-from camgen.mechanism import Rolling
-from camgen.readback import read_dxf, shape_of
-from camgen.rolling import judge_pair
+from camgen.files.readback import read_dxf, shape_of
+from camgen.judge.rolling import judge_pair
+from camgen.machine.contacts import Rolling
+from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).parent.parent / "specs"
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

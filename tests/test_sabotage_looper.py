@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from stl_rows import TRIANGLE, with_own_normals
 
-from camgen import pipeline
 from camgen.errors import FileError
+from camgen.pipeline import build as pipeline
 
 SPEC = Path(__file__).parent.parent / "specs" / "chain-stitch-looper.toml"
 KINDS = frozenset({"dxf", "stl"})

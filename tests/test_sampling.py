@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.outlines import Arc, Contour, Line, Smooth, circle, kidney, polygon
-from camgen.sampling import facet, facet_circle, facet_contour, theoretical_vertices
+from camgen.geometry.facets import facet, facet_circle, facet_contour, theoretical_vertices
+from camgen.geometry.outlines import Arc, Contour, Line, Smooth, circle, kidney, polygon
 
 SWING = math.radians(15)
 L, H = 60.0, 30.0

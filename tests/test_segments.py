@@ -14,8 +14,18 @@ from hypothesis import strategies as st
 
 from camgen.cli import main
 from camgen.errors import FileError, SpecError
-from camgen.motion import LAWS, modified_sine
-from camgen.segments import ABOUT, FAMILIES, LawChoice, SegmentTable, law_of, program, program_faults, read_points, with_tables
+from camgen.motion.laws import LAWS, modified_sine
+from camgen.motion.segments import (
+    ABOUT,
+    FAMILIES,
+    LawChoice,
+    SegmentTable,
+    law_of,
+    program,
+    program_faults,
+    read_points,
+    with_tables,
+)
 from camgen.spec import Spec, dump, validate
 
 

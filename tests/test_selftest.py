@@ -7,7 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgen import cli, linkages, motion, selftest
+from camgen import cli
+from camgen.machine import linkages
+from camgen.machines import selftest
+from camgen.motion import laws as motion
 
 
 def run(capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:

@@ -12,16 +12,16 @@ import pytest
 import shapely
 from ezdxf.layouts import Modelspace
 
-from camgen import pipeline
-from camgen.dimensions import holes_of
-from camgen.drawing import write_drawing
-from camgen.export import write_stl
-from camgen.outlines import Region, circle, polygon
-from camgen.parts import Layer, Part
-from camgen.readback import Mesh, read_stl
-from camgen.sampling import facet_contour
-from camgen.sheet import LAYERS
-from camgen.solids import solid
+from camgen.files.dimensions import holes_of
+from camgen.files.drawing import write_drawing
+from camgen.files.export import write_stl
+from camgen.files.readback import Mesh, read_stl
+from camgen.files.sheet import LAYERS
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.parts.part import Layer, Part
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).parent.parent / "specs"
 NAMES = sorted(path.stem for path in SPECS.glob("*.toml"))

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from camgen.errors import Fault, FileError, SpecError
-from camgen.mechanisms import MECHANISMS, load
+from camgen.machines import MECHANISMS, load
 from camgen.spec import Length, Record, Spec, choose, dump, override, read, schema, unknown, validate
 
 

@@ -13,8 +13,8 @@ import pytest
 from scipy.optimize import linprog
 
 from camgen.errors import DesignError, SpecError
-from camgen.motion import LAWS, MR_13_COSINES, MR_13_SINES, end_speed, harmonics
-from camgen.spring_law import Characteristic, Synthesis, characteristic, judged, synthesise, trade_off
+from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed, harmonics
+from camgen.motion.spring_law import Characteristic, Synthesis, characteristic, judged, synthesise, trade_off
 
 MR_13 = tomllib.loads((Path(__file__).parent / "reference" / "motion_laws.toml").read_text())["mr_13"]
 WEIGHTS = (0.0, 0.1, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4)

@@ -16,10 +16,19 @@ from hypothesis import strategies as st
 from scipy.optimize import differential_evolution
 
 from camgen.errors import DesignError
-from camgen.looper_design import Room, best_clearance, clearances, kept
-from camgen.looper_study import study
-from camgen.motion import LAWS
-from camgen.stitch import Condition, Design, Stitch, linear, ratio_conditions, ratio_range, thread_per_stitch, to_and_fro
+from camgen.machines.chain_stitch_looper.design import Room, best_clearance, clearances, kept
+from camgen.machines.chain_stitch_looper.stitch import (
+    Condition,
+    Design,
+    Stitch,
+    linear,
+    ratio_conditions,
+    ratio_range,
+    thread_per_stitch,
+    to_and_fro,
+)
+from camgen.machines.chain_stitch_looper.study import study
+from camgen.motion.laws import LAWS
 
 REFERENCE = tomllib.loads((Path(__file__).parent / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))
 BOUNDS = {"nose_over_eye": (1.5, 4.0), "loop_rise": (1.5, 4.5), "protrusion": (1.0, 2.0), "plate_to_spreader": (3.0, 8.0)}

@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen import pipeline
-from camgen.export import Placed, placing, write_3mf
+from camgen.files.export import Placed, placing, write_3mf
 from camgen.findings import Finding
-from camgen.mechanism import Mechanism, Pose
-from camgen.rings import Floats
-from camgen.solids import Mesh, solid
-from camgen.sweep import sweep
+from camgen.geometry.rings import Floats
+from camgen.judge.assembly import sweep
+from camgen.machine.contacts import Pose
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.solids import Mesh, solid
+from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"
 

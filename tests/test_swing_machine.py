@@ -14,16 +14,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen import making, pipeline
 from camgen import spec as specs
-from camgen.arcfit import as_circle
 from camgen.errors import DesignError, SpecError
-from camgen.export import Placed, placing, write_3mf
-from camgen.mechanism import Mechanism
-from camgen.outlines import circle
-from camgen.readback import read_3mf, read_stl
-from camgen.solids import Mesh, solid
-from camgen.sweep import sweep
+from camgen.files.export import Placed, placing, write_3mf
+from camgen.files.readback import read_3mf, read_stl
+from camgen.geometry.arcs import as_circle
+from camgen.geometry.outlines import circle
+from camgen.judge.assembly import sweep
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.solids import Mesh, solid
+from camgen.pipeline import build as pipeline
+from camgen.pipeline import making
 
 SPEC = Path(__file__).parent.parent / "specs" / "uniform-swing.toml"
 NAME = "uniform-swing"

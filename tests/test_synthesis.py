@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from camgen import pipeline
 from camgen.cli import cli, main
 from camgen.errors import DesignError, SpecError
-from camgen.synthesis import Variable, Wish, search
+from camgen.motion.synthesis import Variable, Wish, search
+from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).parent.parent / "specs"
 SHIPPED = SPECS / "thread-take-up.toml"

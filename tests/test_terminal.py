@@ -11,8 +11,8 @@ import pytest
 from test_cli import run as run  # noqa: F401  a fixture
 
 from camgen.findings import Finding, at_least, at_most
-from camgen.report import Report
-from camgen.terminal import print_report
+from camgen.report.report import Report
+from camgen.report.terminal import print_report
 
 FINDINGS = (
     at_most("MOTION_ERROR", 1.234e-5, 1.8e-3, "deg", "long-name-of-a-machine-cam.dxf, cam angle 123.456 deg", "as wanted"),

@@ -13,13 +13,14 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen import pipeline, spec
-from camgen.dynamics import Body
+from camgen import spec
 from camgen.errors import DesignError, SpecError
-from camgen.feed import TakeUp
-from camgen.mechanisms.thread_take_up import ThreadTakeUp
-from camgen.parts import clearance, hull, rod
-from camgen.sampling import facet_contour
+from camgen.geometry.facets import facet_contour
+from camgen.machine.dynamics import Body
+from camgen.machines.thread_take_up.feed import TakeUp
+from camgen.machines.thread_take_up.mechanism import ThreadTakeUp
+from camgen.parts.part import clearance, hull, rod
+from camgen.pipeline import build as pipeline
 
 ROOT = Path(__file__).parent.parent
 SHIPPED = ROOT / "specs" / "thread-take-up.toml"

@@ -10,12 +10,12 @@ import pytest
 from numpy.polynomial.chebyshev import Chebyshev
 
 from camgen.errors import DesignError
-from camgen.followers import DiscCam
-from camgen.motion import LAWS, UNIFORM
-from camgen.outlines import Arc, Line, Smooth
-from camgen.program import Program, Segment
-from camgen.sizing import least_convex, smallest, survey
-from camgen.tips import Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.geometry.outlines import Arc, Line, Smooth
+from camgen.machine.cams import DiscCam
+from camgen.machine.followers import Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.sizing import least_convex, smallest, survey
+from camgen.motion.laws import LAWS, UNIFORM
+from camgen.motion.program import Program, Segment
 
 QUARTER = math.pi / 2
 TURN = np.linspace(0.01, 6.27, 1201)

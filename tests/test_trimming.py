@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import DesignError
-from camgen.followers import DiscCam, SwingingArm
-from camgen.outlines import Line
-from camgen.program import uniform_swing
-from camgen.trimming import trim
+from camgen.geometry.outlines import Line
+from camgen.geometry.trimming import trim
+from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.motion.program import uniform_swing
 
 
 def cam(length: float, offset: float, swing_deg: float, rho: float, blend: float) -> DiscCam:

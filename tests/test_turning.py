@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen.jobs import read_mechanism
-from camgen.linkages import slider_travel
-from camgen.mechanisms import MECHANISMS
-from camgen.pipeline import animation, build
-from camgen.program import Program, uniform_swing
-from camgen.readback import read_dxf
-from camgen.sampling import facet_contour
+from camgen.files.readback import read_dxf
+from camgen.geometry.facets import facet_contour
+from camgen.machine.linkages import slider_travel
+from camgen.machines import MECHANISMS
+from camgen.motion.program import Program, uniform_swing
+from camgen.pipeline.build import animation, build
+from camgen.pipeline.jobs import read_mechanism
 
 SPECS = Path(__file__).parent.parent / "specs"
 TURN = np.linspace(0, math.tau, 721)

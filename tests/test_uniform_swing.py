@@ -13,9 +13,9 @@ import shapely
 from shapely import affinity
 
 from camgen.errors import DesignError
-from camgen.mechanisms.uniform_swing import UniformSwing
-from camgen.outlines import Contour
-from camgen.sampling import facet_contour
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour
+from camgen.machines.uniform_swing.mechanism import UniformSwing
 
 SHAFTS = ["plain", "keyway", "d-flat"]
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from camgen.jobs import read_mechanism
-from camgen.pipeline import KINDS, build, check
-from camgen.report import Report
-from camgen.terminal import print_report
+from camgen.pipeline.build import KINDS, build, check
+from camgen.pipeline.jobs import read_mechanism
+from camgen.report.report import Report
+from camgen.report.terminal import print_report
 
 SPECS = Path(__file__).parent.parent / "specs"
 ALL = frozenset(KINDS)

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.contact import rolling_contact
-from camgen.export import write_stl
-from camgen.readback import Ring, mesh_faults, read_stl, slice_mesh
-from camgen.solids import Mesh
+from camgen.files.export import write_stl
+from camgen.files.readback import Ring, mesh_faults, read_stl, slice_mesh
+from camgen.judge.contact import rolling_contact
+from camgen.parts.solids import Mesh
 
 
 def best(work: Callable[[], object], rounds: int = 7) -> float:

@@ -16,12 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen import pipeline
-from camgen.followers import DiscCam
-from camgen.motion import LAWS, UNIFORM
-from camgen.program import Program, Segment
-from camgen.sizing import smallest, survey
-from camgen.tips import Follower, SlidingFace, SlidingTip, SwingingArm
+from camgen.machine.cams import DiscCam
+from camgen.machine.followers import Follower, SlidingFace, SlidingTip, SwingingArm
+from camgen.machine.sizing import smallest, survey
+from camgen.motion.laws import LAWS, UNIFORM
+from camgen.motion.program import Program, Segment
+from camgen.pipeline import build as pipeline
 
 SPEC = Path(__file__).parent.parent.parent / "specs" / "disc-cam.toml"
 NAMES = ("cycloidal", "modified-sine", "3-4-5", "modified-trapezoid", "4-5-6-7", "simple-harmonic")

@@ -12,8 +12,8 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from camgen import pipeline
 from camgen.errors import CamgenError
+from camgen.pipeline import build as pipeline
 
 SPEC = Path(__file__).parent.parent.parent / "specs" / "uniform-swing.toml"
 USUAL = {"swing": 30.0, "H/L": 0.5, "tip/L": 0.05, "L": 60.0, "tolerance": 1e-3}

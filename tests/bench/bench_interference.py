@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen import pipeline
-from camgen.interference import interference, swept
-from camgen.readback import Mesh
-from camgen.rings import Points, Ring
-from camgen.slabs import Body, Slab, slabs_of
-from camgen.solids import solid
+from camgen.files.readback import Mesh
+from camgen.geometry.rings import Points, Ring
+from camgen.judge.interference import interference, swept
+from camgen.judge.slabs import Body, Slab, slabs_of
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
 
 SWING, PIVOT, ARM = 0.26, 60 + 0j, -60 - 30j
 

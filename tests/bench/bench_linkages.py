@@ -71,7 +71,7 @@ def main(interpreter: str | None) -> None:
     """Print the table."""
     import numpy as np
 
-    from camgen.linkages import RRR, Crank, Fixed, Linkage
+    from camgen.machine.linkages import RRR, Crank, Fixed, Linkage
 
     if interpreter is None and importlib.util.find_spec("pylinkage") and importlib.util.find_spec("numba"):
         interpreter = sys.executable

@@ -17,9 +17,9 @@ sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2])]
 
 from test_sampling import blunt_pieces, knife_cam, largest_distance  # noqa: E402
 
-from camgen.arcfit import _fit_smooth, theoretical_arcs  # noqa: E402
-from camgen.outlines import Contour, Line, Smooth, end_point, start_point  # noqa: E402
-from camgen.sampling import facet, theoretical_vertices  # noqa: E402
+from camgen.geometry.arcs import _fit_smooth, theoretical_arcs  # noqa: E402
+from camgen.geometry.facets import facet, theoretical_vertices  # noqa: E402
+from camgen.geometry.outlines import Contour, Line, Smooth, end_point, start_point  # noqa: E402
 
 
 def milliseconds(work: Callable[[], object], repeats: int = 5) -> float:

@@ -42,7 +42,7 @@ def started(*arguments: str) -> tuple[float, list[str]]:
 
 def main(spec: Path) -> None:
     """Print both tables."""
-    from camgen.pipeline import KINDS, build
+    from camgen.pipeline.build import KINDS, build
 
     with tempfile.TemporaryDirectory() as folder:
         out, cams = ["-o", folder], ["--set", "parts.make='cams'"] if spec == SPEC else []

@@ -133,7 +133,7 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
     """Positions and two derivatives here, positions alone there; errors against the circles' crossing in long double."""
     import numpy as np
 
-    from camgen.linkages import RRR, Crank, Fixed, Linkage
+    from camgen.machine.linkages import RRR, Crank, Fixed, Linkage
 
     frame, crank, coupler, output = 9.0, 30.0, 30.0, 19.0
     linkage = Linkage({"O": Fixed(0), "C": Fixed(frame), "A": Crank("O", crank), "B": RRR("A", "C", coupler, output, -1)})
@@ -169,9 +169,9 @@ def rollers(peers: Peers, rounds: int) -> Iterator[Row]:
     """A translating roller on a cam of 3,600 points; errors against brute force over all its edges in long double."""
     import numpy as np
 
-    from camgen.contact import contact
-    from camgen.contact_tips import SlideTip
-    from camgen.rings import Ring
+    from camgen.geometry.rings import Ring
+    from camgen.judge.contact import contact
+    from camgen.judge.contact_tips import SlideTip
 
     work, goal = "roller follower on a cam of 3,600 points, 360 positions", "1,000 times as fast, error a thousandth"
     radius = 4.0
@@ -221,8 +221,8 @@ def recoveries(rounds: int) -> Iterator[Row]:
     import numpy as np
     from bench_contact import cam
 
-    from camgen.contact import rolling_contact
-    from camgen.rings import Ring
+    from camgen.geometry.rings import Ring
+    from camgen.judge.contact import rolling_contact
 
     theta = np.random.default_rng(1).uniform(0, 2 * np.pi, 10**6)
     for count in (1_000, 10_000, 100_000):
@@ -244,9 +244,9 @@ def offsets(rounds: int) -> Iterator[Row]:
     import shapely
     from test_sampling import FIRST, SECOND, blunt_pieces, half_turn
 
-    from camgen.motion import UNIFORM
-    from camgen.program import Program, Segment
-    from camgen.tips import SwingingArm
+    from camgen.machine.followers import SwingingArm
+    from camgen.motion.laws import UNIFORM
+    from camgen.motion.program import Program, Segment
 
     first, second = blunt_pieces()
     swing, arm = math.radians(15), 60 + 30j
@@ -298,8 +298,8 @@ def counts() -> Iterator[Row]:
     from bench_outline import _alone, uniform
     from test_sampling import blunt_pieces, knife_cam
 
-    from camgen.arcfit import _fit_smooth, theoretical_arcs
-    from camgen.sampling import facet
+    from camgen.geometry.arcs import _fit_smooth, theoretical_arcs
+    from camgen.geometry.facets import facet
 
     for name, pieces in (("tip of 3 mm", blunt_pieces()), ("knife edge", knife_cam().pieces)):
         for tolerance in (1e-3, 1e-4):
@@ -321,7 +321,7 @@ def whole_processes(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     """The cam of specs/uniform-swing.toml as STL: read back and judged here, extruded and written there."""
     import numpy as np
 
-    from camgen.readback import read_stl, slice_mesh
+    from camgen.files.readback import read_stl, slice_mesh
 
     spec, out = ROOT / "specs" / "uniform-swing.toml", folder / "whole"
     ours = [sys.executable, "-m", "camgen", "build", str(spec), "-o", str(out), "--set", "parts.make='cams'", "--only", "stl"]
@@ -365,10 +365,10 @@ def outlines(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     import numpy as np
     from test_sampling import knife_cam
 
-    from camgen.export import write_stl
-    from camgen.outlines import Region
-    from camgen.parts import Layer, Part
-    from camgen.solids import rings, solid
+    from camgen.files.export import write_stl
+    from camgen.geometry.outlines import Region
+    from camgen.parts.part import Layer, Part
+    from camgen.parts.solids import rings, solid
 
     part = Part("cam", "Cam", (Layer(Region(knife_cam()), 0.0, 6.0),))
     path = folder / "outline.stl"
@@ -395,7 +395,7 @@ def slicing(folder: Path, rounds: int) -> Iterator[Row]:
     """A prism of 41,000 triangles, from the file to closed contours."""
     from bench_contact import write_prism
 
-    from camgen.readback import read_stl, slice_mesh
+    from camgen.files.readback import read_stl, slice_mesh
 
     path = folder / "prism.stl"
     count = write_prism(path)

@@ -26,9 +26,9 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from camgen import pipeline
 from camgen.errors import CamgenError
-from camgen.readback import Ring, read_dxf, read_stl, shape_of, slice_mesh
+from camgen.files.readback import Ring, read_dxf, read_stl, shape_of, slice_mesh
+from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parent.parent.parent / "specs"
 ROUNDING = 2.0**-53

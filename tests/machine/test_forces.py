@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgen import dynamics, linkages
 from camgen.machine import (
     GROUND,
     Body,
@@ -25,6 +24,8 @@ from camgen.machine import (
     Torque,
     TorsionSpring,
     Turning,
+    dynamics,
+    linkages,
     solve,
 )  # fmt: skip
 from machine.chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen import linkages
 from camgen.machine import (
     GROUND,
     Along,
@@ -21,6 +20,7 @@ from camgen.machine import (
     Pose,
     Slot,
     Turning,
+    linkages,
     solve,
 )  # fmt: skip
 from camgen.machine.loops import Dyad, chain_of

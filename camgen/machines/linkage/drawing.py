@@ -20,8 +20,8 @@ from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import CLOSED, shape
-from camgen.program import Program
-from camgen.segments import SegmentTable, program
+from camgen.motion.program import Program
+from camgen.motion.segments import SegmentTable, program
 from camgen.spec import unknown
 
 MOST_LINKS = 200
@@ -177,7 +177,8 @@ class Drawing:
         if cam.at not in self.links[cam.follower]:
             faults.append(Fault(f"{path}.at", repr(cam.at), f"a point of {cam.follower}: {', '.join(self.links[cam.follower])}"))
         if (cam.shape == "roller") != (cam.radius is not None):
-            faults.append(Fault(f"{path}.radius", "", "the roller's radius" if cam.shape == "roller" else f"nothing: a {cam.shape} has none"))
+            fits = "the roller's radius" if cam.shape == "roller" else f"nothing here: a {cam.shape} has none"
+            faults.append(Fault(f"{path}.radius", "", fits))
         wrong, right = (("lift_deg", "to_deg"), ("lift", "to")) if slide else (("lift", "to"), ("lift_deg", "to_deg"))
         way = "slides" if slide else "swings"
         for k, segment in enumerate(cam.segment):
@@ -215,8 +216,9 @@ class Drawing:
             missed = shape(self._drawn(points), lengths)[1]
             if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
                 said = ", ".join(f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items())
-                faults.append(Fault(f"links.{name}", said, f"lengths that can meet: they miss by {missed:.3g} mm (the longest side "
-                                    "of a triangle is at most the sum of the others; drawn distances count where no length is given)"))  # fmt: skip
+                right = f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
+                right += "the others; where no length is given the drawn distance counts)"
+                faults.append(Fault(f"links.{name}", said, right))
         return faults
 
     # ---- names ----------------------------------------------------------------------------------------------------
@@ -288,10 +290,9 @@ class Drawing:
         joints += [self._gear(gear, start) for gear in self.gears]
         joints += [self._cam(cam, bodies, start, joints) for cam in self.cams]
         drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
-        machine = m.Machine(
-            tuple(bodies.values()), tuple(joints), (drive,), start, (), tuple(self._output(each, bodies) for each in self.outputs),
-            self.drive.speed_rpm * math.tau / 60,
-        )  # fmt: skip
+        outputs = tuple(self._output(each, bodies) for each in self.outputs)
+        speed = self.drive.speed_rpm * math.tau / 60
+        machine = m.Machine(tuple(bodies.values()), tuple(joints), (drive,), start, (), outputs, speed)
         machine = freedom.drawn(machine)
         freedom.refuse_unsound(machine)
         return machine
@@ -379,8 +380,8 @@ class Drawing:
             rest = start[cam.follower].angle
         outward = (spoke.conjugate() * way).real
         if abs(outward) <= 1e-6 * abs(spoke) * abs(way):
-            raise DesignError("pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}",
-                              f"the follower moves across the line from {pivot} to {cam.at}: draw {cam.at} elsewhere")  # fmt: skip
+            remedy = f"the follower moves across the line from {pivot} to {cam.at}: draw {cam.at} elsewhere"
+            raise DesignError("pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}", remedy)
         sign = 1 if outward > 0 else -1
         form = "force" if cam.closure == "force" else "form"
         return m.Cam(self.cam_name(cam), cam.cam, cam.follower, Scaled(self.program_of(cam), sign),

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from camgen.segments import NamedLaw
+from camgen.motion.segments import NamedLaw
 from camgen.spec import Length, Record
 
 Name = Annotated[

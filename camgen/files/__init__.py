@@ -1,0 +1,1 @@
+"""Formats: what is written to a folder and read back from it."""

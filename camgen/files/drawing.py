@@ -1,0 +1,429 @@
+"""The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
+
+Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left; and of a part
+that is crossed with a second outline a third one below, seen along y, without which nobody knows the body. Overall sizes,
+a table of holes and of the corners and roundings of every outline, notes and a title block. An outline that is no chain of
+lines and arcs, a cam's, is in the part's own file; it gets its least and greatest radius. Nothing here knows a mechanism.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from camgen import __version__
+from camgen.files.dimensions import Hole, edge_rows, free, hole_of, holes_of, nearest_and_farthest, number
+from camgen.files.dxf import extent
+from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
+from camgen.geometry.arcs import as_circle, fit_arcs
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Floats, Points, Region, polygon
+from camgen.parts.part import Layer, Part
+
+# Standard scales, mm of paper for a mm of the part. [ISO 5455]
+_SCALES = (50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+_SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
+# Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
+_FILING, _MARGIN = 20.0, 10.0
+_TITLE = (170.0, 36.0)
+_TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
+_ROW = 5.0
+_NOTES = _SIZES["A4"][0] - _FILING - _MARGIN - _TITLE[0] - 6  # width of the notes, beside the title block of an A4 sheet
+# Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
+_LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
+_DIMENSION_GAP = 24.0
+_THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
+_STACK = 8  # layers that are told one by one
+
+
+def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, meta: Mapping[str, str]) -> list[Path]:
+    """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder; returns their paths.
+
+    tolerance: mm, of the arcs that stand for the exact outline; meta: further cells of the title block, such as
+    {"Mechanism": ..., "Material": ...}. An OSError means that a file could not be written.
+    """
+    stem = f"{prefix}-{part.name}"
+    layout = _Layout(part, stem, tolerance, meta)
+    paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
+    write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
+    write_pdf(paths[1], layout.sheet)
+    return paths
+
+
+def _wrapped(note: str) -> list[str]:
+    """A note in lines that fit beside the title block of an A4 sheet."""
+    room, lines = _NOTES, [""]
+    for word in note.split():
+        longer = f"{lines[-1]} {word}".strip()
+        lines = [*lines[:-1], longer] if not lines[-1] or Text(0j, longer, 2.5).room <= room else [*lines, word]
+    return lines
+
+
+def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
+    regions = [layer.region for layer in layers]
+    return [fit_arcs(contour, tolerance) for region in regions for contour in (region.outer, *region.holes)]
+
+
+def _along(contours: Sequence[Contour]) -> Points:
+    """Points along contours, close enough to place a label."""
+    pieces = [piece for contour in contours for piece in contour.pieces]
+    return np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
+
+
+def _from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
+    """What the view along y shows of a crossed part, as x + iz: of each layer the second outline, as far as the layer goes."""
+    import shapely
+
+    def corners(contour: Contour) -> Floats:
+        z = facet_contour(contour, tolerance)
+        return np.column_stack([z.real, z.imag])
+
+    whole = shapely.Polygon(corners(crossed.outer), [corners(hole) for hole in crossed.holes])
+    found = []
+    for layer in part.layers:
+        low, high = extent([layer.region.outer])
+        seen = whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1))
+        for piece in shapely.get_parts(seen):
+            rings = (piece.exterior, *piece.interiors) if piece.geom_type == "Polygon" else ()
+            found += [polygon((shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])).tolist()) for ring in rings]
+    return found
+
+
+class _Layout:
+    """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
+
+    def __init__(self, part: Part, stem: str, tolerance: float, meta: Mapping[str, str]) -> None:
+        self.part, self.stem, self.tolerance, self.meta = part, stem, tolerance, meta
+        self.outer = fit_arcs(part.region.outer, tolerance)
+        self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
+        self.named = holes_of(part.region.holes)
+        self.rims = dict(zip(map(hole_of, part.region.holes), self.holes, strict=True))
+        others = [each for k, each in enumerate(part.layers) if k != part.cut]
+        covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
+        known = set(part.region.holes)
+        hidden = [c for each in covered for c in (each.region.outer, *each.region.holes) if c not in known]
+        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden]
+        self.above = _contours([each for each in others if each not in covered], tolerance)
+        self.beyond = [] if part.crossed is None else _from_above(part, part.crossed, tolerance)
+        self.depth = part.thickness if part.crossed else 0.0
+        self.engraved = _contours(part.engraved, tolerance)
+        self.turns = free(part.region.outer) and part.bore is not None
+        self.notes = self._notes(tolerance)
+        self.low, self.high = extent([self.outer, *self.above, *self.hidden])
+        self.size_name, self.scale = self._choose()
+        width, height = _SIZES[self.size_name]
+        self.sheet = Sheet(width, height, f"{part.title} ({stem})")
+        self.table_x = width - _MARGIN - sum(_TABLE_WIDTHS)
+        self.datum = self._datum()
+        self._frame()
+        self._plan()
+        self._side()
+        self._third()
+        self._table()
+        self._note_lines()
+        self._title_block()
+
+    def paper(self, z: complex) -> complex:
+        """A point of the part on the paper."""
+        return self.datum + self.scale * z
+
+    def _room(self, size: str) -> tuple[float, float]:
+        """Width and height that both views and their dimensions may take, mm."""
+        width, height = _SIZES[size]
+        foot = max(_TITLE[1], 3.0 + 4.5 * len(self.notes))
+        return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
+
+    def _choose(self) -> tuple[str, float]:
+        """Sheet size and scale: A4 unless A3 spares a reduction."""
+        span = self.high - self.low
+
+        def best(size: str) -> float:
+            wide, tall = self._room(size)
+            wide -= _LEFT + _RIGHT + _BESIDE
+            tall -= _BELOW + _ABOVE + (2 * _THIRD if self.depth else 0.0)
+            high = span.imag + self.depth
+            fits = (s for s in _SCALES if s * (span.real + self.part.thickness) <= wide and s * high <= tall)
+            return next(fits, _SCALES[-1])
+
+        a4, a3 = best("A4"), best("A3")
+        return ("A3", a3) if a4 < 1 and a3 > a4 else ("A4", a4)
+
+    def _datum(self) -> complex:
+        """Where the part's origin goes: both views in the middle of their room."""
+        wide, tall = self._room(self.size_name)
+        span = self.scale * (self.high - self.low)
+        spare_x = wide - _LEFT - _RIGHT - _BESIDE - span.real - self.scale * self.part.thickness
+        third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
+        spare_y = tall - _BELOW - _ABOVE - span.imag - third
+        foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
+        corner = complex(_FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + third + spare_y / 2)
+        return corner - self.scale * self.low
+
+    def _frame(self) -> None:
+        right, top = self.sheet.width - _MARGIN, self.sheet.height - _MARGIN
+        corners = (complex(_FILING, _MARGIN), complex(right, _MARGIN), complex(right, top), complex(_FILING, top))
+        self.sheet.line(*corners, layer="TEXT", closed=True)
+
+    def _plan(self) -> None:
+        sheet, scale = self.sheet, self.scale
+
+        def put(contour: Contour, layer: str) -> None:
+            sheet.contour(contour.moved(scale, self.datum), layer)
+
+        for contour in (self.outer, *self.holes):
+            put(contour, "CUT")
+        for contour in self.above:
+            put(contour, "VIEW")
+        for contour in self.hidden:
+            put(contour, "HIDDEN")
+        for contour in self.engraved:
+            put(contour, "TEXT")
+        self._centre_lines()
+        obstacles = _along([self.outer, *self.holes, *self.above, *self.engraved])
+        for k, (label, hole) in enumerate(self.named):
+            place = self._label_place(hole, obstacles)
+            sheet.text(self.paper(place) - 1.25j, label, align="centre", layer="DIM")
+            if not self._beside_its_own(k, place):
+                self._pointer(place, hole)
+            obstacles = np.append(obstacles, place + np.array([-2, -1, 0, 1, 2]) / self.scale)
+        low, high = self.paper(self.low), self.paper(self.high)
+        span = self.high - self.low
+        # the extension lines start at the box: the points where it touches the outline are not all on one side
+        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, number(span.real))
+        self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, number(span.imag))
+        self._radii()
+
+    def _label_place(self, hole: Hole, obstacles: Points) -> complex:
+        """Middle of a hole's label: in the hole if it is wide, else beside it where there is most room."""
+        if hole.radius == 0:
+            return hole.middle
+        away = hole.radius / 2 if self.scale * hole.radius > 8 else hole.radius + 2.8 / self.scale
+        ring = np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
+        places = hole.middle + np.concatenate([away * ring, (away + 2.5 / self.scale) * ring])
+        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), 2.2 / self.scale)  # enough is enough
+        return complex(places[np.argmax(np.round(room, 3))])
+
+    def _beside_its_own(self, k: int, place: complex) -> bool:
+        """Whether a label at that place is nearer to the k-th hole than to any other one: to its middle and to its edge."""
+        edges = [float(np.min(np.abs(_along([self.rims[hole]]) - place))) for _, hole in self.named]
+        middles = [abs(hole.middle - place) for _, hole in self.named]
+        return all(min(away[:k] + away[k + 1 :], default=math.inf) > away[k] for away in (edges, middles))
+
+    def _pointer(self, place: complex, hole: Hole) -> None:
+        """A leader from a label to its hole's edge, or to the middle of one that is not round."""
+        way = (hole.middle - place) / abs(hole.middle - place)
+        tip, start = self.paper(hole.middle - hole.radius * way), self.paper(place) + 2.2 * way
+        self.sheet.line(start, tip, layer="DIM")
+        self.sheet.arrow(tip, way)
+
+    def _centre_lines(self) -> None:
+        """Axes through the datum across the whole part, crosses on round holes and other centres."""
+        sheet, over = self.sheet, 4.0
+        low, high = self.paper(self.low), self.paper(self.high)
+        axes = self.low.real <= 0 <= self.high.real and self.low.imag <= 0 <= self.high.imag
+        if axes:
+            x, y = self.datum.real, self.datum.imag
+            sheet.line(complex(low.real - over, y), complex(high.real + over, y), layer="CENTER")
+            sheet.line(complex(x, low.imag - over), complex(x, high.imag + over), layer="CENTER")
+        radii = dict.fromkeys(self.part.centres, 1.0)
+        circles = [as_circle(contour) for contour in (self.part.region.outer, *self.part.region.holes)]
+        radii |= {circle[0]: min(circle[1], 5 / self.scale + 1) for circle in circles if circle}
+        for centre, radius in radii.items():
+            if axes and abs(centre) < 1e-9:
+                continue
+            at, reach = self.paper(centre), self.scale * radius + 2
+            for direction in (1, 1j):
+                sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
+
+    def _radii(self) -> None:
+        """Least and greatest distance of a curve from the datum, or the diameter of a circle; sense of turning of a cam."""
+        taken: list[float] = []
+        round_one = as_circle(self.outer)
+        if round_one:
+            centre, radius = round_one
+            aside = cmath.exp(0.25j * math.pi)
+            self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
+            taken.append(math.pi / 4)
+        if free(self.part.region.outer):
+            for point, word in zip(nearest_and_farthest(self.outer), ("min", "max"), strict=True):
+                self._leader(point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}")
+                taken.append(cmath.phase(point))
+        if self.turns:
+            self._turning(taken)
+
+    def _leader(self, point: complex, direction: complex, text: str) -> None:
+        """Arrow from outside onto a point of the outline, with the text along it."""
+        tip = self.paper(point)
+        reading = direction if direction.real > -1e-9 else -direction
+        label = Text(0j, text, 2.5, "centre", reading, "DIM")
+        beyond = (_along(self.above) - point if self.above else np.zeros(1)) * direction.conjugate()
+        clear = self.scale * max(0.0, float(np.max(beyond.real)))  # past what a flange shows
+        self.sheet.line(tip + (clear + label.width + 5) * direction, tip, layer="DIM")
+        self.sheet.arrow(tip, -direction)
+        self.sheet.things.append(replace(label, at=tip + (clear + label.width / 2 + 4) * direction + 0.8j * reading))
+
+    def _turning(self, taken: Sequence[float]) -> None:
+        """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""
+
+        def free(angle: float) -> float:
+            return min((abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in taken), default=math.pi)
+
+        # Dimensions are below and to the left.
+        upper = max((math.pi / 4, 3 * math.pi / 4), key=free)
+        angle = upper if free(upper) > 0.6 else max((-math.pi / 4, -3 * math.pi / 4), key=free)
+        ring = _along([self.outer, *self.above])
+        near: Floats = np.abs(np.angle(ring * cmath.exp(-1j * angle)))
+        reach = float(np.max(np.abs(ring)[near < 0.5], initial=float(np.min(np.abs(ring)))))
+        radius = self.scale * reach + 5
+        half = min(0.4, 9 / radius)
+        self.sheet.arc(self.datum, radius, angle - half, 2 * half, "TEXT")
+        tip = self.datum + cmath.rect(radius, angle + half)
+        self.sheet.arrow(tip, 1j * cmath.exp(1j * (angle + half - 1.5 / radius)), "TEXT")
+        self.sheet.text(tip + 2.5j * cmath.exp(1j * (angle + half)) - 1.2j, "+", 3.5, "centre")
+
+    def _side(self) -> None:
+        """Edge view, heights growing to the right, with the thickness."""
+        left = self.paper(self.high).real + _RIGHT + _BESIDE / 2
+        for layer in self.part.layers:
+            low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
+            a = complex(left + self.scale * layer.z0, self.paper(low).imag)
+            b = complex(left + self.scale * layer.z1, self.paper(high).imag)
+            self.sheet.line(a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True)
+        thick = self.scale * self.part.thickness
+        if self.low.imag <= 0 <= self.high.imag:
+            y = self.datum.imag
+            self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
+        bottom = self.paper(self.low).imag
+        self._dimension(complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness))
+        heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
+        heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
+        for i, height in enumerate(heights, 1):
+            top = complex(left, self.paper(self.high).imag)
+            self._dimension(top, top + self.scale * height, 9j * i, number(height))
+
+    def _third(self) -> None:
+        """The view from above, heights z growing downwards."""
+        top = complex(self.datum.real, self.paper(self.low).imag - _BELOW - _THIRD)
+        for contour in self.beyond:
+            self.sheet.contour(contour.moved(self.scale, top, mirror=True), "VIEW")
+
+    def _dimension(self, a: complex, b: complex, away: complex, text: str) -> None:
+        """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
+        sheet = self.sheet
+        out = away / abs(away)
+        for end in (a, b):
+            sheet.line(end + out, end + away + 2 * out, layer="DIM")
+        a, b = a + away, b + away
+        length, along = abs(b - a), (b - a) / abs(b - a)
+        reading = 1 if abs(along.real) > 0.5 else 1j
+        outside = length < 12
+        if outside:
+            a, b = a - 6 * along, b + 6 * along
+        sheet.line(a, b, layer="DIM")
+        sheet.arrow(a + 6 * along if outside else a, along if outside else -along)
+        sheet.arrow(b - 6 * along if outside else b, -along if outside else along)
+        label = Text(0j, text, 3.5, "centre", reading, "DIM")
+        middle = (a + b) / 2
+        if length < label.width + 7:  # beside the arrows: to the left, or above
+            end, out = (a, -along) if abs(along.real) > 0.5 else (b, along)
+            middle = end + out * (label.width / 2 + 1)
+            sheet.line(end, end + out * (label.width + 2), layer="DIM")
+        sheet.things.append(replace(label, at=middle + 0.9j * reading))
+
+    def _table(self) -> None:
+        """Table of holes, at the upper right; rows that do not fit are counted in its last line."""
+        top = self.sheet.height - _MARGIN
+        room = int((top - _MARGIN - _TITLE[1]) / _ROW) - 1
+        rows = [(label, number(h.place.real), number(h.place.imag), h.shape) for label, h in self.named]
+        rows += self._layers()
+        if len(rows) > room:
+            rows = [*rows[: room - 1], ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf")]
+        edges = self.table_x + np.cumsum((0.0, *_TABLE_WIDTHS))
+        for i, row in enumerate([("Hole", "X", "Y", "Size"), *rows]):
+            y = top - (i + 1) * _ROW
+            for k, cell in enumerate(row):
+                number_cell = k in (1, 2)
+                at = complex(edges[k + 1] - 1.5 if number_cell else edges[k] + 1.5, y + 1.3)
+                self.sheet.text(at, cell, 2.5, "right" if number_cell else "left", room=_TABLE_WIDTHS[k] - 2)
+            self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
+        bottom = top - (len(rows) + 1) * _ROW
+        for x in edges[:-1]:
+            self.sheet.line(complex(x, top), complex(x, bottom), layer="TEXT")
+
+    def _layers(self) -> list[tuple[str, str, str, str]]:
+        """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack."""
+        layers, known = self.part.layers, {(hole.place, hole.shape) for _, hole in self.named}
+        rows: list[tuple[str, str, str, str]] = []
+        if len(layers) > _STACK:
+            for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in layers):
+                outers = [fit_arcs(layer.region.outer, self.tolerance) for layer in layers if (layer.z0, layer.z1) == (z0, z1)]
+                size = extent(outers)[1] - extent(outers)[0]
+                overall = f"{number(size.real)} × {number(size.imag)} overall"
+                rows.append(("", "", "", f"z {number(z0)} to {number(z1)}: {overall}"))
+            return rows
+        if len(layers) == 1 and as_circle(layers[0].region.outer):
+            return []
+        told: dict[tuple[tuple[str, str, str], ...], str] = {}
+        for layer in layers:
+            edges, span = edge_rows(layer.region.outer), f"z {number(layer.z0)} to {number(layer.z1)}"
+            same = told.setdefault(tuple(edges), span)
+            rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
+            rows += [("", *row) for row in edges if same is span]
+            own = [hole_of(contour) for contour in layer.region.holes]
+            rows += [("", number(h.place.real), number(h.place.imag), h.shape) for h in own if (h.place, h.shape) not in known]
+        if self.part.crossed is not None:
+            rows.append(("", "X", "Z", "Edges from above:"))
+            rows += [("", *row) for contour in (self.part.crossed.outer, *self.part.crossed.holes) for row in edge_rows(contour)]
+        return rows
+
+    def _notes(self, tolerance: float) -> list[str]:
+        part = self.part
+        lines = [f"Thickness {number(part.thickness)}"]
+        round_one = as_circle(self.outer)
+        if round_one and abs(round_one[0]) > 1e-9:
+            x, y = round_one[0].real, round_one[0].imag
+            lines.append(f"Outline Ø{number(2 * round_one[1])} about X {number(x)}, Y {number(y)}")
+        if part.crossed is not None:
+            lines.append("Material is what lies within both outlines, along z and from above")
+        if len(part.layers) > _STACK:
+            lines.append(f"{len(part.layers)} layers, see the STL")
+        depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
+        lines += [f"Engraved {depth} deep" for depth in depths]
+        lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
+        if self.turns:
+            lines.append("+ : positive sense of turning (ccw)")
+        return [line for note in (*lines, *part.notes) for line in _wrapped(note)]
+
+    def _note_lines(self) -> None:
+        """Notes at the lower left, beside the title block, upwards."""
+        for i, line in enumerate(reversed(self.notes)):
+            self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
+
+    def _title_block(self) -> None:
+        right = self.sheet.width - _MARGIN
+        x0, y0 = right - _TITLE[0], _MARGIN
+        scale = f"{number(self.scale)}:1" if self.scale >= 1 else f"1:{number(1 / self.scale)}"
+        wide = _TITLE[0] / max(1, len(self.meta))
+        own = [(key, value, wide * i, 1, wide) for i, (key, value) in enumerate(self.meta.items())]
+        cells = [
+            ("Part", self.part.title, 0, 2, 85),
+            ("File", f"{self.stem}-drawing", 85, 2, 85),
+            *own,
+            ("Quantity", str(self.part.count), 0, 0, 25),
+            ("Scale", scale, 25, 0, 25),
+            ("Sheet", self.size_name, 50, 0, 20),
+            ("Units", "mm", 70, 0, 20),
+            ("Projection", "first angle", 90, 0, 40),
+            ("Made by", f"camgen {__version__}", 130, 0, 40),
+        ]
+        for key, value, x, row, wide in cells:
+            low = complex(x0 + x, y0 + 12 * row)
+            box = (low, low + wide, low + wide + 12j, low + 12j)
+            self.sheet.line(*box, layer="TEXT", closed=True)
+            self.sheet.text(low + 1.5 + 8.6j, key, 1.8)
+            self.sheet.text(low + 1.5 + 2.6j, value, 3.5, room=wide - 3)

@@ -1,0 +1,492 @@
+"""Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, or a mesh.
+
+    chain     lines and arcs that follow one another, end on end within CHAIN_GAP
+    outline   the largest closed contour; all lengths in mm, in the file's own frame
+
+Unlike `readback`, which is strict with our own files, this reads what others write and says what it made of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import FileError
+from camgen.files.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
+from camgen.findings import Finding, at_most
+from camgen.geometry.distances import inside
+from camgen.geometry.rings import Floats, Ints, Points, Ring
+from camgen.tolerances import CHAIN_GAP, CURVE_CHORDS, SAME_POINT
+
+ENDINGS = (".dxf", ".stl", ".3mf")
+_MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
+_MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
+_MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
+_LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+_RIVAL = 0.25  # of the outline's area: a contour within it that is larger is no bore
+_BEYOND = 1e12  # mm, and bulge: what no drawing means
+_NESTED = 16  # blocks within blocks
+_MILLIMETRES, _UNITLESS = 4, 0
+# $INSUNITS of a DXF: name and mm.
+_DXF_UNITS = {
+    1: ("inches", 25.4), 2: ("feet", 304.8), 3: ("miles", 1_609_344.0), 4: ("millimetres", 1.0), 5: ("centimetres", 10.0),
+    6: ("metres", 1e3), 7: ("kilometres", 1e6), 8: ("microinches", 25.4e-6), 9: ("mils", 0.0254), 10: ("yards", 914.4),
+    13: ("micrometres", 1e-3), 14: ("decimetres", 100.0),
+}  # fmt: skip
+_3MF_UNITS = {"micrometer": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1e3}
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What a file holds: the outline, counter-clockwise (None where a finding says why), findings, a sentence on the reading."""
+
+    ring: Ring | None
+    findings: tuple[Finding, ...]
+    remark: str
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """Edges from points[i] to points[i + 1], (n + 1,) complex; bulges (n,); closed: the last point is the first again."""
+
+    points: Points
+    bulges: Floats
+    closed: bool = False
+
+    def reversed(self) -> _Chain:
+        return _Chain(self.points[::-1], -self.bulges[::-1], self.closed)
+
+    @property
+    def size(self) -> float:
+        """Across its box, mm, arcs by the middle of each."""
+        a, b = self.points[:-1], self.points[1:]
+        z = np.concatenate([self.points, (a + b) / 2 - 0.5j * self.bulges * (b - a)])
+        return float(max(np.ptp(z.real), np.ptp(z.imag)))
+
+    @property
+    def straight(self) -> bool:
+        return len(self.bulges) == 1 and not self.bulges.any()
+
+
+def read_outline(path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None) -> Outline:
+    """The largest closed contour of a DXF (of one layer, if named), or of a mesh's section at height, mm (half way up).
+
+    contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
+    contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
+    are turned into them, with a finding.
+    FileError where the file cannot be read, is empty, too large, or not what its ending says.
+    """
+    kind = path.suffix.lower()
+    if kind not in ENDINGS:
+        raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
+    try:
+        if path.exists() and not path.is_file():
+            raise FileError(path, "is not a file")
+        if path.stat().st_size > _MOST_BYTES:
+            raise FileError(path, f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read")
+        content = path.read_bytes()
+    except OSError as error:
+        raise FileError(path, f"cannot be read: {error.strerror or error}") from None
+    if not content.strip():
+        raise FileError(path, "is empty")
+    found = _looks_like(content)
+    if found not in (kind, ""):
+        raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
+    try:
+        outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
+        return _judged(path, outline)
+    except OverflowError as error:
+        raise FileError(path, f"takes {error}") from None
+
+
+def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Ring, Finding]:
+    """The contour of that rank by size, and CONTOUR: how many others could be meant where no rank is asked for.
+
+    A bore or keyway within a cam is small and holds no contour itself; a frame or a sheet's border holds a cam with its bore.
+    """
+    rank = contour or 1
+    if rank > len(rings):
+        raise FileError(path, f"holds {len(rings)} closed contour(s): there is no contour={rank}")
+    ordered = sorted(rings, key=lambda ring: -abs(ring.area))
+    picked, which = ordered[rank - 1], "the largest" if rank == 1 else f"number {rank} by size"
+    left, low, right, high = picked.box
+    size = max(right - left, high - low)
+    if not _LEAST_SIZE <= size <= _MOST_SIZE:
+        taken = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
+        raise FileError(path, f"has an outline {size:.4g} mm across; {taken}")
+    said, rivals = f"{which} of {len(rings)} closed contour(s) is the outline", []
+    if contour is None:
+        starts = np.array([ring.points[0] for ring in ordered])
+        inner = 1 + _enclosed(picked, starts[1:])
+        rivals = [
+            k for i, k in enumerate(inner.tolist())
+            if abs(ordered[k].area) > _RIVAL * abs(picked.area) or len(_enclosed(ordered[k], starts[inner[i + 1 :]]))
+        ]  # fmt: skip
+    if rivals:
+        ranks = ", ".join(str(k + 1) for k in rivals[:5])
+        said += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
+    return picked, at_most("CONTOUR", len(rivals), 0, "contours", path.name, said)
+
+
+def _enclosed(ring: Ring, points: Points) -> Ints:
+    """Which of the points lie inside a ring, their places in the list; those outside its box cost little."""
+    left, low, right, high = ring.box
+    near = np.flatnonzero((points.real > left) & (points.real < right) & (points.imag > low) & (points.imag < high))
+    if not len(near):
+        return near
+    facets = ring.facetted(min(1e-3 * max(right - left, high - low), 0.01))
+    return near[inside(points[near], facets)]
+
+
+def _looks_like(content: bytes) -> str:
+    """Ending that a file's first bytes speak for; empty where they do not tell."""
+    head = content[:4096].lstrip()
+    if head.startswith(b"PK\x03\x04"):
+        return ".3mf"
+    if len(content) == 84 + 50 * int.from_bytes(content[80:84], "little") and len(content) > 84:
+        return ".stl"
+    if head.startswith(b"solid") and b"facet" in head:
+        return ".stl"
+    if head.startswith(b"AutoCAD Binary DXF") or (b"SECTION" in head and b"\n" in head and head[:1].isdigit()):
+        return ".dxf"
+    for magic, name in ((b"%PDF", ".pdf"), (b"<svg", ".svg"), (b"\x89PNG", ".png"), (b"AC10", ".dwg"), (b"ISO-10303", ".step")):
+        if magic in head[:400]:
+            return name
+    return ""
+
+
+def _judged(path: Path, outline: Outline) -> Outline:
+    """The outline with a finding on its crossing itself; FileError where it has too many points."""
+    ring = outline.ring
+    if ring is None:
+        return outline
+    if len(ring.points) > _MOST_POINTS:
+        raise FileError(path, f"has an outline of {len(ring.points)} points; {_MOST_POINTS} at most are taken")
+    crossing = _crossing(ring)
+    finding = at_most(
+        "SELF_CROSSING", 1 if crossing else 0, 0, "crossings", path.name,
+        f"the outline meets itself: {crossing}" if crossing else "the outline does not meet itself",
+    )  # fmt: skip
+    return Outline(None if crossing else ring.counter_clockwise(), (*outline.findings, finding), outline.remark)
+
+
+def _crossing(ring: Ring) -> str:
+    """Where a ring meets itself; empty where it does not."""
+    import shapely
+
+    z = ring.facetted(CURVE_CHORDS)
+    polygon = shapely.Polygon(np.column_stack([z.real, z.imag]))
+    return "" if shapely.is_valid(polygon) else str(shapely.is_valid_reason(polygon))
+
+
+# ---- DXF -------------------------------------------------------------------------------------------------------------
+
+
+def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None) -> Outline:
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    if not content.rstrip(b"\x00\x1a \t\r\n").endswith(b"EOF"):
+        raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
+    try:
+        drawing = readfile(str(path))
+    except (DXFError, OSError, UnicodeDecodeError, ValueError, TypeError, IndexError, KeyError, AttributeError) as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
+    # the library makes up metres where the header says nothing
+    code = int(drawing.header.get("$INSUNITS", _UNITLESS)) if b"$INSUNITS" in content else _UNITLESS
+    unit, scale = _DXF_UNITS.get(code, ("no unit", 1.0) if code == _UNITLESS else (f"unit number {code}", math.nan))
+    if math.isnan(scale):
+        raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
+    try:
+        _refuse_bomb(path, drawing)
+        hidden = {str(each.dxf.name).lower() for each in drawing.layers if each.is_off() or each.is_frozen()}
+        entities = [
+            e for e in _exploded(drawing.modelspace())
+            if (str(e.dxf.layer).lower() not in hidden if layer is None else str(e.dxf.layer).lower() == layer.lower())
+        ]  # fmt: skip
+    except DXFError as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
+    if layer is not None and not entities:
+        known = sorted({str(e.dxf.layer) for e in drawing.modelspace()})
+        raise FileError(path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}")
+    chains, passed, chords = [], Counter[str](), 0
+    for entity in entities:
+        chain = _chain(entity, CURVE_CHORDS / scale)
+        chords += len(chain.bulges) if chain else 0
+        if chords > _MOST_CHORDS:
+            raise FileError(path, f"has curves of more than {_MOST_CHORDS} chords within {CURVE_CHORDS:g} mm")
+        if chain is None:
+            passed[entity.dxftype()] += 1
+        elif not (np.all(np.abs(chain.points) * scale < _BEYOND) and np.all(np.abs(chain.bulges) < _BEYOND)):
+            what = "a coordinate that is not finite, or as good as infinite"
+            raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has {what}")
+        else:
+            chains.append(_Chain(chain.points * scale, chain.bulges, chain.closed))
+    others = ", ".join(f"{count} {kind}" for kind, count in sorted(passed.items()))
+    if not chains:
+        raise FileError(path, f"holds no outline: {others or 'it is empty'}")
+    units = at_most(
+        "DXF_UNITS", code not in (_MILLIMETRES, _UNITLESS), 0, "faults", path.name,
+        "drawn in millimetres" if code == _MILLIMETRES else
+        "the drawing names no unit: taken as millimetres" if code == _UNITLESS else
+        f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",
+    )  # fmt: skip
+    rings, loose = _joined(chains)
+    if not rings and not loose:
+        raise FileError(path, "holds no outline: all that is drawn has no size")
+    biggest = max(rings, key=lambda ring: abs(ring.area), default=None)
+    size = max(np.ptp(biggest.points.real), np.ptp(biggest.points.imag)) if biggest else 0.0
+    wide = [chain for chain in loose if chain.size >= size and not (biggest and chain.straight)]
+    gap, remark = _gap(wide)
+    closed = at_most(
+        "DXF_CLOSED", gap, 0, "mm", path.name,
+        remark or f"{len(rings)} closed contour(s)"
+        + (f"; {len(loose)} open line(s) within it left out" if loose else "") + (f"; {others} passed over" if others else ""),
+    )  # fmt: skip
+    if wide:
+        return Outline(None, (units, closed), "")
+    picked, chosen = _picked(path, rings, contour)
+    curves = sum(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
+    said = f"{len(picked.points)} edges" + (
+        f", splines and ellipses as chords within {CURVE_CHORDS:g} mm" if curves else ", lines and arcs as they are"
+    )
+    return Outline(picked, (units, closed, chosen), said)
+
+
+def _refuse_bomb(path: Path, drawing: Any) -> None:
+    """FileError where blocks within blocks stand for more than _MOST_ENTITIES, or one holds itself."""
+    inside: dict[str, list[tuple[str, int]]] = {}
+    counts: dict[str, int] = {}
+    for block in drawing.blocks:  # the modelspace is one of them
+        references = [(str(e.dxf.name).lower(), max(e.mcount, 1)) for e in block if e.dxftype() == "INSERT"]
+        inside[block.name.lower()] = references
+        counts[block.name.lower()] = len(block)
+    try:
+        for name in TopologicalSorter({name: {other for other, _ in held} for name, held in inside.items()}).static_order():
+            counts[name] = counts.get(name, 0) + sum(times * counts[other] for other, times in inside.get(name, ()))
+    except CycleError as error:
+        raise FileError(path, f"has a block that holds itself: {error.args[1][0]}") from None
+    most = max(counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace)
+    if most > _MOST_ENTITIES:
+        said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
+        raise FileError(path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read")
+
+
+def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
+    """The entities, with block references replaced by what they show."""
+    for entity in entities:
+        if entity.dxftype() == "INSERT" and depth < _NESTED:
+            for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from _exploded(single.virtual_entities(), depth + 1)
+        else:
+            yield entity
+
+
+def _chain(entity: Any, tolerance: float) -> _Chain | None:
+    """The curve of an entity in the world's xy plane, drawing units; None for what is no curve, or not in that plane."""
+    kind, dxf = entity.dxftype(), entity.dxf
+    if kind == "LINE":
+        return _Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
+    if kind in ("SPLINE", "ELLIPSE"):
+        try:
+            points = _spline(entity, tolerance) if kind == "SPLINE" else _ellipse(entity, tolerance)
+        except (ValueError, ZeroDivisionError, IndexError):
+            return None
+        return _open_or_closed(points, np.zeros(len(points) - 1)) if len(points) > 1 else None
+    if kind not in ("ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE") or abs(abs(dxf.extrusion.z) - 1) > 1e-9:
+        return None
+    if kind in ("ARC", "CIRCLE"):
+        centre, radius = complex(dxf.center.x, dxf.center.y), float(dxf.radius)
+        start, sweep = 0.0, math.tau
+        if kind == "ARC":
+            start = math.radians(dxf.start_angle)
+            sweep = math.radians((dxf.end_angle - dxf.start_angle) % 360) or math.tau
+        angles = start + np.linspace(0, sweep, 3)
+        points, bulges = centre + radius * np.exp(1j * angles), np.full(2, math.tan(sweep / 8))
+    elif kind == "LWPOLYLINE":
+        rows = np.array(entity.get_points("xyb"), float).reshape(-1, 3)
+        points, bulges = _round(rows, entity.closed)
+    else:
+        if not (entity.is_2d_polyline or entity.is_3d_polyline):
+            return None
+        rows = np.array([(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices], float)
+        points, bulges = _round(rows.reshape(-1, 3), entity.is_closed)
+    if len(points) < 2:
+        return None
+    if dxf.extrusion.z < 0:  # drawn from below: mirrored in the y axis
+        points, bulges = -np.conj(points), -bulges
+    return _open_or_closed(points, bulges)
+
+
+def _ellipse(entity: Any, tolerance: float) -> Points:
+    """Chords of an ellipse in even steps of its parameter t, of which c + a cos t + b sin t is at most |a| step^2 / 8 off."""
+    dxf = entity.dxf
+    centre, a, b = (complex(p.x, p.y) for p in (dxf.center, dxf.major_axis, entity.minor_axis))
+    sweep = (dxf.end_param - dxf.start_param) % math.tau or math.tau
+    count = max(math.ceil(sweep / math.sqrt(8 * tolerance / dxf.major_axis.magnitude)), 6)
+    if count > _MOST_POINTS:
+        raise OverflowError(f"{count} chords for ELLIPSE #{dxf.handle}; {_MOST_POINTS} at most are made")
+    t = dxf.start_param + np.linspace(0, sweep, count + 1)
+    points = centre + a * np.cos(t) + b * np.sin(t)
+    return np.append(points[:-1], points[:1]) if sweep == math.tau else points
+
+
+def _spline(entity: Any, tolerance: float) -> Points:
+    """Chords of a spline, which is drawn from knot p to knot n, p its degree and n the number of its control points.
+
+    Between them lies all of a clamped one, and of a closed one whose knots are not clamped what is meant.
+    """
+    if not len(entity.control_points) and len(entity.fit_points) > _MOST_FIT_POINTS:
+        many = len(entity.fit_points)
+        raise OverflowError(f"{many} points to fit SPLINE #{entity.dxf.handle} to; {_MOST_FIT_POINTS} at most do")
+    if entity.dxf.degree > _MOST_DEGREE:
+        raise OverflowError(f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; {_MOST_DEGREE} at most is read")
+    tool = entity.construction_tool()
+    knots, degree = np.array(tool.knots(), float), int(tool.degree)
+    points, weights = np.array([p.xyz for p in tool.control_points], float), np.array(tool.weights(), float)
+    if len(knots) != len(points) + degree + 1 or np.any(np.diff(knots) < 0):
+        raise ValueError("a knot vector that does not fit")
+    begin, end = knots[degree], knots[-1 - degree]
+    if not end > begin:
+        raise ValueError("a knot vector of no length")
+    from scipy.interpolate import BSpline
+
+    weights = weights if len(weights) else np.ones(len(points))
+    curve = BSpline(knots, np.column_stack([points[:, :2] * weights[:, None], weights]), degree)
+
+    def at(t: Floats) -> Points:
+        x, y, w = curve(t).T
+        return np.asarray((x + 1j * y) / w)
+
+    t = np.unique(np.clip(knots, begin, end))
+    t = np.unique(np.concatenate([t[:-1] + share * np.diff(t) for share in (0, 0.25, 0.5, 0.75)] + [t[-1:]]))
+    while len(t) < _MOST_POINTS:
+        z, step = at(t), np.diff(t)
+        off = [np.abs(at(t[:-1] + share * step) - z[:-1] - share * np.diff(z)) for share in (0.25, 0.5, 0.75)]
+        far = np.flatnonzero(~(np.max(off, axis=0) <= tolerance))
+        if not len(far):
+            return at(t)
+        t = np.sort(np.concatenate([t, t[far] + step[far] / 2]))
+    raise OverflowError(f"more than {_MOST_POINTS} chords for SPLINE #{entity.dxf.handle}")
+
+
+def _plane(points: Iterable[Any]) -> Points:
+    return np.array([complex(p.x, p.y) for p in points])
+
+
+def _round(rows: Floats, closed: bool) -> tuple[Points, Floats]:
+    """Points and bulges of (n, 3) rows x, y, bulge; a closed polyline ends at its first point."""
+    points, bulges = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
+    return (np.append(points, points[:1]), bulges) if closed else (points, bulges[:-1])
+
+
+def _open_or_closed(points: Points, bulges: Floats) -> _Chain:
+    return _Chain(points, bulges, abs(points[0] - points[-1]) <= SAME_POINT)
+
+
+def _joined(chains: Sequence[_Chain]) -> tuple[list[Ring], list[_Chain]]:
+    """Rings of chains that close, alone or end on end, and what stays open.
+
+    Ends within CHAIN_GAP are one. Where more than two meet, the contour branches and stays open.
+    """
+    from scipy.spatial import cKDTree
+
+    rings = [ring for chain in chains if chain.closed and (ring := _ring([chain])) is not None]
+    pieces = [chain for chain in chains if not chain.closed and chain.size > SAME_POINT]
+    if not pieces:
+        return rings, []
+    ends = np.array([z for chain in pieces for z in (chain.points[0], chain.points[-1])])
+    places = np.column_stack([ends.real, ends.imag])
+    apart, near = cKDTree(places).query(places, 3, distance_upper_bound=np.nextafter(CHAIN_GAP, 1))
+    paired = np.isfinite(apart).sum(axis=1) == 2  # each end and one other
+    own = np.arange(len(ends))
+    other = np.where(paired, np.where(near[:, 0] == own, near[:, 1], near[:, 0]), 0)
+    partner = np.where(paired & paired[other], other, -1).tolist()
+    used = [False] * len(pieces)
+    loose = []
+    # runs that begin at a free end first; what is left goes round
+    for start in [k for k in range(len(ends)) if partner[k] < 0] + list(range(0, len(ends), 2)):
+        if used[start // 2]:
+            continue
+        run, end = [], start
+        while end >= 0 and not used[end // 2]:
+            used[end // 2] = True
+            run.append(pieces[end // 2] if end % 2 == 0 else pieces[end // 2].reversed())
+            end = partner[end ^ 1]
+        ring = _ring(run) if end >= 0 else None
+        if ring is not None:
+            rings.append(ring)
+        else:
+            loose.append(_Chain(np.concatenate([*(c.points[:-1] for c in run), run[-1].points[-1:]]),
+                                np.concatenate([c.bulges for c in run])))  # fmt: skip
+    return rings, loose
+
+
+def _ring(run: Sequence[_Chain]) -> Ring | None:
+    """Ring of chains end on end, less edges of no length; None where it bounds nothing."""
+    points = np.concatenate([chain.points[:-1] for chain in run])
+    bulges = np.concatenate([chain.bulges for chain in run])
+    kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
+    points, bulges = points[kept], bulges[kept]
+    if len(points) < 2 or (len(points) == 2 and not bulges.any()):
+        return None
+    return Ring(points, bulges)
+
+
+def _gap(loose: Sequence[_Chain]) -> tuple[float, str]:
+    """Smallest distance between the free ends of an open contour, mm, and a sentence; 0 and nothing where there is none."""
+    if not loose:
+        return 0.0, ""
+    ends = np.array([z for chain in loose for z in (chain.points[0], chain.points[-1])])
+    from scipy.spatial import cKDTree
+
+    rows = np.column_stack([ends.real, ends.imag])
+    apart, near = cKDTree(rows).query(rows, 2)
+    a = int(np.argmin(apart[:, 1]))
+    b = int(near[a, 0] if near[a, 0] != a else near[a, 1])
+    gap = float(abs(ends[a] - ends[b]))
+    places = " and ".join(f"({z.real:.4f}, {z.imag:.4f})" for z in (ends[a], ends[b]))
+    if gap <= CHAIN_GAP:
+        return max(gap, CHAIN_GAP), f"the contour branches or is drawn twice: more than two ends meet at {places}"
+    return gap, f"the contour is open: the nearest free ends, {places}, are {gap:.4g} mm apart"
+
+
+# ---- meshes ----------------------------------------------------------------------------------------------------------
+
+
+def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None) -> Outline:
+    findings = []
+    if kind == ".3mf":
+        package = read_3mf(path, strict=False)
+        if len(package.items) != 1:
+            raise FileError(path, f"holds {len(package.items)} objects; one part was expected")
+        scale = _3MF_UNITS.get(package.unit.lower(), math.nan)
+        mesh = package.items[0].placed
+        mesh = Mesh(mesh.vertices * scale, mesh.faces)
+        findings.append(Finding("MESH_UNITS", scale == 1, scale, 1, "mm", path.name, f"its unit is {package.unit.lower()}"))
+    else:
+        mesh = read_stl(path)
+    if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
+        raise FileError(path, "holds no triangles" if not len(mesh.faces) else "a vertex is not finite")
+    faults = mesh_faults(mesh)
+    findings.append(at_most("WATERTIGHT", faults.count, 0, "faults", path.name, f"{len(mesh.faces)} triangles"))
+    low, high = float(mesh.vertices[:, 2].min()), float(mesh.vertices[:, 2].max())
+    z = (low + high) / 2 if height is None else height
+    if not low < z < high:
+        raise FileError(path, f"reaches from z = {low:g} to {high:g} mm; it has no section at {z:g} mm")
+    try:
+        rings = slice_mesh(mesh, z)
+    except ValueError as error:
+        return Outline(None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), "")
+    if not rings:
+        raise FileError(path, f"has no section at z = {z:g} mm")
+    ring, chosen = _picked(path, rings, contour)
+    said = f"section at z = {z:g} mm, {len(ring.points)} edges"
+    return Outline(ring, (*findings, chosen), said)

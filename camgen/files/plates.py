@@ -1,0 +1,228 @@
+"""Ready to print: all copies of all parts laid flat on as few beds as it takes, and the list of parts.
+
+    side        on which a part lies, see `lying`
+    footprint   the smallest rectangle, turned as it likes, about a part seen from above
+    plate       one bed full of copies, written as one 3MF file
+
+Rectangles are packed by rectpack (maximal rectangles, best short side first; Jylanki 2010) in whole micrometres, so the
+same parts give the same plates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from camgen.files.export import Placed, placing, write_3mf
+from camgen.files.lying import Side
+from camgen.findings import Finding, at_most
+from camgen.geometry.outlines import Floats, Points
+from camgen.parts.catalogue import DENSITY as DENSITY
+from camgen.parts.part import Part
+from camgen.parts.solids import Mesh
+
+_UNIT = 0.001  # mm in which rectangles are packed
+_SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numbers are rounded
+
+# The rule of print time. A bead as wide as the nozzle and half as high, laid at this speed, gives the volumetric flow;
+# parts are printed solid; each layer of each copy costs as much again for travel, retraction and slow outer walls.
+PRINT_SPEED = 60.0  # mm/s
+LAYER_SHARE = 0.5  # of the nozzle: height of a layer
+LAYER_OVERHEAD = 6.0  # s
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """Smallest rectangle about a part: turned by angle (rad) the part fills width x height mm about `centre` (turned frame)."""
+
+    angle: float
+    width: float
+    height: float
+    centre: complex
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Place of one copy: laid on a side by turn (3, 3), turned by angle (rad), moved to position (complex mm, bed's corner at 0)
+    and height z."""
+
+    part: str
+    copy: int
+    angle: float
+    position: complex
+    z: float
+    turn: Floats = field(default_factory=lambda: np.eye(3), compare=False)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Plates with their spots, and one BED_FIT finding per part, which fails for one that is larger than the bed."""
+
+    plates: tuple[tuple[Spot, ...], ...]
+    findings: tuple[Finding, ...]
+
+
+def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
+    """Smallest rectangle about the points, (n,) complex mm; where that one does not fit the bed, one that does if there is any.
+
+    The smallest one shares a side with the convex hull; others are tried in steps of one degree.
+    """
+    import shapely
+
+    cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
+    hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
+    sides = np.diff(hull)
+    tried = [_framed(hull, -float(np.angle(side))) for side in sides[np.abs(sides) > 0]]
+    best = min(tried, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
+    if _fits(best, bed):
+        return best
+    tried += [_framed(hull, math.radians(k)) for k in range(180)]
+    fitting = [f for f in tried if _fits(f, bed)]
+    return min(fitting, key=lambda f: f.width * f.height) if fitting else best
+
+
+def _framed(hull: Points, angle: float) -> Footprint:
+    z = hull * complex(math.cos(angle), math.sin(angle))
+    low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+    return Footprint(angle, (high - low).real, (high - low).imag, (low + high) / 2)
+
+
+def _fits(f: Footprint, bed: tuple[float, float]) -> bool:
+    return min(f.width, f.height) <= min(bed) and max(f.width, f.height) <= max(bed)
+
+
+def bed_fit(
+    name: str, count: int, vertices: Floats, bed: tuple[float, float], height: float = math.inf
+) -> tuple[Footprint, Finding]:
+    """Footprint of a part's vertices, (n, 3) mm, and BED_FIT: how far it stands out over the bed, or its height, at its best."""
+    f = footprint(vertices[:, 0] + 1j * vertices[:, 1], bed)
+    tall = float(np.ptp(vertices[:, 2]))
+    beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), tall - height, 0.0)
+    room = f"{bed[0]:g} x {bed[1]:g} mm" + (f", {height:g} mm high" if math.isfinite(height) else "")
+    remark = f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high, the bed is {room}"
+    return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
+
+
+def laid_out(
+    parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float,
+    sides: Mapping[str, Side] = MappingProxyType({}),
+) -> Layout:  # fmt: skip
+    """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
+
+    meshes, sides: by part name, in the part's frame, and on which side it lies, as drawn unless said. A part that fits no bed is
+    left out, and its finding says by how much. The bed's rim is kept free as wide as the gap, for a brim, unless a part needs it.
+    """
+    import rectpack
+
+    whole, gap = bed, gap + _SPARE
+    prints: dict[str, Footprint] = {}
+    findings, copies = [], []
+    turns = {part.name: sides.get(part.name, Side()).turn for part in parts}
+    lying = {part.name: meshes[part.name].vertices @ turns[part.name].T for part in parts}
+    for part in parts:
+        f, finding = bed_fit(part.name, part.count, lying[part.name], bed)
+        prints[part.name] = f
+        findings.append(finding)
+        copies += [(part.name, k + 1) for k in range(part.count)] if finding.ok else []
+
+    inner = (bed[0] - 2 * gap, bed[1] - 2 * gap)
+    if min(inner) > 0 and all(_fits(prints[name], inner) for name, _ in copies):
+        bed = inner
+    packer = rectpack.newPacker(rotation=True)  # the largest area first
+    packer.add_bin(*(math.floor((side + gap) / _UNIT) for side in bed), count=float("inf"))
+    sizes = [_cell(prints[name], bed, gap) for name, _ in copies]
+    for k, (width, height) in enumerate(sizes):
+        packer.add_rect(width, height, rid=k)
+    packer.pack()
+    cells: dict[int, list[tuple[int, complex, complex]]] = {}
+    for plate, x, y, width, height, k in packer.rect_list():
+        cells.setdefault(plate, []).append((k, complex(x, y), complex(width, height)))
+    laid = []
+    for plate in sorted(cells):
+        far = [low + size for _, low, size in cells[plate]]
+        middle = (complex(*whole) - complex(max(z.real for z in far), max(z.imag for z in far)) * _UNIT + gap * (1 + 1j)) / 2
+        spots = []
+        for k, low, size in sorted(cells[plate], key=lambda cell: cell[0]):
+            name, copy = copies[k]
+            across = size != complex(*sizes[k])
+            centre = middle + (low + size / 2) * _UNIT - gap * (1 + 1j) / 2
+            turned = prints[name].centre * (1j if across else 1)
+            angle = prints[name].angle + (math.pi / 2 if across else 0.0)
+            spots.append(Spot(name, copy, angle, centre - turned, -float(lying[name][:, 2].min()), turns[name]))
+        laid.append(tuple(spots))
+    return Layout(tuple(laid), tuple(findings))
+
+
+def _cell(f: Footprint, bed: tuple[float, float], gap: float) -> tuple[int, int]:
+    """Width and height with the gap in units, rounded up unless that is what makes it too large for the bed."""
+    low, high = sorted(bed)
+    room = (low, high) if f.width < f.height else (high, low)
+    width, height = (
+        min(math.ceil((side + gap) / _UNIT), math.floor((limit + gap) / _UNIT))
+        for side, limit in zip((f.width, f.height), room, strict=True)
+    )
+    return width, height
+
+
+def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, Mesh], key: str) -> list[Path]:
+    """Write `<name>-plate.3mf`, `<name>-plate-2.3mf` and so on; key as for `write_3mf`. Returns the paths."""
+    paths = []
+    for k, spots in enumerate(layout.plates, 1):
+        path = folder / (f"{name}-plate.3mf" if k == 1 else f"{name}-plate-{k}.3mf")
+        objects = {part: mesh for part, mesh in meshes.items() if any(spot.part == part for spot in spots)}
+        items = [Placed(s.part, f"{s.part} {s.copy}", _placing(s)) for s in spots]
+        write_3mf(path, objects, items, f"{key}:plate-{k}")
+        paths.append(path)
+    return paths
+
+
+def _placing(spot: Spot) -> Floats:
+    """Transform (3, 4) of one copy."""
+    place = placing(spot.angle, spot.position, spot.z, 0.0)
+    return np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
+
+
+# ---- the list of parts -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Row:
+    """A printed part in the list: count, and material (mm^3), mass (g) and time to print (min) of ALL its copies."""
+
+    part: str
+    title: str
+    count: int
+    material_mm3: float
+    mass_g: float
+    print_min: float
+
+
+COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
+
+
+def parts_list(
+    parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None,
+    sides: Mapping[str, Side] = MappingProxyType({}),
+) -> list[Row]:  # fmt: skip
+    """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
+
+    The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY
+    unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
+    """
+    density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
+    layer = LAYER_SHARE * nozzle
+    flow = nozzle * layer * PRINT_SPEED
+    rows = []
+    for part in parts:
+        height = sides[part.name].height if part.name in sides else part.thickness
+        seconds = part.volume / flow + math.ceil(height / layer - 1e-6) * LAYER_OVERHEAD
+        rows.append(
+            Row(part.name, part.title, part.count, part.count * part.volume, part.count * part.volume * density,
+                part.count * seconds / 60)
+        )  # fmt: skip
+    return rows

@@ -1,0 +1,1 @@
+"""Plane geometry: exact outlines, facets, arcs, rings, distances; it knows of no machine."""

@@ -1,0 +1,211 @@
+"""Arcs: an exact outline as lines and circular arcs with common tangents, within a tolerance.
+
+    biarc     two arcs from one point and tangent to another, with a common tangent where they meet (the joint)
+    bulge     tan(sweep / 4) of an arc, > 0 counter-clockwise; with its end points it is the whole arc
+
+A biarc over the length 2h of a curve whose curvature grows by kappa' a mm leaves e = kappa' (2h)^3 / 324 at a third of
+each half and nothing at the joint (integrate e''' = kappa' twice from both ends). So the least number of arcs is the
+integral of (|kappa'| / (40.5 tolerance))^(1/3) ds, and equal parts of it are the best spacing.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from camgen.geometry.facets import ShareLaw, Track, cross, dot, facet, fewest, roots
+from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth, start_point
+
+# A biarc turns by no more than this, rad, however loose the tolerance: each of its arcs stays well below a half circle.
+_BIARC_TURN = 2 * math.pi / 3
+# Places on each arc at which stationary points of the deviation are bracketed; a biarc on a spiral has one an arc.
+_BRACKETS = 8
+# An arc flatter than this, radius over chord, becomes a line where the tolerance allows; ...
+_FLAT = 1e5
+# ... one flatter than this, radius over the size of the piece, must: its centre would lose its ends to rounding.
+_FLATTEST = 1e5
+
+
+@dataclass(frozen=True)
+class Biarcs:
+    """n biarcs, arrays (n,): ends z0, z1, joint, unit tangents there, signed sweeps (rad) and curvatures (1/mm).
+
+    The joint is the one with equal chords: no case of parallel tangents to set apart, and it lies on a spiral
+    up to terms of fourth order.
+    """
+
+    z0: Points
+    joint: Points
+    z1: Points
+    tangent0: Points
+    tangent_joint: Points
+    sweeps: tuple[Floats, Floats]
+    kappas: tuple[Floats, Floats]
+
+    @classmethod
+    def through(cls, z: Points, tangents: Points) -> Biarcs:
+        """Biarcs between neighbours of the points z (n + 1,) with unit tangents there."""
+        z0, z1, v = z[:-1], z[1:], np.diff(z)
+        a, b = np.angle(tangents[:-1] / v), np.angle(tangents[1:] / v)
+        leg = v / (2 * np.cos((b - a) / 4)) * np.exp(0.25j * (a - b))
+        sweeps = (-(3 * a + b) / 2, (3 * b + a) / 2)
+        kappas = (2 * np.sin(sweeps[0] / 2) / np.abs(leg), 2 * np.sin(sweeps[1] / 2) / np.abs(leg))
+        turned = v / np.abs(v) * np.exp(-0.5j * (a + b))
+        return cls(z0, z0 + leg, z1, tangents[:-1], turned, sweeps, kappas)
+
+
+def _tangents(piece: Smooth, t: Floats) -> Points:
+    dz = piece.at(t, 1)
+    return np.asarray(dz / np.abs(dz))
+
+
+def _biarc_law(tolerance: float) -> ShareLaw:
+    """Shares in biarcs, half the number of arcs."""
+    return lambda _, length, change: np.cbrt(change * length**2 / (324 * tolerance))
+
+
+def deviations(piece: Smooth, t: Floats) -> Floats:
+    """Largest distance between each biarc on the ends t (n + 1,) and the piece, either way; (n,) mm.
+
+    Measured along the arc's normals: the normal of the joint divides the curve between the two arcs, and on each part
+    the extremes are where curve and arc run parallel. A stretch that no biarc can follow answers its whole size.
+    """
+    fit = Biarcs.through(piece.at(t), _tangents(piece, t))
+    n = fit.z0.size
+    size = np.abs(fit.z1 - fit.z0)
+
+    def past_joint(s: Floats, i: np.ndarray) -> tuple[Floats, Floats]:
+        along = fit.tangent_joint[i]
+        return dot(along, piece.at(s) - fit.joint[i]), dot(along, piece.at(s, 1))
+
+    parting = roots(past_joint, t[:-1], t[1:])
+
+    # Both halves as one array of 2n arcs; an arc is a point on it, its tangent there and its curvature.
+    point = np.concatenate([fit.z0, fit.joint])
+    tangent = np.concatenate([fit.tangent0, fit.tangent_joint])
+    kappa = np.concatenate(fit.kappas)
+    lo, hi = np.concatenate([t[:-1], parting]), np.concatenate([parting, t[1:]])
+
+    def offset(s: Floats, i: np.ndarray) -> Floats:
+        """Distance to the left of arc i, from f = d - kappa d^2 / 2, which a straight arc does not spoil."""
+        w = piece.at(s) - point[i]
+        f = cross(tangent[i], w) - kappa[i] * np.abs(w) ** 2 / 2
+        return np.asarray(2 * f / (1 + np.sqrt(np.maximum(1 - 2 * kappa[i] * f, 0))))
+
+    def parallel(s: Floats, i: np.ndarray) -> tuple[Floats, Floats]:
+        """Derivatives of f: its first is 0 where the curve runs parallel to arc i."""
+        w, d1, d2 = piece.at(s) - point[i], piece.at(s, 1), piece.at(s, 2)
+        slope = cross(tangent[i], d1) - kappa[i] * dot(w, d1)
+        return slope, cross(tangent[i], d2) - kappa[i] * (dot(w, d2) + np.abs(d1) ** 2)
+
+    # The first half touches its arc at z0 and the second at z1: there f' = 0 without being an extreme.
+    inner = np.arange(1, _BRACKETS + 1) / (_BRACKETS + 1)
+    grid = lo[:, None] + (hi - lo)[:, None] * np.concatenate([inner, [1.0]])
+    grid[n:] = lo[n:, None] + (hi - lo)[n:, None] * np.concatenate([[0.0], inner])
+    arc = np.broadcast_to(np.arange(2 * n)[:, None], grid.shape)
+    slope = parallel(grid.ravel(), arc.ravel())[0].reshape(grid.shape)
+    row, column = np.nonzero(slope[:, :-1] * slope[:, 1:] < 0)
+    s = roots(lambda x, i: parallel(x, row[i]), grid[row, column], grid[row, column + 1])
+
+    worst = np.abs(offset(grid.ravel(), arc.ravel())).reshape(grid.shape).max(axis=1)
+    np.maximum.at(worst, row, np.abs(offset(s, row)))
+    astray = np.abs(piece.at(parting) - fit.joint) > np.abs(fit.joint - fit.z0)
+    wide = np.maximum(np.abs(fit.sweeps[0]), np.abs(fit.sweeps[1])) > 3
+    return np.where(astray | wide, size, np.maximum(worst[:n], worst[n:]))
+
+
+def _arc(a: complex, b: complex, sweep: float) -> Arc:
+    """The arc from a to b."""
+    centre = (a + b) / 2 + 0.5j * (b - a) / math.tan(sweep / 2)
+    return Arc(centre, abs(b - a) / (2 * abs(math.sin(sweep / 2))), cmath.phase(a - centre), sweep)
+
+
+def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
+    if piece.t1 < piece.t0:
+        return [p.reversed() for p in reversed(_fit_smooth(piece.reversed(), tolerance))]
+    track = Track(piece, _biarc_law(tolerance), _BIARC_TURN)
+    t = fewest(track, lambda ends: deviations(piece, ends), tolerance, 1 / 3)
+    z = piece.at(t)
+    fit, left = Biarcs.through(z, _tangents(piece, t)), tolerance - deviations(piece, t)
+    limit = 1 / (_FLATTEST * max(np.abs(z - z[0]).max(), np.abs(z).max()))
+    pieces: list[Piece] = []
+    for i in range(t.size - 1):
+        ends = [complex(fit.z0[i]), complex(fit.joint[i]), complex(fit.z1[i])]
+        spans = [(ends[j], ends[j + 1], float(fit.sweeps[j][i]), float(fit.kappas[j][i])) for j in (0, 1)]
+        flat = [
+            abs(kappa * (b - a)) * _FLAT < 1 and abs(b - a) / 2 * math.tan(abs(sweep) / 4) <= left[i]
+            for a, b, sweep, kappa in spans
+        ]
+        if all(flat) or any(abs(span[3]) < limit and not line for span, line in zip(spans, flat, strict=True)):
+            corners = piece.at(facet(replace(piece, t0=t[i], t1=t[i + 1]), tolerance))
+            pieces += [Line(complex(a), complex(b)) for a, b in zip(corners[:-1], corners[1:], strict=True)]
+        else:
+            pieces += [Line(a, b) if line else _arc(a, b, sweep) for (a, b, sweep, _), line in zip(spans, flat, strict=True)]
+    return pieces
+
+
+def _below_half(arc: Arc) -> list[Arc]:
+    """The arc in equal parts that each sweep less than pi, so that every |bulge| < 1."""
+    parts = math.floor(abs(arc.sweep) / math.pi + 1e-12) + 1
+    step = arc.sweep / parts
+    return [Arc(arc.centre, arc.radius, arc.start + i * step, step) for i in range(parts)]
+
+
+@lru_cache(maxsize=256)  # one fit serves the cut file, the drawing and the report
+def fit_arcs(contour: Contour, tolerance: float) -> Contour:
+    """The contour as lines and arcs (each sweeping less than pi) within `tolerance` mm of it, either way.
+
+    Joints stay where they are, with their exact points and tangents; lines and arcs stay as they are, but that
+    arcs of pi and more are divided (a full circle is not: see `as_circle`).
+    """
+    if not 0 < tolerance < math.inf:
+        raise ValueError(f"tolerance is {tolerance} mm, must be positive")
+    if as_circle(contour):
+        return contour
+    pieces: list[Piece] = []
+    for piece in contour.pieces:
+        if isinstance(piece, Smooth):
+            pieces += _fit_smooth(piece, tolerance)
+        else:
+            pieces += _below_half(piece) if isinstance(piece, Arc) else [piece]
+    return Contour(tuple(pieces))
+
+
+def as_circle(contour: Contour) -> tuple[complex, float] | None:
+    """Centre and radius of a contour that is one full circle, else None."""
+    match contour.pieces:
+        case (Arc(centre, radius, _, sweep),) if math.isclose(abs(sweep), 2 * math.pi, rel_tol=1e-12):
+            return centre, radius
+    return None
+
+
+def bulges(contour: Contour) -> tuple[Points, Floats]:
+    """Vertices (n,) and bulges (n,) of a closed polyline, |bulge| < 1; bulge i belongs to the edge from vertex i on.
+
+    Raises ValueError for a contour that is not of lines and arcs only.
+    """
+    vertices: list[tuple[complex, float]] = []
+    for piece in contour.pieces:
+        if isinstance(piece, Smooth):
+            raise ValueError("only lines and arcs have bulges; fit arcs first")
+        if isinstance(piece, Arc):
+            vertices += [(start_point(arc), math.tan(arc.sweep / 4)) for arc in _below_half(piece)]
+        else:
+            vertices.append((piece.a, 0.0))
+    return np.array([z for z, _ in vertices], complex), np.array([bulge for _, bulge in vertices])
+
+
+def theoretical_arcs(contour: Contour, tolerance: float) -> float:
+    """Least number of arcs: the integral of (|kappa'| / (40.5 tolerance))^(1/3) ds on a smooth piece, 1 else."""
+
+    def least(piece: Piece) -> float:
+        if not isinstance(piece, Smooth):
+            return 1.0
+        forward = piece if piece.t0 < piece.t1 else piece.reversed()
+        return 2 * float(Track(forward, _biarc_law(tolerance)).share.sum())
+
+    return sum(least(piece) for piece in contour.pieces)

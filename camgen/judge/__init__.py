@@ -1,0 +1,1 @@
+"""The judge: files to shapes, contact, measured joints, clearances, findings; never what made a curve."""

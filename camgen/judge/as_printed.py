@@ -1,0 +1,93 @@
+"""The judge's way back: what a compensated file becomes in print, so that its motion can be judged.
+
+It moves the points that are in the file along the normals that are in the file; it knows nothing of the curves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgen.geometry.rings import Floats, Points, Ring, Shape
+
+_FACET = 0.6  # rad, a vertex that turns by more is a corner
+_ROUNDS = 64  # edges that turn over are taken out again and again; each round leaves fewer points
+
+
+def printed(shape: Shape, hole: float, profile: float, shrinkage: float) -> Shape:
+    """A recovered shape as it is in print: shrunk about the origin, holes smaller by `hole`, outline larger by `profile` (mm).
+
+    ValueError where a ring vanishes.
+    """
+    small = shape.moved(1 - shrinkage)
+    holes = tuple(grown(ring.counter_clockwise(), -hole) for ring in small.holes)
+    return Shape(grown(small.outer, profile), holes)
+
+
+def grown(ring: Ring, distance: float) -> Ring:
+    """A counter-clockwise ring moved outwards by `distance` mm (< 0: inwards); arcs stay arcs about their centres.
+
+    Each vertex goes to where its two moved edges meet. An edge that has turned over shrank to nothing: it is one point.
+    ValueError where fewer than three points are left of a ring of straight edges, or less than two of one with arcs.
+    """
+    points, bulges = ring.points, ring.bulges
+    if distance == 0:
+        return ring
+    before, after = _normals(points, bulges)
+    moved = points + distance * (before + after) / (1 + np.real(np.conj(before) * after))
+    for _ in range(_ROUNDS):
+        over = _turned_over(points, moved, bulges)
+        if not over.any():
+            least = 2 if bulges.any() else 3
+            if len(moved) < least:
+                break
+            return Ring(moved, bulges)
+        points, moved, bulges = _merged(points, moved, bulges, over)
+        if len(moved) < 2:
+            break
+    raise ValueError(f"nothing is left of a ring moved by {distance:g} mm")
+
+
+def _normals(points: Points, bulges: Floats) -> tuple[Points, Points]:
+    """Outward unit normals at each vertex, of the edge that ends there and of the one that begins there."""
+    chord = np.roll(points, -1) - points
+    length = np.abs(chord)
+    across = -1j * chord / length
+    half_turn = (1 + 1j * bulges) ** 2 / (1 + bulges**2)
+    begins, ends = across / half_turn, across * half_turn
+    # Facets of a curve that ends in a corner: there the curve leaves its last chord by half the chord's own turning.
+    turn = np.angle(across / np.roll(across, 1))  # at each vertex
+    reach = (length + np.roll(length, 1)) / 2
+    bend = turn / reach
+    facet = (bulges == 0) & (np.roll(bulges, 1) == 0)
+    smooth = facet & (np.abs(turn) < _FACET)
+
+    def lean(sign: int) -> Floats:
+        """Turning of the chord that leaves (sign 1) or reaches (-1) a corner, 0 where it is no facet of a curve."""
+        near, far = np.roll(bend, -sign), np.roll(bend, -2 * sign)
+        curved = np.roll(smooth, -sign) & np.roll(smooth, -2 * sign) & (near * far > 0)
+        curved &= (np.abs(near) < 2 * np.abs(far)) & (np.abs(far) < 2 * np.abs(near))
+        curved &= facet & (np.abs(turn) > 2 * np.abs(np.roll(turn, -sign)))
+        return np.where(curved, near, 0.0)
+
+    begins = begins * np.exp(-0.5j * lean(1) * length)
+    arrives = np.roll(ends, 1) * np.exp(0.5j * lean(-1) * np.roll(length, 1))
+    return arrives, begins
+
+
+def _turned_over(points: Points, moved: Points, bulges: Floats) -> np.ndarray:
+    """Edges that run backwards after the move, or have no length."""
+    chord, now = np.roll(points, -1) - points, np.roll(moved, -1) - moved
+    return np.asarray(np.real(np.conj(chord) * now) <= 1e-12 * np.abs(chord) ** 2)
+
+
+def _merged(points: Points, moved: Points, bulges: Floats, over: np.ndarray) -> tuple[Points, Points, Floats]:
+    """Each run of turned-over edges as one point, in the middle of those that it joins."""
+    start = int(np.flatnonzero(~over)[0]) + 1 if not over.all() else 0
+    points, moved = np.roll(points, -start), np.roll(moved, -start)
+    bulges, over = np.roll(bulges, -start), np.roll(over, -start)
+    group = np.cumsum(np.append(True, ~over[:-1])) - 1
+    count = np.bincount(group)
+    place = (np.bincount(group, moved.real) + 1j * np.bincount(group, moved.imag)) / count
+    old = (np.bincount(group, points.real) + 1j * np.bincount(group, points.imag)) / count
+    last = np.cumsum(count) - 1
+    return np.asarray(old, complex), np.asarray(place, complex), bulges[last]

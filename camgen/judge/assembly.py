@@ -1,0 +1,140 @@
+"""The assembly as written, moved through a whole turn: which bodies come how near to each other, proven between samples.
+
+What may touch follows from how the machine is made: bodies that do not move as they see each other are fixed together; a
+joint's parts have their fit; a tip rolls on its cam; parts that pass by each other may graze.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from camgen.files.readback import read_3mf
+from camgen.findings import Finding, at_most
+from camgen.geometry.rings import Floats, Points, Ring
+from camgen.judge.interference import Pair, interference, swept
+from camgen.judge.slabs import Body, Course, Slab, slabs_of
+from camgen.machine.contacts import Apart, Moved, Pin, Pose, Poses, Rolling, Slide, StandIn
+
+_SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
+COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
+
+Row = tuple[str, str, float, float, float]
+_PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching
+_ROLLING = 0.08  # mm, the same of tip and cam on the way round; how they touch is judged by rolling, far more finely
+_SHARE = 0.05  # of the gap to be kept, to which gaps are found
+_FINEST = 0.001  # mm, and no finer than this
+_ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
+
+
+def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
+    """Read an assembly file, set it in motion: INTERFERENCE findings, and rows (COLUMNS) of moving pairs that come nearest.
+
+    The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
+    """
+    package, where, start = read_3mf(path), path.name, machine.poses(np.zeros(1))
+    wanted = Counter({part: len(start[part]) for part in machine.parts})
+    found = Counter(item.name for item in package.items)
+    missing = sum(((wanted - found) + (found - wanted)).values())
+    copies = at_most("ROUND_TRIP", missing, 0, "copies", where, f"{sum(wanted.values())} copies of {len(wanted)} parts in place")
+    if missing:
+        return [copies], []
+    poses, bodies, numbers = _remembered(machine.poses), [], Counter[str]()
+    spare = 4 * machine.tolerance
+    try:
+        for item in package.items:
+            k = numbers[item.name]
+            numbers[item.name] += 1
+            at = -complex(start[item.name][k].position[0])
+            bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(item.placed), _course(poses, item.name, k), at=at))
+        bodies += [Body(thing.name, _slabs(thing), thing.course) for thing in machine.stand_ins]
+        clearances = swept(
+            bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
+            resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
+        )  # fmt: skip
+    except ValueError as error:  # a section that does not close, a motion that jumps
+        return [copies, Finding("INTERFERENCE", False, math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
+    findings = [copies, *interference(clearances, machine.gap)]
+    ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
+    rows = [
+        (f"{c.a}, {c.b}", "touch" if c.allowed is not None else "apart", c.gap, c.proven, math.degrees(c.theta))
+        for c in ordered[:_SHOWN]
+    ]
+    return findings, rows
+
+
+def _touching(machine: Moved, names: Sequence[str], spare: float) -> dict[Pair, float]:
+    """Pairs of bodies that touch by intent as they move, and the overlap that this may show, mm."""
+    if not machine.gap > 0:  # no air is asked for: all may graze
+        fits = {frozenset(pair): spare for pair in itertools.combinations(names, 2)}
+    else:
+        fits = {}
+    for a, b, overlap in _fits(machine, spare):
+        for one, other in itertools.product(_copies(a, names), _copies(b, names)):
+            fits[frozenset((one, other))] = overlap
+    return fits
+
+
+def _copies(part: str, names: Sequence[str]) -> list[str]:
+    """The bodies that are copies of a part, or the stand-in of this name."""
+    return [name for name in names if name == part or name.rpartition("-")[0] == part]
+
+
+def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
+    """Parts and stand-ins that touch by intent, with the overlap that may show: fits that leave less air than `gap`, tips."""
+    tips = [thing.name for thing in machine.stand_ins if thing.rolls]
+    for contact in machine.contacts:
+        match contact:
+            case Rolling(part=part, tip_part=tip_part):
+                rolling = [tip_part] if tip_part is not None and not contact.seat else tips
+                yield from ((tip, part, _ROLLING + spare) for tip in rolling)
+            case Pin(a=a, b=b, pin=pin):
+                for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
+                    air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
+                    if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:
+                        yield one.part, other.part, max(0.0, -2 * air) + spare
+            case Slide(eye=eye, rails=rails) if eye.part and contact.clearance / 2 <= machine.gap + spare / 2:
+                yield eye.part, rails, spare
+            case Apart(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
+                yield a, b, spare
+
+
+def _remembered(poses: Poses) -> Poses:
+    """The same, without asking again for angles that were the last ones."""
+    last: dict[bytes, Mapping[str, Sequence[Pose]]] = {}
+
+    def remembered(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        key = theta.tobytes()
+        if key not in last:
+            if len(last) > 1:
+                del last[next(reversed(last))]  # the grid, which came first, stays
+            last[key] = poses(theta)
+        return last[key]
+
+    return remembered
+
+
+def _course(poses: Poses, part: str, copy: int) -> Course:
+    """The motion of a part's copy from its place at theta = 0, where the file shows it."""
+    start = float(poses(np.zeros(1))[part][copy].angle[0])
+
+    def course(theta: Floats) -> tuple[Floats, Points]:
+        pose = poses(theta)[part][copy]
+        return pose.angle - start, pose.position
+
+    return course
+
+
+def _slabs(thing: StandIn) -> tuple[Slab, ...]:
+    """Discs as slabs."""
+    spans = dict.fromkeys((z0, z1) for _, _, z0, z1 in thing.discs)
+    return tuple(
+        Slab(z0, z1, tuple(Ring(np.asarray(at + radius * _ENDS, complex), np.ones(2)) for at, radius, *span in thing.discs
+                           if tuple(span) == (z0, z1)))
+        for z0, z1 in spans
+    )  # fmt: skip

@@ -1,0 +1,359 @@
+"""The judge of files: what they hold, against the plain numbers and points of the parts.
+
+Every contour of every section is compared with the one that was meant, by its points, along its edges and by its area. It
+knows nothing of the formulas that made the curve; what a follower does on it is judged by `rolling`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from camgen import tolerances
+from camgen.files.readback import Mesh, Package, mesh_faults, read_3mf, read_dxf, read_stl, slice_mesh
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.distances import point_to_ring, thinnest_wall
+from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
+from camgen.judge.as_printed import printed
+from camgen.numerics import product
+
+MILLIMETRES = 4  # $INSUNITS of DXF
+_WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
+_ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
+
+
+@dataclass(frozen=True)
+class Section:
+    """What cuts through some heights (mm) should show: these separate pieces, facetted within the chord tolerance.
+
+    sent: as it is in a file for the printer, such as the chamfer of its foot; otherwise as it prints.
+    """
+
+    heights: tuple[float, ...]
+    shapes: tuple[Shape, ...]
+    sent: bool = False
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a part's files should hold, as plain numbers and points.
+
+    sections: of its stack of layers, from the bottom, then of what lies below or above them; cut: the one that its drawing
+    shows; volume: mm^3; levels: heights of its flat faces, mm, the underside first: of a `stacked` part all, of another one
+    the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
+    place; eyes: centre and diameter, mm, of joints. Of these alone the place is judged elsewhere, by how parts move.
+    undo: how a mesh was changed for the printer, None where it was not. marks: (n, 2), ends of each stroke of a
+    drawing's centre marks, none where nobody asked for them.
+    """
+
+    part: str
+    sections: tuple[Section, ...]
+    cut: int
+    volume: float
+    levels: tuple[float, ...]
+    facets: float
+    min_wall: float
+    chord_tolerance: float
+    bore: float | None = None
+    eyes: tuple[tuple[complex, float], ...] = ()
+    stacked: bool = True
+    undo: Undo | None = None
+    marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
+
+
+@dataclass(frozen=True)
+class Undo:
+    """What the printer does to a mesh that was sent to it, see `undoing.printed`; files are judged as they print, mm."""
+
+    hole: float
+    profile: float
+    shrinkage: float
+
+    @property
+    def slack(self) -> float:
+        """How far contours may be off for having been changed and changed back, mm."""
+        return tolerances.WAY_BACK * max(abs(self.hole), abs(self.profile))
+
+    def __call__(self, shape: Shape) -> Shape:
+        """A recovered shape as it is in print; ValueError where a ring vanishes."""
+        return printed(shape, self.hole, self.profile, self.shrinkage)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Findings on one file, and what was read from it; nothing where it could not be recovered.
+
+    shape: the piece that a tip rolls on, its bore at the origin; sections: the pieces at each height, as in the file.
+    """
+
+    findings: tuple[Finding, ...]
+    shape: Shape | None
+    bore: Circle | None = None
+    sections: tuple[tuple[Shape, ...], ...] = ()
+
+
+def judge_dxf(path: Path, expected: Expected) -> Judged:
+    """Units, closed contours, holes and walls of a drawing that is to be cut."""
+    drawing, where = read_dxf(path), path.name
+    units = drawing.units or 0
+    faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
+    closed = at_most(
+        "DXF_CLOSED", len(faults), 0, "contours", where,
+        "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
+    )  # fmt: skip
+    findings = [
+        at_most("DXF_UNITS", units != MILLIMETRES, 0, "faults", where,
+                "drawn in millimetres" if units == MILLIMETRES else
+                f"$INSUNITS of the header is {units}, millimetres are {MILLIMETRES}"),
+        closed,
+    ]  # fmt: skip
+    if not closed.ok:
+        return Judged(tuple(findings), None)
+    return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, 0.0, findings)
+
+
+def _misplaced(marks: Points, wanted: Points) -> list[str]:
+    """What is wrong with the strokes of centre marks, in the order in which they are meant."""
+    if len(marks) != len(wanted):
+        return [f"{len(marks)} strokes of centre marks instead of {len(wanted)} (output.center_marks)"]
+    off = float(np.max(np.abs(marks - wanted), initial=0.0))
+    return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
+
+
+def judge_mesh(path: Path, expected: Expected) -> Judged:
+    """Watertightness, volume, sections and walls of the one solid in an STL or 3MF file."""
+    where = path.name
+    if path.suffix != ".3mf":
+        return judge_solid(read_stl(path, normals=True), expected, where)
+    package = read_3mf(path)
+    remarks = _remarks(package)
+    names = [item.name for item in package.items]
+    remarks += [] if names == [expected.part] else [f"holds {', '.join(names[:5]) or 'nothing'} instead of {expected.part} alone"]
+    if remarks:
+        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
+    (item,) = package.items
+    return judge_solid(item.placed, expected, where)
+
+
+def _remarks(package: Package) -> list[str]:
+    """What is wrong with a package as such."""
+    return [*package.warnings, *([] if package.unit.lower() == "millimeter" else [f"unit is {package.unit}"])]
+
+
+def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
+    """Watertightness, volume, sections and walls of a solid."""
+    faults = mesh_faults(mesh)
+    count = faults.count + abs(faults.bodies - 1)
+    findings = [
+        at_most(
+            "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
+            f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
+            f"{faults.degenerate} degenerate triangles, {faults.turned_normals} stored normals that are not the triangle's own, "
+            f"{faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+        )
+    ]  # fmt: skip
+    if count:
+        return Judged(tuple(findings), None)
+    findings.append(_volume(faults.volume, expected, where))
+    rounding = float(np.max(np.abs(mesh.vertices))) * tolerances.FLOAT32_ROUNDING
+    lifted = _level_error(mesh.vertices[:, 2], expected)
+    try:
+        sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]
+    except ValueError as error:
+        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
+        return Judged(tuple(findings), None)
+    return _judge_sections(sections, expected, where, rounding, findings, lifted)
+
+
+def _level_error(heights: Floats, expected: Expected) -> float:
+    """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
+    there, wanted = np.unique(heights), np.array(expected.levels)
+    if not expected.stacked:
+        there = there[[0, -1]]
+    apart = np.abs(there[:, None] - wanted)
+    return float(max(np.max(np.min(apart, axis=0)), np.max(np.min(apart, axis=1))))
+
+
+def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tuple[str, Floats]] | None = None) -> Finding:
+    """ROUND_TRIP of a package that holds copies of parts: its solids are the originals, moved as bodies are and not deformed.
+
+    places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
+    """
+    package, where = read_3mf(path), path.name
+    remarks = _remarks(package)
+    strange = sorted(set(package.meshes) - set(originals))
+    remarks += [f"there is no part {name}" for name in strange]
+    found, wanted = Counter(item.name for item in package.items), Counter(name for name, _ in places or ())
+    if places is not None and found != wanted:
+        remarks.append(f"{found.total()} copies instead of {wanted.total()}")
+    if remarks:
+        return at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks))
+    off = max((_unlike(mesh, originals[name]) for name, mesh in package.meshes.items()), default=0.0)
+    reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
+    far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
+    for item in package.items:
+        turn = item.transform[:, :3]
+        bent = float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
+        off = max(off, bent * reach)
+    laid = [(item.name, item.transform) for item in package.items]
+    for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
+        off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
+    limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
+    remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
+    return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
+
+
+def _astray(copy: tuple[str, Floats], others: Sequence[tuple[str, Floats]]) -> float:
+    """How far the nearest copy of the same part lies from this one, as the largest difference of their transforms."""
+    return min((float(np.max(np.abs(copy[1] - place))) for name, place in others if name == copy[0]), default=math.inf)
+
+
+def _unlike(mesh: Mesh, original: Mesh) -> float:
+    """Largest distance between the corners of two meshes that should be one, mm; inf where they are not of the same triangles."""
+    if mesh.faces.shape != original.faces.shape or not np.array_equal(mesh.faces, original.faces):
+        return math.inf
+    return float(np.max(np.abs(mesh.vertices - original.vertices)))
+
+
+def _volume(volume: float, expected: Expected, where: str) -> Finding:
+    limit = tolerances.VOLUME_SHARE * expected.volume + expected.facets
+    return at_most(
+        "VOLUME", abs(volume - expected.volume), limit, "mm^3", where,
+        f"{volume:.3f} mm^3 in the file, {expected.volume:.3f} mm^3 by Green's theorem on the exact outline",
+    )  # fmt: skip
+
+
+def _judge_sections(
+    read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float,
+    findings: list[Finding], level_error: float = 0.0,
+) -> Judged:
+    """Whether every section holds the contours that were meant, and how thin its walls are."""
+    undo = expected.undo
+    try:
+        sections = [(meant, _pieces(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
+        if undo is not None:
+            sections = [(meant, shapes if meant.sent else tuple(map(undo, shapes))) for meant, shapes in sections]
+    except ValueError as error:
+        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
+        return Judged(tuple(findings), None)
+    steps = 4.0
+    if not expected.stacked:  # corners near each other are one
+        steps += math.sqrt(2) * tolerances.MERGED_STEPS
+    limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
+    off, remark = level_error, f"a flat face is {level_error:.4g} mm off its height"
+    place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
+    for k, (meant, shapes) in enumerate(sections):
+        count = sum(1 + len(shape.holes) for shape in meant.shapes)
+        found = sum(1 + len(shape.holes) for shape in shapes)
+        if found != count or len(shapes) != len(meant.shapes):
+            off, remark = math.nan, f"{found} contours instead of {count}"
+            break
+        here = _section_error(shapes, meant.shapes, expected, place)
+        if here >= off or (k == 0 and off <= limit):
+            off, remark = max(off, here), f"{found} contours read back and compared point by point"
+    findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
+    made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
+    wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
+    if math.isfinite(wall):  # a part without holes has no wall between contours
+        facets = 2 * max(_WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
+        remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
+        findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
+    shape = made[0][1][0]
+    bore = _bore(shape, expected.bore)
+    if bore is not None:
+        shape = shape.moved(shift=-bore.centre)
+    return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in made))
+
+
+def _pieces(rings: Sequence[Ring]) -> tuple[Shape, ...]:
+    """Separate flat parts: each ring that lies in no other one, with the rings inside it."""
+    ordered = sorted(rings, key=lambda ring: -abs(ring.area))
+    groups: list[list[Ring]] = []
+    for ring in ordered:
+        home = next((group for group in groups if group[0].encloses(complex(ring.points[0]))), None)
+        if home is None:
+            groups.append([ring])
+        else:
+            home.append(ring)
+    return tuple(shape_of(group) for group in groups)
+
+
+def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tuple[Shape, ...]]:
+    """One height of each section: walls are upright."""
+    return list({id(meant): shapes for meant, shapes in reversed(sections)}.values())
+
+
+def _wall(shape: Shape) -> float:
+    facets = [ring.facetted(min(_WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in (shape.outer, *shape.holes)]
+    return thinnest_wall(facets[0], facets[1:])
+
+
+def _bore(shape: Shape, diameter: float | None) -> Circle | None:
+    """The circle of the hole nearest the datum."""
+    if diameter is None or not shape.holes:
+        return None
+    nearest = min(shape.holes, key=lambda ring: float(np.min(np.abs(ring.points))))
+    return bore_circle(nearest, diameter)
+
+
+def _is_bore(ring: Ring, expected: Expected) -> bool:
+    return expected.bore is not None and abs(ring.centroid) < expected.bore / 2
+
+
+def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected) -> complex:
+    """How far the bore in a section is from its place, mm: motion tells that, and at all heights it is the same."""
+    holes = [hole for shape in shapes for hole in shape.holes]
+    bores = [hole for wanted in meant for hole in wanted.holes if _is_bore(hole, expected)]
+    return min((hole.centroid - bores[0].centroid for hole in holes), key=abs) if holes and bores else 0j
+
+
+def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex) -> float:
+    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own."""
+    off, left = 0.0, list(shapes)
+    for wanted in meant:
+        shape, *left = sorted(left, key=lambda one: _apart(one.outer, wanted.outer))
+        if len(shape.holes) != len(wanted.holes):  # the holes of another piece
+            return math.inf
+        pairs, holes = [(shape.outer, wanted.outer)], list(shape.holes)
+        for hole in wanted.holes:
+            found, *holes = sorted(holes, key=lambda one: _apart(one, hole))
+            pairs.append((found, hole))
+        for found, ring in pairs:
+            shift = found.centroid - ring.centroid if _is_eye(ring, expected) else 0j
+            if ring is not wanted.outer and _is_bore(ring, expected):
+                shift = bore_shift
+            off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
+    return off
+
+
+def _apart(a: Ring, b: Ring) -> float:
+    return abs(a.centroid - b.centroid) + abs(math.sqrt(abs(a.area)) - math.sqrt(abs(b.area)))
+
+
+def _is_eye(ring: Ring, expected: Expected) -> bool:
+    """Whether a contour that is meant is that of a joint, by its place and its size."""
+    near, size = 2 * expected.chord_tolerance, 2 * math.sqrt(abs(ring.area) / math.pi)
+    return any(abs(ring.centroid - at) <= near and abs(size - diameter) <= near for at, diameter in expected.eyes)
+
+
+def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
+    """How far a contour is from the one meant, mm: the largest distance either way of points along their edges, and the
+    difference of their areas over the length. Arcs are facetted within the tolerance, mm.
+    """
+    one, other = found.facetted(tolerance), meant.facetted(tolerance)
+    area = abs(abs(found.area) - abs(meant.area)) / meant.length
+    return max(area, *(float(np.max(point_to_ring(_along(a), b))) for a, b in ((one, other), (other, one))))
+
+
+def _along(ring: Points) -> Points:
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    way = np.roll(ring, -1) - ring
+    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    edge = np.repeat(np.arange(len(ring)), count)
+    step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    return np.asarray(ring[edge] + way[edge] * step / count[edge])

@@ -1,0 +1,196 @@
+"""Flat sections of a body as its file has them, as areas in the plane; and plates of bodies that lie ready to print.
+
+    slab      a body's flat section between two heights
+    disc      an area that is round but for its facets
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from camgen.files.readback import Mesh, read_3mf, slice_mesh
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.rings import Floats, Points, Ring, fit_circle
+from camgen.tolerances import FLOAT32_ROUNDING
+
+if TYPE_CHECKING:
+    import shapely
+
+ROUND = 0.002  # mm, how far an outline may lie from a circle and count as one
+FACETS = 0.001  # mm, chord tolerance of arcs
+PLANE = np.array([1, 1j])  # coordinates to complex numbers
+
+
+@dataclass(frozen=True)
+class Slab:
+    """Flat section between the heights z0 and z1 of a body's own frame, mm; inside is what an odd number of rings encloses."""
+
+    z0: float
+    z1: float
+    rings: tuple[Ring, ...]
+
+
+def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
+    """A mesh as slabs between its distinct heights; a slanted wall counts with its whole shadow.
+
+    ValueError where a section does not close.
+    """
+    import shapely
+
+    size = float(np.max(np.abs(mesh.vertices)))
+    heights = np.unique(mesh.vertices[:, 2])
+    heights = heights[np.append(np.diff(heights) > 8 * FLOAT32_ROUNDING * size, True)]
+    corners = mesh.vertices[mesh.faces]
+    low, high = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
+    ab, ac = (corners[:, k, :2] - corners[:, 0, :2] for k in (1, 2))
+    longest = (np.abs(ab) + np.abs(ac)).max(axis=1)
+    flat = np.abs(ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]) <= 8 * FLOAT32_ROUNDING * size * longest
+    slabs = []
+    for z0, z1 in itertools.pairwise(heights.tolist()):
+        rings = slice_mesh(mesh, (z0 + z1) / 2)
+        slanted = corners[~flat & (low < z1) & (high > z0) & (high > low)]
+        if len(slanted):
+            shadows = [shadow for c in slanted if (shadow := _shadow(c, z0, z1)).area > 0]
+            rings = _rings(shapely.union_all([area_of(rings), *shadows]))
+        if rings:
+            slabs.append(Slab(z0, z1, tuple(rings)))
+    return tuple(slabs)
+
+
+def _shadow(corners: Floats, z0: float, z1: float) -> Any:
+    """Projection of a triangle's part between two heights."""
+    import shapely
+
+    points = [p[:2] for p in corners if z0 <= p[2] <= z1]
+    for a, b in itertools.combinations(corners, 2):
+        points += [(a + (z - a[2]) / (b[2] - a[2]) * (b - a))[:2] for z in (z0, z1) if (a[2] - z) * (b[2] - z) < 0]
+    return shapely.MultiPoint(np.array(points)).convex_hull
+
+
+def area_of(rings: Sequence[Ring]) -> Any:
+    """What an odd number of rings encloses, as a shapely area."""
+    import shapely
+
+    faces = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (ring.facetted(FACETS) for ring in rings)]
+    return functools.reduce(shapely.symmetric_difference, faces)
+
+
+def _rings(area: Any) -> list[Ring]:
+    import shapely
+
+    loops = [part for face in shapely.get_parts(area) for part in (face.exterior, *face.interiors)]
+    points = [shapely.get_coordinates(loop)[:-1] @ PLANE for loop in loops]
+    return [Ring(z, np.zeros(len(z))) for z in points]
+
+
+def disc_about(area: Any) -> tuple[complex, float] | None:
+    """Centre and radius of the disc about an area, where the area is that disc but for its facets."""
+    import shapely
+
+    if area.is_empty or shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
+        return None
+    z = shapely.get_coordinates(area)[:-1] @ PLANE
+    centre, _, _ = fit_circle(z)
+    radius = float(np.max(np.abs(z - centre)))
+    inside = float(shapely.boundary(area).distance(shapely.Point(centre.real, centre.imag)))
+    return (complex(centre), radius) if radius - inside <= ROUND else None
+
+
+# Motion of a body: (n,) rad -> angle (n,) rad and position (n,) complex mm; ground = position + exp(i angle) z.
+Course = Callable[[Floats], tuple[Floats, Points]]
+
+
+def still(theta: Floats) -> tuple[Floats, Points]:
+    """The course of what stands still."""
+    return np.zeros(theta.shape), np.zeros(theta.shape, complex)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A stack of slabs on a course: course's frame = at + exp(i turned) * body; flipped: first turned over about its Oy.
+
+    z: height of the underside in the assembly, mm. Turned over, x becomes -x and a height z the thickness less z.
+    """
+
+    name: str
+    slabs: tuple[Slab, ...]
+    course: Course = still
+    z: float = 0.0
+    flipped: bool = False
+    turned: float = 0.0
+    at: complex = 0j
+
+
+# ---- sections as mounted ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Section:
+    """A slab as mounted: heights in the assembly and shapely area in the course's frame.
+
+    disc: centre and radius where the area is one; facets: how far the area may be from the arcs that it stands for, mm.
+    """
+
+    z0: float
+    z1: float
+    area: shapely.Geometry
+    disc: tuple[complex, float] | None
+    facets: float
+
+
+def sections_of(body: Body) -> list[Section]:
+    """The slabs of a body as mounted."""
+    top, turn = max(slab.z1 for slab in body.slabs), complex(math.cos(body.turned), math.sin(body.turned))
+    found = []
+    for slab in body.slabs:
+        z0, z1 = (top - slab.z1, top - slab.z0) if body.flipped else (slab.z0, slab.z1)
+        rings = [ring.moved(-turn if body.flipped else turn, body.at, body.flipped) for ring in slab.rings]
+        area, facets = area_of(rings), FACETS if any(ring.bulges.any() for ring in rings) else 0.0
+        found.append(Section(body.z + z0, body.z + z1, area, disc_about(area), facets))
+    return found
+
+
+def shadow_of(sections: Sequence[Section]) -> Section:
+    """All that sections cover, as one."""
+    import shapely
+
+    area, facets = shapely.union_all([section.area for section in sections]), max(section.facets for section in sections)
+    return Section(0.0, 0.0, area, disc_about(area), facets)
+
+
+# ---- a plate ready to print ------------------------------------------------------------------------------------------
+
+
+def judge_plate(path: Path, bed: tuple[float, float], gap: float) -> list[Finding]:
+    """A plate file as read back: every body stands on z = 0, inside the bed (its corner at the origin), `gap` from the others.
+
+    Bodies count with their whole shadow.
+    """
+    import shapely
+
+    package, where = read_3mf(path), path.name
+    meshes = [item.placed for item in package.items]
+    rounding = 8 * FLOAT32_ROUNDING * max(bed)
+    lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
+    places = [mesh.vertices[:, :2] for mesh in meshes]
+    beyond = max((float(max(-xy.min(), (xy - np.array(bed)).max(), 0.0)) for xy in places), default=math.nan)
+    shadows = [shapely.union_all([area_of(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes]
+    nearest = math.inf
+    if len(shadows) > 1:
+        tree = shapely.STRtree(shadows)
+        pairs = tree.query_nearest(shadows, exclusive=True, all_matches=False, return_distance=True)
+        nearest = float(pairs[1].min())
+    size = f"{bed[0]:g} x {bed[1]:g} mm"
+    return [
+        at_most("BED_FIT", beyond, rounding, "mm", where, f"how far {len(meshes)} bodies stand out over the bed of {size}"),
+        at_most("BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"),
+        at_least("BED_FIT", nearest, gap - rounding, "mm", where, "smallest gap between bodies on the plate"),
+    ]

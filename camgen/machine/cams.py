@@ -1,0 +1,347 @@
+"""Disc cams: from a program and a follower to profile, pressure angle and undercut, all in closed form.
+
+    profile         envelope of the follower as the cam sees it, loops trimmed
+    pressure angle  between the contact normal and the follower's motion where it touches
+    undercut        profile that a later pass of the follower cuts away again
+
+                         A pivot                    ground: the cam turns by theta, counter-clockwise, about O
+                        /                           cam:    ground turned back by theta
+            tip  ( C )-'    arm A-C
+               (cam)
+                 O                                  the envelope runs CLOCKWISE round the cam as theta grows
+
+Followers are those of `tips`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
+[Norton, Cam Design and Manufacturing Handbook, ch. 7]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Any, Generic
+
+import numpy as np
+from typing_extensions import TypeVar
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Smooth, end_point, start_point
+from camgen.geometry.trimming import trim
+from camgen.machine.followers import FlatFace, Follower, Motion, RoundTip
+from camgen.machine.followers import SwingingArm as SwingingArm
+from camgen.motion.laws import Floats
+from camgen.motion.program import Program, Segment
+from camgen.tolerances import SAME_POINT
+
+_BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
+
+
+@dataclass(frozen=True)
+class Undercut:
+    """Cam angles begin..end (rad, end > begin) over which the follower rides on the corner at `corner_cam`, not on a profile.
+
+    shortfall: largest missing displacement (rad or mm) at cam angle `worst`; depth: the same along the contact's path, mm.
+    """
+
+    begin: float
+    end: float
+    corner_cam: complex
+    shortfall: float
+    worst: float
+    depth: float
+
+
+F = TypeVar("F", bound=Follower, default=SwingingArm)
+
+
+@dataclass(frozen=True)
+class DiscCam(Generic[F]):
+    """A disc cam turning about the origin: a program, a follower, and all that follows from them."""
+
+    program: Program
+    follower: F
+
+    @property
+    def tip(self) -> RoundTip:
+        """The follower, which must have a round tip; TypeError for a flat face, which has no pitch curve."""
+        if not isinstance(self.follower, RoundTip):
+            raise TypeError("a flat face has no pitch curve")
+        return self.follower
+
+    def pitch(self, theta: Any, order: int = 0) -> Points:
+        """Pitch curve in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
+        return self.tip.pitch(theta, self.program, order)
+
+    def tangent(self, theta: Any) -> Points:
+        """Unit tangent of the pitch curve in the sense of growing theta, (n,) complex, cam's frame."""
+        return _unit(self.pitch(theta, 1))
+
+    def curvature(self, theta: Any) -> Floats:
+        """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
+        return self.tip.bending(theta, self.program)
+
+    def radius(self, theta: Any) -> Floats:
+        """Radius of curvature of the untrimmed profile, mm, (n,), positive where convex (below 0: hollow, or undercut)."""
+        return self.follower.radius(theta, self.program)
+
+    @cached_property
+    def least_radius(self) -> float:
+        """Smallest radius of curvature where the pitch curve is convex, corners aside, mm; a larger tip undercuts."""
+        bend = self.greatest(self.curvature)[1]
+        return 1 / bend if bend > 0 else math.inf
+
+    def profile(self, theta: Any, order: int = 0) -> Points:
+        """Untrimmed envelope of the follower in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
+        return self.follower.envelope(theta, self.program, order)
+
+    def pressure_angle(self, theta: Any) -> Floats:
+        """Angle between the contact normal and the follower's motion at the contact, rad, (n,), 0 or more.
+
+        Where the follower rides on an undercut's corner that is the contact. [Norton, ch. 7]
+        """
+        theta = np.asarray(theta, float)
+        angle = self.steepness(theta)
+        for cut in self.undercuts:
+            inside = _within(theta, cut)
+            point = cut.corner_cam * np.exp(1j * theta[inside])
+            s = self.follower.resting_on(point)
+            away = self.follower.leaves * self.follower.velocity(s, point)
+            angle[inside] = np.abs(np.angle(away * np.conj(self.follower.normal_on(s, point))))
+        return angle
+
+    def steepness(self, theta: Any) -> Floats:
+        """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
+        turn = np.exp(1j * np.asarray(theta, float))
+        away = self.follower.leaves * self.follower.velocity(self.program(theta), self.profile(theta) * turn)
+        return np.asarray(np.abs(np.angle(away * np.conj(self.follower.normal(theta, self.program) * turn))))
+
+    def groove(self, clearance: float = 0.0) -> Contour:
+        """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.
+
+        clearance: by how much the groove is wider than the tip, mm; the inner wall stays where it is.
+
+        Raises DesignError where the speed jumps or the tip does not fit the pitch curve's hollows.
+        """
+        tip: Any = self.tip
+        away = tip.tip_radius + clearance
+        other = DiscCam(self.program, replace(tip, tip_radius=-away))
+        place, bend = self.greatest(lambda theta: -self.curvature(theta))
+        if bend * away >= 1:
+            raise DesignError(
+                "radius of the pitch curve's hollow", 1 / bend, away, "mm",
+                f"cam angle {math.degrees(place):.3f} deg", "the groove's outer wall is undercut there: use a smaller tip",
+            )  # fmt: skip
+        pieces = [whole.reversed() for whole, _ in reversed(other._stretches())]
+        kept, cuts = trim(pieces)
+        if cuts:
+            raise DesignError(
+                "crossings of the groove's outer wall", len(cuts), 0, "", "", "use a smaller tip or a larger base_radius"
+            )
+        return Contour(tuple(kept)).counter_clockwise()
+
+    def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:
+        """Place and value of the largest f(theta) over the turn, looked for between the program's breaks; even in a dwell."""
+        found = []
+        for a, b in pairwise(float(x) for x in self.program.corners):
+            if self._segment(a, b)[0].scale == 0:
+                found.append(((a + b) / 2, float(f(np.array([(a + b) / 2]))[0])))
+            else:
+                found.append(greatest(f, a + 1e-9, b - 1e-9, self.program.knots(a, b)))
+        return max(found, key=lambda each: each[1])
+
+    def _segment(self, a: float, b: float) -> tuple[Segment, float]:
+        """The segment between two neighbouring breaks, and where it begins."""
+        joints, last = self.program.joints, len(self.program.segments) - 1
+        k = min(int(np.searchsorted(joints, (a + b) / 2)) - 1, last)
+        return self.program.segments[k], float(joints[k])
+
+    def reachable(self, theta: Any) -> Floats:
+        """Displacement that the exact trimmed cam gives: the program's, less the undercut, (n,) rad or mm."""
+        theta = np.asarray(theta, float)
+        s = self.program(theta)
+        for cut in self.undercuts:
+            inside = _within(theta, cut)
+            s[inside] = self.follower.resting_on(cut.corner_cam * np.exp(1j * theta[inside]))
+        return s
+
+    def riding(self, theta: float) -> bool:
+        """Whether the follower rides on an undercut's corner at theta."""
+        return any(_within(np.asarray(theta), cut) for cut in self.undercuts)
+
+    @property
+    def undercuts(self) -> tuple[Undercut, ...]:
+        """Where the follower cannot follow the program."""
+        return self._made[1]
+
+    @property
+    def outline(self) -> Contour:
+        """The exact trimmed profile at theta = 0, counter-clockwise.
+
+        Raises DesignError where the follower leaves no closed profile round the shaft.
+        """
+        return self._made[0]
+
+    @cached_property
+    def _made(self) -> tuple[Contour, tuple[Undercut, ...]]:
+        self._check_axis()
+        raw: list[Piece] = []
+        places: list[tuple[float, float]] = []  # cam angle of each raw piece's beginning, and its growth with the parameter
+        stretches = self._stretches()
+        for k, (whole, motion) in enumerate(stretches):
+            begin = float(self.program.corners[k])
+            rest = self._resting(stretches[k - 1][0], whole, begin)
+            if rest:
+                raw.append(rest)
+                places.append((begin, 0.0))
+            for piece in self._forward(whole, motion):
+                raw.append(piece)
+                places.append((piece.t0, 1.0) if isinstance(piece, Smooth) else (begin, -1.0))
+        trims = not isinstance(self.follower, RoundTip) or self.follower.tip_radius > 0
+        kept, cuts = trim(raw) if trims else (raw, [])
+        outline = Contour(tuple(kept)).reversed()
+        if not outline.area > 0:
+            raise DesignError(
+                "cam area",
+                outline.area,
+                0.0,
+                "mm^2",
+                "",
+                "the tip leaves no cam round the shaft: use a smaller tip_radius",
+            )
+
+        def angle(mark: tuple[int, float]) -> float:
+            begin, rate = places[mark[0]]
+            return begin + rate * (mark[1] - raw[mark[0]].t0)
+
+        return outline, tuple(self._undercut(angle(cut.start), angle(cut.end), cut.at) for cut in cuts)
+
+    def _check_axis(self) -> None:
+        """DesignError where the follower reaches the shaft's axis, so that no cam is left there."""
+        ends = [float(j) for j in self.program.joints]
+        place, near = greatest(lambda theta: -self.follower.clear(theta, self.program), ends[0], ends[-1], ends)
+        if near < 0:
+            return
+        where = f"cam angle {math.degrees(place):.3f} deg"
+        if isinstance(self.follower, FlatFace):
+            raise DesignError(
+                "distance of the face from the axis", -near, 0.0, "mm", where,
+                "the face reaches the shaft's axis there: use a larger base_radius",
+            )  # fmt: skip
+        rho = self.tip.tip_radius
+        raise DesignError(
+            "tip_radius", rho, rho - near, "mm", where,
+            "the tip reaches the shaft's axis there: use a smaller tip_radius or a smaller swing",
+        )  # fmt: skip
+
+    def _stretches(self) -> list[tuple[Piece, Motion]]:
+        """Untrimmed profile between neighbouring corners, with the motion there; a dwell's is an arc about the axis."""
+        found: list[tuple[Piece, Motion]] = []
+        for a, b in pairwise(float(x) for x in self.program.corners):
+            segment, begin = self._segment(a, b)
+            motion = _continued(segment, begin, a, b)
+            knots = tuple(float(t) for t in self.program.knots(a, b))
+            whole: Piece = Smooth(partial(_envelope, self.follower, motion), a, b, knots)
+            if segment.scale == 0:
+                first = complex(whole.at(a))
+                whole = Arc(0j, abs(first), cmath.phase(first), a - b)
+            found.append((whole, motion))
+        return found
+
+    def _forward(self, whole: Piece, motion: Motion) -> list[Piece]:
+        """Stretches of a raw piece that run forwards: where the follower fits into the curve's bend."""
+        knife = isinstance(self.follower, RoundTip) and self.follower.tip_radius == 0
+        if knife or not isinstance(whole, Smooth):
+            return [whole]
+
+        def room(theta: Any) -> Floats:
+            return self.follower.room(theta, motion)
+
+        marks = [whole.t0, *_roots(room, whole), whole.t1]
+        return [replace(whole, t0=p, t1=q) for p, q in pairwise(marks) if room(np.asarray((p + q) / 2)) > 0]
+
+    def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
+        """Where the speed jumps so that the follower's own surface is the profile: an arc of the tip, a line of the face."""
+        a, b = end_point(before), start_point(after)
+        if isinstance(self.follower, FlatFace):
+            ahead = -1j * complex(self.follower.normal(np.asarray(theta), self.program))
+            return Line(a, b) if (ahead.conjugate() * (b - a)).real > SAME_POINT else None
+        rho = self.tip.tip_radius
+        if rho == 0:
+            return None
+        centre = complex(self.pitch(theta))
+        here, there = a - centre, b - centre
+        turn = cmath.phase(there / here)
+        # counter-clockwise about the tip's centre is to the left: concave
+        return Arc(centre, rho, cmath.phase(here), turn) if turn > SAME_POINT / rho else None
+
+    def _undercut(self, begin: float, stop: float, at: complex) -> Undercut:
+        stop += 2 * math.pi if stop < begin else 0.0
+
+        def missing(theta: Any) -> Floats:
+            rides = self.follower.resting_on(at * np.exp(1j * np.asarray(theta)))
+            return np.asarray(self.follower.leaves * (self.program(theta) - rides))
+
+        corners = np.concatenate((self.program.joints, self.program.joints + 2 * math.pi))
+        worst, shortfall = greatest(missing, begin, stop, corners[(begin <= corners) & (corners <= stop)])
+        there = at * np.exp(1j * worst)
+        travel = np.abs(self.follower.velocity(self.follower.resting_on(there), there))
+        return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
+
+
+def greatest(f: Callable[[Any], Floats], a: float, b: float, also: Sequence[float] | Floats = ()) -> tuple[float, float]:
+    """Place and value of the largest f(x) on a..b: even samples, then zoomed in on the best until the interval is rounding.
+
+    also: further places to try, where f has a corner.
+    """
+    x = np.unique(np.concatenate((np.linspace(a, b, 1025), also)))
+    for _ in range(40):
+        y = f(x)
+        k = int(np.nanargmax(y))
+        low, high = x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)]
+        if high - low <= 1e-14 * max(1.0, abs(b)):
+            break
+        x = np.unique(np.concatenate((np.linspace(low, high, 17), [x[k]])))
+    return float(x[k]), float(y[k])
+
+
+def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
+    """Places along a piece (t0 < t1) where f changes sign: its knots, even samples, the lowest place; then bisection."""
+    spread = piece.spread(1025)
+    lowest, _ = greatest(lambda x: -f(x), piece.t0, piece.t1, spread)
+    x = np.union1d(spread, lowest)
+    y = f(x)
+    k = np.flatnonzero(np.sign(y[:-1]) * np.sign(y[1:]) < 0)
+    low, high, sign = x[k], x[k + 1], np.sign(y[k])
+    for _ in range(60):
+        middle = (low + high) / 2
+        same = np.sign(f(middle)) == sign
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return [float(r) for r in (low + high) / 2]
+
+
+def _continued(segment: Segment, begin: float, a: float, b: float) -> Motion:
+    """The segment's motion between the breaks a and b, its derivatives at these those on the inside."""
+    low, high = a - begin, b - begin
+    low += _BESIDE * segment.span if low > 0 else 0.0
+    high -= _BESIDE * segment.span if high < (1 - _BESIDE) * segment.span else 0.0
+
+    def motion(theta: Any, order: int) -> Floats:
+        angle = np.asarray(theta) - begin
+        return segment.at(np.clip(angle, low, high) if order else angle, order)
+
+    return motion
+
+
+def _envelope(follower: Follower, motion: Motion, theta: Any, order: int) -> Points:
+    return follower.envelope(theta, motion, order)
+
+
+def _unit(z: Points) -> Points:
+    return np.asarray(z / np.abs(z))
+
+
+def _within(theta: Floats, cut: Undercut) -> Any:
+    return np.mod(theta - cut.begin, 2 * math.pi) < cut.end - cut.begin

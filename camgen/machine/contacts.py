@@ -1,0 +1,238 @@
+"""How bodies touch and where they are: poses, rolling contacts, pins, slides, mounts of an assembly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from camgen.geometry.outlines import Floats, Points
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a body is over the turn: ground = position + exp(i angle) * body; `flipped`: the body is first mirrored in its Oy.
+
+    angle: (n,) rad; position: (n,) complex mm; z: height of the body's underside in the assembly, mm.
+    A flipped part is turned over about Oy (x -> -x, z -> thickness - z).
+    """
+
+    angle: Floats
+    position: Points
+    flipped: bool = False
+    z: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """A round tip on a swinging arm, or another follower, on the outline of a part that turns about the origin by theta.
+
+    part: name of the part whose outer outline is touched; flipped: the part is mounted mirrored in its Oy at theta = 0;
+    turned: further turn of the mounted part, rad. Tip centre = pivot + arm * exp(i s), s the follower's angle (the
+    wanted motion, rad), pivot and arm complex mm; tip_radius mm (0: knife edge); leaves: +1 or -1, sense of s that
+    takes the tip off the part; pressure_angle: the largest of the exact part, rad (an outline that is off by e turns
+    the follower by e / (|arm| cos pressure_angle)); speed_ripple, lash and undercut: what the designer accepts, as a
+    share of the greatest speed and in rad; tip_part: the part whose outline is the tip, its bore at the pivot; seat: the tip
+    is a bought roller instead, on a pin in a hole of that part, of this diameter, mm.
+    The first contact of a part drives, a further one limits the free play, as does a contact of another part: the second
+    cam of a pair, or the outer wall of a groove (inside), whose tip_radius here is that of a tip as wide as the groove.
+    slides: tip centre = pivot + arm * s instead, arm a unit vector, s in mm. face: a flat face instead of a tip, through
+    that point, its unit normal off the part at s = 0. lever: the least way, mm per unit of s, by which the follower moves
+    off the contact's tangent, where it is not |arm| cos pressure_angle. inside: it comes from within to the largest hole,
+    the outer wall of a groove. reach: places on the face (as `contact.Touch` counts them) between which it must be touched.
+    reachable: s that this part gives by itself where it is exact, if that is not the mechanism's own.
+    """
+
+    name: str
+    part: str
+    pivot: complex
+    arm: complex
+    tip_radius: float
+    leaves: int
+    pressure_angle: float
+    speed_ripple: float
+    lash: float
+    undercut: float
+    flipped: bool = False
+    turned: float = 0.0
+    tip_part: str | None = None
+    slides: bool = False
+    face: complex | None = None
+    lever: float | None = None
+    inside: bool = False
+    reach: tuple[float, float] | None = None
+    reachable: Callable[[Floats], Floats] | None = None
+    seat: float = 0.0
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """What people read s in, and how many of it one unit of s is."""
+        return ("mm", 1.0) if self.slides else ("deg", math.degrees(1))
+
+
+@dataclass(frozen=True)
+class Eye:
+    """A round feature of a part that belongs to a joint: a hole, or the rim of a disc that is itself the pin (`shaft`).
+
+    part: its name, None for the ground itself (exact, such as a bought motor's shaft); at: centre, complex mm in the
+    part's frame (the ground's for None); diameter: nominal, mm. Place and diameter are read from each file; diameter 0 is a
+    point of the part's frame, which no file shows.
+    """
+
+    part: str | None
+    at: complex
+    diameter: float
+    shaft: bool = False
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A turning joint: the centres of two eyes coincide.
+
+    clearance: the diametral play meant between both, mm. Where one eye is a shaft the play is hole less shaft; where
+    both are holes, `pin` is the eye (a shaft) that goes through both, and its play in either counts.
+    """
+
+    name: str
+    a: Eye
+    b: Eye
+    clearance: float
+    pin: Eye | None = None
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A straight guide of the ground: the eye's centre stays on the line through `through` at `angle` (rad), unturned.
+
+    The part keeps the angle of its pose. Its two faces are `width` apart, the eye between them; those of the part `rails`
+    are clearance (mm) wider. Faces are read from each file, a drawing's only where `drawn` says that it shows the rails;
+    so a guide may lie off its line, or lean.
+    """
+
+    name: str
+    eye: Eye
+    through: complex
+    angle: float
+    width: float
+    clearance: float
+    rails: str
+    drawn: bool = True
+
+
+@dataclass(frozen=True)
+class Traced:
+    """What of a linkage is the wanted motion, and what drives it.
+
+    crank: part that turns with theta (its pose's angle at theta = 0 is its mounting); ground: parts that stand still.
+    The bodies are these and all parts named by Pin and Slide, one copy of each. eye: the point whose path is traced;
+    output(path, *places): the wanted motion from that path, (n,) complex mm in the ground's frame -> (n,) mm, and from the
+    places of the eyes that stand `still` (complex mm), such as thread guides;
+    gradient(path, *places): its slope, (n,) complex, so that d output = Re(conj(gradient) d path).
+    stroke: whether the difference of the output's extremes is what the spec asks for, and judged as STROKE_ERROR.
+    lash: free play of the output that the designer accepts, mm; never more than half of its stroke.
+    """
+
+    name: str
+    crank: str
+    ground: tuple[str, ...]
+    eye: Eye
+    output: Callable[..., Floats]
+    gradient: Callable[..., Points]
+    stroke: bool = True
+    still: tuple[Eye, ...] = ()
+    lash: float = math.inf
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What bodies turn with: ground = centre + exp(i angle(theta)) * (place on it); angle: (n,) rad -> (n,) rad, continuous."""
+
+    name: str
+    centre: complex
+    angle: Callable[[Floats], Floats]
+
+    def course(self, theta: Floats) -> tuple[Floats, Points]:
+        """Angle, rad, and position, complex mm, of its frame in the ground's; (n,)."""
+        return self.angle(theta), np.full(theta.shape, self.centre)
+
+
+@dataclass(frozen=True)
+class Mount:
+    """One copy of a part on a drive: drive's frame = at + exp(i turned) * body, first turned over about its Oy if `flipped`.
+
+    z: height of its underside in the assembly, mm. The copies of a part are numbered in the order of their mounts.
+    """
+
+    part: str
+    drive: Drive
+    at: complex = 0j
+    turned: float = 0.0
+    z: float = 0.0
+    flipped: bool = False
+
+    def pose(self, angle: Floats) -> Pose:
+        """The same over the turn, in the ground's frame, by the drive's angle, (n,) rad."""
+        place = self.drive.centre + np.exp(1j * angle) * self.at
+        return Pose(angle + self.turned, np.asarray(place, complex), self.flipped, self.z)
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """A body that is not made but in the way of others: discs (centre, radius, z0, z1), mm, in a frame of its own.
+
+    course: (n,) rad -> the frame's angle, (n,) rad, and position, (n,) complex mm, in the ground's. rolls: it is a tip that
+    rolls on parts.
+    """
+
+    name: str
+    course: Callable[[Floats], tuple[Floats, Points]]
+    discs: tuple[tuple[complex, float, float, float], ...]
+    rolls: bool = False
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A whole machine, laid out for printing: all copies of its parts and what is bought."""
+
+    mounts: tuple[Mount, ...]
+    stand_ins: tuple[StandIn, ...]
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns.
+
+    planes: heights z of the ground at which their sections are compared, mm; gap: least distance that is wanted, mm,
+    0 where they may graze: slide on each other. drawn: parts whose own drawing shows another section ->
+    the part whose drawing shows the one that is meant, and whether it is the mirror image in Oy.
+    """
+
+    name: str
+    a: str
+    b: str
+    planes: tuple[float, ...] = (0.0,)
+    gap: float = 0.0
+    drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
+
+
+Contact = Rolling | Pin | Slide | Traced | Apart
+
+
+Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A machine as the sweep needs it: its parts' names, their poses, how they touch, what else is in the way.
+
+    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm.
+    """
+
+    parts: Sequence[str]
+    poses: Poses
+    contacts: Sequence[Contact]
+    stand_ins: Sequence[StandIn]
+    gap: float
+    tolerance: float

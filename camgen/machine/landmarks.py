@@ -1,0 +1,142 @@
+"""What stands out on a turn: zeros, extremes, double points, cusps, near stops, and angles at which nothing assembles.
+
+A function is called with (theta, order), theta (n,) rad, and returns its order-th derivative, (n,); a curve is the same
+with complex values, mm, as Linkage.point gives it. Both have period 2 pi.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.errors import DesignError
+from camgen.machine.linkages import Floats, Jet, Linkage, Points, distance
+
+Curve = Callable[[Floats, int], Points]
+Function = Callable[[Floats, int], Floats]
+TURN = 2 * math.pi
+# Angles closer than this are one angle, rad.
+SAME_ANGLE = 1e-12
+
+
+def zeros(f: Function, n: int = 720) -> Floats:
+    """Angles of a turn at which f changes sign, (k,) rad in [0, 2 pi), sorted.
+
+    f(theta, order): real values (order 0) and slopes (1), (n,), of period 2 pi; nan where not assembled. Two changes
+    within one n-th of a turn go unseen. Newton's method, kept inside the bracket by bisection,
+    and bisection alone where the slope is nan.
+    """
+    # Off the round angles, where symmetry likes to put zeros.
+    grid = np.linspace(0.0, TURN, n + 1) + 0.381966 * (TURN / n)
+    value = f(grid, 0)
+    value[-1] = value[0]
+    found = np.flatnonzero(np.isfinite(value[:-1] * value[1:]) & (np.signbit(value[:-1]) != np.signbit(value[1:])))
+    low, high, sign = grid[found], grid[found + 1], np.where(np.signbit(value[found]), -1.0, 1.0)
+    theta = (low + high) / 2
+    for _ in range(60 if found.size else 0):
+        value = f(theta, 0) * sign
+        low, high = np.where(value > 0, theta, low), np.where(value > 0, high, theta)
+        with np.errstate(all="ignore"):
+            new = theta - value / (f(theta, 1) * sign)
+        new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
+        done, theta = np.abs(new - theta) <= 4e-16 * TURN, new
+        if done.all():
+            break
+    return np.sort((theta + SAME_ANGLE) % TURN - SAME_ANGLE)
+
+
+def extremes(f: Function, n: int = 720) -> tuple[Floats, Floats]:
+    """Angles at which f turns back, (k,) rad, and its values there; f as in zeros, order 0..2.
+
+    The extremes of an output's angle or way are the dead points at which it could not drive the crank.
+    """
+    theta = zeros(lambda angles, order: f(angles, order + 1), n)
+    return theta, f(theta, 0)
+
+
+def refuse_open(linkage: Linkage, n: int = 7200) -> None:
+    """Raise DesignError if a dyad does not close over the whole turn: which, by how much at worst, at which angles."""
+    for name in linkage.gaps(0.0):
+
+        def gap(angles: Floats, order: int, name: str = name) -> Floats:
+            values: Floats = linkage.gaps(angles, order)[name][order]
+            return values
+
+        places = np.append(np.arange(n) * (TURN / n), extremes(gap)[0])
+        values = np.nan_to_num(gap(places, 0), nan=-np.inf)
+        worst = int(np.argmax(values))
+        if values[worst] > 0:
+            edges = ", ".join(f"{edge:.6g}" for edge in np.degrees(zeros(gap, n)))
+            span = f"closes or opens at {edges} deg" if edges else "never closes"
+            where = f"crank angle {math.degrees(places[worst]):.6g} deg ({span})"
+            remedy = "change the lengths of its links"
+            raise DesignError(f"gap at joint {name}", values[worst], 0.0, "mm", where, remedy)
+
+
+def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
+    """Where a closed curve crosses itself: pairs of angles, (k, 2) rad, and the points, (k,) complex mm.
+
+    Segments of n-ths of a turn that cross, then Newton's method on point(t1) = point(t2). A loop shorter than two
+    segments goes unseen, and so does a curve that is run twice.
+    """
+    theta = np.linspace(0.0, TURN, n + 1)
+    p = point(theta, 0)
+    a, b = p[:-1], p[1:]
+    low, high = np.minimum(a.real, b.real), np.maximum(a.real, b.real)
+    by_x = np.argsort(low)
+    met = np.searchsorted(low[by_x], high[by_x], side="right") - np.arange(1, n + 1)  # later ones that start within
+    met = np.maximum(met, 0)
+    first = np.repeat(np.arange(n), met)
+    second = first + 1 + np.arange(met.sum()) - np.repeat(np.cumsum(met) - met, met)
+    i, j = by_x[first], by_x[second]
+
+    def side(of: NDArray[np.intp], end: Points) -> Floats:
+        return (np.conj(b[of] - a[of]) * (end - a[of])).imag
+
+    cross = (side(i, a[j]) * side(i, b[j]) < 0) & (side(j, a[i]) * side(j, b[i]) < 0)
+    apart = np.abs(i - j)
+    i, j = np.sort(np.stack([i, j])[:, cross & (apart > 1) & (apart < n - 1)], axis=0)
+    t1, t2 = theta[i] + math.pi / n, theta[j] + math.pi / n
+    for _ in range(30 if i.size else 0):
+        miss, d1, d2 = point(t1, 0) - point(t2, 0), point(t1, 1), point(t2, 1)
+        area = (np.conj(d1) * d2).imag
+        step1, step2 = (np.conj(d2) * miss).imag / area, (np.conj(d1) * miss).imag / area
+        t1, t2 = t1 + step1, t2 + step2
+        if max(np.abs(step1).max(), np.abs(step2).max()) < SAME_ANGLE:
+            break
+    pairs = np.stack([t1, t2], axis=1)
+    return pairs, point(t1, 0)
+
+
+def moving_centrode(a: Jet, b: Jet) -> Jet:
+    """The place on the link a-b that stands still, as the share that On takes, (order, n) with derivatives.
+
+    A point of the link has a cusp exactly where this curve passes through it. nan where the link only shifts.
+    """
+    with np.errstate(all="ignore"):
+        turn = b - a
+        rows = np.empty((len(a) - 1, a.shape[1]), complex)
+        rows[0] = -a[1] / turn[1]
+        if len(rows) > 1:
+            rows[1] = -(a[2] + rows[0] * turn[2]) / turn[1]
+    return rows
+
+
+def near_stops(point: Curve, centre: complex, radius: float, n: int = 3600) -> Floats:
+    """Spans of theta, (k, 2) rad, over which a point stays within the circle; each ends after it begins.
+
+    Empty where it is always inside or always outside.
+    """
+
+    def outside(theta: Floats, order: int) -> Floats:
+        away = distance(np.array([[centre], [0]]), np.stack([point(theta, 0), point(theta, 1)]))
+        values: Floats = away[1] if order else away[0] - radius
+        return values
+
+    edges = zeros(outside, n)
+    enters = edges[outside(edges, 1) < 0]
+    leaves = edges[outside(edges, 1) > 0]
+    return np.array([(t, np.min(np.where(leaves > t, leaves, leaves + TURN))) for t in enters]).reshape(-1, 2)

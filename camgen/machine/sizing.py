@@ -1,0 +1,148 @@
+"""Disc cams by their limits: a quick survey of a design, and the smallest one that keeps to them.
+
+survey  profile, curvature and pressure angle on a grid, extremes by parabolas: for searching among many designs
+size    what is sought: the distance of the follower from the axis at s = 0, along its way in (mm); for a tip in line with
+        the axis the prime radius, for a face the base radius
+make    size -> cam
+[Norton, Cam Design and Manufacturing Handbook, ch. 7]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.machine.cams import DiscCam
+from camgen.machine.followers import Follower, Points, RoundTip
+from camgen.motion.laws import Floats
+
+_GROWTH = 1.25  # from one try to the next, until a size is large enough
+_STEPS = 60
+_SETTLED = 1e-13  # of the size
+_STEP = math.radians(1.5)  # of a survey
+_INSIDE = 1e-9  # of a segment, from its ends to the first and last place that is surveyed
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What a quick look at a design shows, the profile untrimmed.
+
+    pressure: largest pressure angle, rad; least_radius: of the convex profile, mm (below 0: undercut, inf: none);
+    clear: least distance of the follower from the shaft's axis, mm; profile: (n,) complex, cam's frame, at angles theta.
+    """
+
+    pressure: float
+    least_radius: float
+    clear: float
+    theta: Floats
+    profile: Points
+
+
+def survey(cam: DiscCam[Follower]) -> Survey:
+    """A design's pressure angle and least radius, to some 1e-3 of a degree and of the radius, without its outline."""
+    grids, rows = [], []
+    for segment, begin in zip(cam.program.segments, cam.program.joints, strict=False):
+        # of a table's many knots none matters: its acceleration is continuous
+        breaks = segment.law.breaks if segment.scale and len(segment.law.breaks) < _STEPS else ()
+        for a, b in pairwise((0.0, *breaks, 1.0)):
+            count = max(8, math.ceil((b - a) * segment.span / _STEP)) if segment.scale else 2
+            at = segment.span * np.linspace(a + _INSIDE, b - _INSIDE, count)
+            grids.append(begin + at)
+            rows.append([segment.at(at, k) if segment.scale or not k else np.zeros(count) for k in range(3)])
+    theta = np.concatenate(grids)
+    orders = [np.concatenate(parts) for parts in zip(*rows, strict=True)]
+
+    def motion(_: Any, order: int) -> Floats:
+        return orders[order]
+
+    follower = cam.follower
+    profile, normal = follower.envelope(theta, motion, 0), follower.normal(theta, motion)
+    turn = np.exp(1j * theta)
+    away = follower.leaves * follower.velocity(orders[0], profile * turn)
+    sine, cosine = np.imag(away * np.conj(normal * turn)), np.real(away * np.conj(normal * turn))
+    tip = follower.tip_radius if isinstance(follower, RoundTip) else None
+    radius = follower.radius(theta, motion)
+    # the curvature of a pitch curve, not the radius, is smooth where a hollow begins
+    smooth = radius if tip is None else 1 / (radius + tip)
+    bend = -_peak(-smooth, grids) if tip is None else 1 / peak - tip if (peak := _peak(smooth, grids)) > 0 else math.inf
+    clear = float(np.min(follower.clear(theta, motion)))
+    return Survey(_peak(np.abs(np.arctan2(sine, cosine)), grids), bend, clear, theta, profile)
+
+
+def _peak(y: Floats, grids: list[Floats]) -> float:
+    """Largest value of y, given on one even grid after the other: of the parabola through the best three points."""
+    k = int(np.argmax(y))
+    begin = 0
+    for grid in grids:
+        if k < begin + len(grid):
+            break
+        begin += len(grid)
+    if not begin < k < begin + len(grid) - 1:
+        return float(y[k])
+    before, here, after = (float(value) for value in y[k - 1 : k + 2])
+    bow = before - 2 * here + after
+    return here - (after - before) ** 2 / (8 * bow) if bow < 0 else here
+
+
+def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float:
+    """How much better than the limits a cam is at its worst, rad or a share; below 0: it breaks one.
+
+    pressure: rad; least_radius: mm, of the profile where it is convex, below 0 where an undercut is accepted. The follower
+    must stay off the shaft's axis.
+    """
+    steep = cam.greatest(cam.steepness)[1]
+    if not cam.greatest(lambda theta: -cam.follower.clear(theta, cam.program))[1] < 0:
+        return -1.0
+    return min(pressure - steep, (least_convex(cam) - least_radius) / (abs(least_radius) or 1.0))
+
+
+def least_convex(cam: DiscCam[Follower]) -> float:
+    """Least radius of curvature of the untrimmed profile where it is to be convex, mm; below 0: undercut; inf: none."""
+
+    tip = cam.follower.tip_radius if isinstance(cam.follower, RoundTip) else None
+
+    def sharpness(theta: Floats) -> Floats:
+        radius = cam.radius(theta)
+        # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
+        return np.asarray(-radius if tip is None else np.where(radius + tip > 0, -radius, -np.inf))
+
+    return -cam.greatest(sharpness)[1]
+
+
+def smallest(make: Callable[[float], DiscCam[Follower]], pressure: float, least_radius: float, low: float, high: float) -> float:
+    """The smallest size between low and high that keeps to both limits, exact to rounding; DesignError where none does.
+
+    Sizes are tried growing until one keeps to the limits, then the last step is narrowed.
+    """
+    def at(size: float) -> float:
+        return spare(make(size), pressure, least_radius)
+
+    size, value = low, at(low)
+    before = short = math.nan
+    while not value >= 0:
+        if size >= high:
+            best = math.degrees(make(high).greatest(make(high).steepness)[1])
+            raise DesignError(
+                "pressure angle", best, math.degrees(pressure), "deg", f"the largest cam, {high:.6g} mm",
+                "no base_radius keeps to limits.pressure_angle_deg and limits.least_radius: allow more, or change the follower",
+            )  # fmt: skip
+        before, short = size, value
+        size = min(size * _GROWTH, high)
+        value = at(size)
+    # regula falsi; the weight of an end that stays twice is halved [the Illinois method]
+    last = 0
+    for _ in range(_STEPS):
+        if not short < 0 or size - before <= _SETTLED * size or value == 0:
+            break
+        found = at(middle := size - value * (size - before) / (value - short))
+        if found >= 0:
+            size, value, short, last = middle, found, short / 2 if last > 0 else short, 1
+        else:
+            before, short, value, last = middle, found, value / 2 if last < 0 else value, -1
+    return size

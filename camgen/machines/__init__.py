@@ -1,0 +1,25 @@
+"""The mechanisms that camgen knows: one file each, named here once."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+
+MECHANISMS = {
+    "disc-cam": "camgen.machines.disc_cam:DiscCamDrive",
+    "uniform-swing": "camgen.machines.uniform_swing.mechanism:UniformSwing",
+    "thread-take-up": "camgen.machines.thread_take_up.mechanism:ThreadTakeUp",
+    "eccentric-drive": "camgen.machines.eccentric_drive.mechanism:EccentricDrive",
+    "indexing-cam": "camgen.machines.indexing_cam.mechanism:IndexingCam",
+    "chain-stitch-looper": "camgen.machines.chain_stitch_looper.mechanism:ChainStitchLooper",
+}
+
+
+def load(name: str) -> type[Mechanism]:
+    """The class of a mechanism in MECHANISMS; only its own module is imported."""
+    module, _, cls = MECHANISMS[name].partition(":")
+    found: type[Mechanism] = getattr(import_module(module), cls)
+    return found

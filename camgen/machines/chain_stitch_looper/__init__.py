@@ -1,0 +1,1 @@
+"""The loopers of a two-thread chain stitch."""

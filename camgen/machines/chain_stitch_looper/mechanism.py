@@ -1,0 +1,425 @@
+"""Two needles and two spreaders (loopers) of the two-thread flat chain stitch: from the stitch to parts that clear each other.
+
+    Y ^      N1        N2                 X along the line of the needles, 0 at needle 1; Y up, 0 at the plate's top;
+      |=======|=========|=======  plate   Z across, along the feed, 0 in the needles' plane.
+      |       |         |                 P1 comes from the left, P2 from the right and one pitch H higher:
+      |  -----V----->   |  <----- P2      mirror images in X = z/2.
+      |  P1 ---->       V
+[Horobets, Manoilenko; figures in `stitch`, bodies in `bodies`]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault, SpecError
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.outlines import Floats, Points
+from camgen.machine.contacts import Apart, Pose
+from camgen.machine.study import Study
+from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
+from camgen.machines.chain_stitch_looper.stitch import (
+    HARMONIC,
+    Condition,
+    Design,
+    Stitch,
+    ratio_conditions,
+    ratio_range,
+    to_and_fro,
+)
+from camgen.machines.chain_stitch_looper.study import study, timing_study
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.program import Program
+from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
+from camgen.parts.part import Part
+from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.tolerances import SAME_POINT
+
+Both = tuple[Length, Length]
+Law = Annotated[str | LawChoice, Field(union_mode="left_to_right")]
+
+# What the source allows: key, least, greatest, unit.
+ALLOWED = {
+    "nose_over_eye": (1.5, 4.0, "mm"),
+    "loop_rise": (1.5, 4.5, "mm"),
+    "protrusion": (1.0, 2.0, "mm"),
+    "protrusion_deg": (75.0, 90.0, "deg"),
+}
+
+
+class Geometry(Record):
+    """Figures of stitch, needles and spreaders, named as in the source."""
+
+    needle_spacing: Length
+    point_lengths: Both
+    nose_over_eye: Both
+    loop_rise: Both
+    needle_diameter: Length
+    plate_to_spreader: Length
+    protrusion: Length
+    protrusion_deg: Annotated[float, Field(ge=30, le=90)]
+    feed_deg: Annotated[float, Field(gt=0, lt=360)]
+    material_thickness: Length
+    velocity_ratio: Annotated[float, Field(gt=0, le=100)]
+    blade_length: Length
+    mode: Literal["corrected", "published"] = "corrected"
+    stitch_length: Length = 3.0
+    p6_setback: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+
+
+class Timing(Record):
+    """How needles and spreaders move: a law for rise and return alike, or a program of its own whose lifts go from 0 to 1."""
+
+    needle: Law = "simple-harmonic"
+    spreader: Law = "simple-harmonic"
+    needle_segment: tuple[SegmentTable, ...] = ()
+    spreader_segment: tuple[SegmentTable, ...] = ()
+    lag_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
+    needle_stroke: Length | None = None
+
+
+class Motor(Record):
+    """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
+
+    speed_rpm: Annotated[Rpm, turning()] = 3000.0
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    loop_angle_deg: Annotated[float, Field(ge=0, le=90)] = 1.0
+    clearance: Annotated[float, Field(ge=0, le=100)] = 0.0
+    min_wall: Length = 0.8
+
+
+class Wanted(Record):
+    """Bounds within which `camgen design` looks for the spec with the largest smallest clearance."""
+
+    nose_over_eye: Both = (1.5, 4.0)
+    loop_rise: Both = (1.5, 4.5)
+    protrusion: Both = (1.0, 2.0)
+    plate_to_spreader: Both = (3.0, 8.0)
+    spreader_stroke: Length = 40.0
+    nose_length: Length = 16.0
+
+
+class ChainStitchLooper(Mechanism):
+    """Spec and answers of the two-thread chain stitch; the output is L, how far the spreaders have moved, mm."""
+
+    geometry: Geometry
+    timing: Timing = Timing()
+    motor: Motor = Motor()
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    wanted: Wanted | None = None
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        g, p, t = self.geometry, self.making, self.timing
+        found = [
+            fault
+            for name, choice, tables in self._moves()
+            for fault in (program_faults(tables, f"timing.{name}_segment") if tables else _law_faults(choice, f"timing.{name}"))
+        ]
+        if not found:
+            for name, _, tables in self._moves():
+                top = max((float(s.start) for s in program(tables).segments), default=1.0) if tables else 1.0
+                if abs(top - 1) > 1e-9:
+                    found.append(Fault(f"timing.{name}_segment", f"rises to {top:g}", "a program from 0 up to 1"))
+        checks = [
+            (p.plate_thickness < g.plate_to_spreader, "parts.plate_thickness", p.plate_thickness,
+             f"less than plate_to_spreader, {g.plate_to_spreader:g} mm"),
+            (p.running_gap < g.protrusion, "parts.running_gap", p.running_gap, f"less than the protrusion, {g.protrusion:g} mm"),
+            (p.edge_radius == 0 or p.edge_radius >= LEAST_RADIUS, "parts.edge_radius", p.edge_radius,
+             f"0, or at least {LEAST_RADIUS:g} mm: less is neither drawn nor made"),
+            (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
+             f"at least the nozzle, {self.print.nozzle:g} mm"),
+            (g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg),
+             "geometry.mode", 0.0, "\"corrected\" with segments or lag_deg: the source knows none of them"),
+        ]  # fmt: skip
+        for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
+            value = getattr(self.print, key)
+            said = "0: spreaders and needles are crossed outlines, which have no print fits; set them in the slicer"
+            checks.append((value == 0, f"print.{key}", value, said))
+        if self.wanted is not None:
+            for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
+                low, high = getattr(self.wanted, key)
+                checks.append((low <= high, f"wanted.{key}", low, f"the least value first, then the greatest; {high:g} is less"))
+        found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        return found
+
+    def _moves(self) -> list[tuple[str, str | LawChoice, tuple[SegmentTable, ...]]]:
+        t = self.timing
+        return [("needle", t.needle, t.needle_segment), ("spreader", t.spreader, t.spreader_segment)]
+
+    # ---- figures -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def stitch(self) -> Stitch:
+        """What the spec gives, in the source's terms."""
+        g, t = self.geometry, self.timing
+        needle, spreader = (_program(choice, tables) for _, choice, tables in self._moves())
+        setback = g.p6_setback if g.mode == "corrected" else 0.0  # the source has none
+        return Stitch(
+            g.needle_spacing, g.point_lengths, g.nose_over_eye, g.loop_rise, g.needle_diameter, g.plate_to_spreader,
+            g.protrusion, math.radians(g.feed_deg), g.material_thickness, g.velocity_ratio, self.making.side_gap,
+            setback, t.needle_stroke, needle, spreader, math.radians(t.lag_deg),
+        )  # fmt: skip
+
+    @cached_property
+    def design(self) -> Design:
+        """The figures that the parts are made to; DesignError where no such mechanism exists."""
+        return self.stitch.design(self.geometry.mode == "published")
+
+    @property
+    def sense(self) -> int:
+        """Always 1: nothing of the shaft is made, and its angle is counted in its sense of turning."""
+        return 1
+
+    def found(self) -> Mapping[str, object]:
+        """The needles' stroke, and what every mechanism fills in."""
+        return {**super().found(), "timing.needle_stroke": self.design.needle_stroke}
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """How far the spreaders have moved, mm, or its derivative to the shaft's angle; (n,)."""
+        return self.design.moved(theta, order)
+
+    # ---- parts -------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        """Spreaders, dummies and gauges."""
+        g = self.geometry
+        return Bodies(self.design, self.making, math.radians(g.protrusion_deg), g.blade_length, self.allowed.min_wall)
+
+    @property
+    def _back(self) -> float:
+        return seat_back(math.radians(self.geometry.protrusion_deg), self.making.lean)
+
+    def parts(self) -> Sequence[Part]:
+        """Both spreaders; needles and plate as dummies for the assembly; gauges of the outlines and of the section."""
+        return self.bodies.parts
+
+    def printed(self) -> Sequence[Part]:
+        """Spreaders and gauges: a spreader lies on another side than the one that its own file shows below."""
+        return [part for part in self.parts() if part.made == "printed"]
+
+    # ---- assembly ----------------------------------------------------------------------------------------------------
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """Spreaders along X, needles along Y, the plate still; templates stand nowhere."""
+        theta = np.asarray(theta, float)
+        zero, d, g = np.zeros(theta.shape), self.design, self.stitch
+        tips, noses = d.tips(theta), d.noses(theta)
+        floor = self.bodies.plan[2].imag
+
+        def at(x: Floats, y: Floats, z: float) -> list[Pose]:
+            place: Points = np.empty(theta.shape, complex)
+            place.real, place.imag = x, y
+            return [Pose(zero, place, z=z)]
+
+        return {
+            "lower-spreader": at(noses[0], zero - g.levels[0], floor),
+            "upper-spreader": at(g.spacing - noses[1], zero - g.levels[1], floor),
+            "needle-1": at(zero, tips[0], -g.needle / 2),
+            "needle-2": at(zero + g.spacing, tips[1], -g.needle / 2),
+            "needle-plate": at(zero, zero, -self.bodies.plate.thickness / 2),
+            "side-outline": [],
+            "top-outline": [],
+            "needle-section": [],
+        }
+
+    @property
+    def running_gap(self) -> float:
+        """None: what passes by may graze, or keeps the gap of its contact."""
+        return 0.0
+
+    def contacts(self) -> Sequence[Apart]:
+        """Needles against spreaders in the needles' plane, the spreaders against each other there and beside it."""
+        gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
+        beside = (t1.imag + t5.imag) / 2
+        spreaders = {"P1": "lower-spreader", "P2": "upper-spreader"}
+        drawn = {"lower-spreader": ("needle-section", True), "upper-spreader": ("needle-section", False)}
+        pairs = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
+        found = [Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn) for name in pairs]
+        return (*found, Apart("P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap))
+
+    # ---- checks and study --------------------------------------------------------------------------------------------
+
+    def limits(self) -> Sequence[Finding]:
+        """Ranges of the source, loops, needles out of the fabric while it moves, blade, velocity ratio."""
+        d, g = self.design, self.geometry
+        found = [self._range(key) for key in ALLOWED]
+        found.append(
+            at_least(
+                "MIN_WALL",
+                self.making.nose_width,
+                self.allowed.min_wall,
+                "mm",
+                "parts.nose_width",
+                "width of the nose at the thread's seat, from where it runs to a point",
+            )
+        )
+        found.append(
+            at_least(
+                "SIDE_GAP",
+                self.making.side_gap,
+                2 * self.accuracy.chord_tolerance,
+                "mm",
+                "parts.side_gap",
+                "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be off by "
+                "the limit",
+            )
+        )
+        for k, margin in enumerate(d.margins):
+            said = (
+                f"the tip of needle {2 - k} never comes down to nose level {k + 1}: use less protrusion, or raise its loop_rise"
+                if math.isnan(margin) else
+                "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
+                f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-d.held[k]:.3f} mm short of that axis"
+            )  # fmt: skip
+            found.append(Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", f"spreader {k + 1} and needle {2 - k}", said))
+        one, two = (math.degrees(angle) for angle in d.pierce_angles)
+        found.append(
+            at_most(
+                "LOOP_ANGLE", abs(one - two), self.allowed.loop_angle_deg, "deg", "both loops at the pierce",
+                f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
+                "protrusion half the difference of the point_lengths",
+            )
+        )  # fmt: skip
+        for k, angle in enumerate(d.out_of_fabric):
+            found.append(
+                at_least(
+                    "FEED", math.degrees(angle), g.feed_deg, "deg", f"needle {k + 1}",
+                    "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer needle_stroke "
+                    "or a smaller plate_to_spreader gives more",
+                )
+            )  # fmt: skip
+        found.append(
+            at_least(
+                "BLADE_LENGTH",
+                g.blade_length,
+                d.spreader_stroke - min(d.before),
+                "mm",
+                "spreaders",
+                "the blade reaches under its own needle until the end of the stroke",
+            )
+        )
+        if g.mode == "corrected" and self._in_step:
+            found.append(self._ratio())
+        return found
+
+    def _ratio(self) -> Finding:
+        ratio, works = self.geometry.velocity_ratio, self.ratio_range
+        if works is None:
+            at_fault = min(self._conditions, key=lambda condition: condition.spare(ratio)).name
+            remark = f"no ratio works; at this one what fails is: {at_fault}"
+            return at_most("VELOCITY_RATIO", ratio, math.nan, "", "spec", remark)
+        (low, why_low), (high, why_high) = works
+        remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
+        check, limit = (at_least, low) if ratio - low < high - ratio else (at_most, high)
+        return check("VELOCITY_RATIO", ratio, limit, "", "spec", remark)
+
+    def _range(self, key: str) -> Finding:
+        low, high, unit = ALLOWED[key]
+        value = getattr(self.geometry, key)
+        values = value if isinstance(value, tuple) else (value,)
+        worst = min(values, key=lambda v: min(v - low, high - v))
+        remark = f"{', '.join(f'{v:g}' for v in values)} {unit}; the source allows {low:g} to {high:g} {unit}"
+        check, limit = (at_least, low) if worst - low < high - worst else (at_most, high)
+        return check("ALLOWED_RANGE", worst, limit, unit, f"geometry.{key}", remark)
+
+    @property
+    def _in_step(self) -> bool:
+        s = self.stitch
+        return s.needle_program is s.spreader_program is HARMONIC and s.lag == 0
+
+    @cached_property
+    def _conditions(self) -> list[Condition]:
+        """All that the velocity ratio must keep for every finding to hold; laws in step."""
+        g, limits, s = self.geometry, self.allowed, self.stitch
+        found = ratio_conditions(s.design(), g.blade_length, limits.clearance, math.radians(limits.loop_angle_deg))
+        return [*found, *room_on_nose(s, self.making, self._back)]
+
+    @property
+    def ratio_range(self) -> tuple[tuple[float, str], tuple[float, str]] | None:
+        """Least and greatest velocity_ratio with which the corrected design works, and what stops it there; laws in step."""
+        return ratio_range(self._conditions, self.geometry.velocity_ratio)
+
+    def study(self) -> Study:
+        """Synchrogram and events, figures, loops, thread, velocity ratio; for the source's own inputs also its errata."""
+        conditions = self._conditions if self._in_step else []
+        areas = {
+            "side_outline_area_mm2": self.bodies.side_outline().area,
+            "top_outline_area_mm2": self.bodies.top_outline().area,
+            "needle_section_area_mm2": self.bodies.section_outline().area,
+        }
+        found = study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
+        timing = timing_study(self.bodies.clock)
+        published = self.geometry.mode == "published" and self.geometry.p6_setback
+        left_out = ["Left out: p6_setback, for the published design has none."] if published else []
+        return replace(
+            found, numbers={**found.numbers, **timing.numbers}, tables=[*timing.tables, *found.tables],
+            notes=[*found.notes, *timing.notes, *left_out],
+        )  # fmt: skip
+
+    # ---- synthesis ---------------------------------------------------------------------------------------------------
+
+    def designed(self) -> Self:
+        """The spec within [wanted] whose smallest clearance is largest: needles, and noses past the piercing needles.
+
+        Needles, spacing, fabric and feed stay; without [wanted] the source's ranges count. DesignError where nothing clears.
+        """
+        from camgen.machines.chain_stitch_looper.design import Room, best_clearance
+
+        if not self._in_step:
+            raise SpecError([Fault("timing", "", "simple-harmonic laws without lag: only for these there is a search")])
+        w, p = self.wanted or Wanted(), self.making
+        bounds = {name: getattr(w, name) for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")}
+        low, high = bounds["protrusion"]
+        # the arcs at V1 and V2 need room on the protrusion's front
+        needed = 2 * p.edge_radius * self._back * math.sin(math.radians(self.geometry.protrusion_deg)) + p.running_gap
+        if not needed <= high:
+            raise DesignError(
+                "wanted.protrusion", high, needed, "mm", "its greatest value",
+                "edge_radius and running_gap need more: allow more, or make them smaller",
+            )  # fmt: skip
+        bounds["protrusion"] = (max(low, math.ceil(1e4 * needed) / 1e4), high)
+        pitch = p.clamp_hole + 2 * self.allowed.min_wall + p.running_gap
+        room = Room(w.spreader_stroke, w.nose_length, pitch, self.allowed.clearance, self.allowed.loop_angle_deg)
+        found = best_clearance(self.stitch, bounds, room)
+        made = found.design()
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        data["geometry"] |= {
+            "nose_over_eye": found.over_eye, "loop_rise": found.rise, "protrusion": found.protrusion, "mode": "corrected",
+            "plate_to_spreader": found.plate, "velocity_ratio": found.ratio, "p6_setback": found.setback,
+            "blade_length": math.ceil(max(made.spreader_stroke - min(made.before), made.nose + 2)),
+        }  # fmt: skip
+        result = validate(type(self), data, "design")
+        result.parts()
+        failed = next((finding for finding in result.limits() if not finding.ok), None)
+        if failed is not None:
+            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
+        return result
+
+
+def _law_faults(choice: str | LawChoice, path: str) -> list[Fault]:
+    try:
+        law_of(choice)
+    except SpecError as error:
+        named = isinstance(choice, LawChoice)
+        return [Fault(f"{path}.{f.path}" if named and f.path else path, f.value, f.expected, f.nearest) for f in error.faults]
+    return []
+
+
+def _program(choice: str | LawChoice, tables: tuple[SegmentTable, ...]) -> Program:
+    if tables:
+        return program(tables)
+    return HARMONIC if choice == "simple-harmonic" else to_and_fro(law_of(choice))

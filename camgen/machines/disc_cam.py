@@ -1,0 +1,492 @@
+"""Any disc cam: a follower that slides or swings, with a roller, a flat face or a knife edge, through segments of motion.
+
+      y                  The cam turns counter-clockwise about O. A translating follower slides along Oy, `offset` to the
+      |  | stem          right of O; its output is in mm. An oscillating one has its pivot at (pivot_distance, 0), its arm
+      |__|_              or face on the side of -y, where the rise turns it counter-clockwise; its output is an angle.
+     ( O  )              At s = 0 the follower stands on the base circle.
+
+closure "force": a spring keeps it on the cam; "conjugate": a second cam drives it back on the other side; "groove": a
+roller runs between the cam and an outer wall, three plates pinned together.   [Norton, ch. 7]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Floats, Points
+from camgen.machine.cams import DiscCam, SwingingArm, greatest
+from camgen.machine.contacts import Pose, Rolling
+from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.sizing import least_convex, smallest
+from camgen.machine.study import Plot, Sketch, Study, Table
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.program import Program
+from camgen.motion.segments import SegmentTable, program, program_faults
+from camgen.parts.disc_cams import Parts, disc_parts, turning_note
+from camgen.parts.part import Part
+from camgen.spec import Length, Record, Rpm, turning
+
+_BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
+_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
+_LASH = (
+    "free play of the follower in a groove or between a pair of cams, mm, or deg of an oscillating one; 0.25: a hundredth of a "
+    "lift of 25, and the running play of printed parts"
+)
+_UP = 1j
+
+
+class FollowerTable(Record):
+    """What rides on the cam."""
+
+    motion: Literal["translating", "oscillating"]
+    shape: Literal["roller", "flat", "knife"]
+    radius: Length | None = None
+    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    pivot_distance: Length | None = None
+    arm: Length | None = None
+    face_offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    face_width: Length | None = None
+
+
+class Geometry(Record):
+    """The cam and its follower; without base_radius it is the smallest that keeps to the limits."""
+
+    follower: FollowerTable
+    base_radius: Length | None = None
+    closure: Literal["force", "conjugate", "groove"] = "force"
+
+
+class Motor(Record):
+    """What drives the cam."""
+
+    speed_rpm: Annotated[Rpm, turning()] = 60.0
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
+
+    least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
+    """
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
+    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 0.25
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
+    min_wall: Length = 0.8
+
+
+class DiscCamDrive(Mechanism):
+    """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
+
+    geometry: Geometry
+    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)]
+    motor: Motor = Motor()
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        g, f, p = self.geometry, self.geometry.follower, self.making
+        round_hub = 2 * (p.hole()[1] + self.allowed.min_wall) if not p.misfits() else 0.0
+        slides, flat, roller = f.motion == "translating", f.shape == "flat", f.shape == "roller"
+        found = []
+        for key, belongs, needed, what in (
+            ("radius", roller, True, "the radius of a roller"),
+            ("offset", slides, False, "the offset of a translating follower"),
+            ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
+            ("arm", not slides and not flat, True, "the arm of an oscillating roller or knife edge"),
+            ("face_offset", flat and not slides, False, "where the face of an oscillating follower lies"),
+            ("face_width", flat, False, "the width of a flat face"),
+        ):
+            value = getattr(f, key)
+            if belongs and needed and value is None:
+                found.append(Fault(f"geometry.follower.{key}", "", f"missing: {what}"))
+            elif not belongs and value:
+                found.append(Fault(f"geometry.follower.{key}", f"{value:g}", f"nothing here: {what}"))
+        checks = [
+            (g.closure != "groove" or roller, "geometry.closure", g.closure, "force or conjugate: only rollers run in grooves"),
+            (not p.hub_height or p.hub_diameter >= round_hub, "parts.hub_diameter", p.hub_diameter,
+             f"at least {round_hub:g} mm: the bore and limits.min_wall round it"),
+            (not p.hub_height or g.closure != "groove", "parts.hub_height", p.hub_height, "0: a groove's plates have no hub"),
+            (p.pin_diameter < p.rim, "parts.pin_diameter", p.pin_diameter, f"less than the rim, {p.rim:g} mm"),
+            (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
+             f"at least the nozzle, {self.print.nozzle:g} mm"),
+        ]  # fmt: skip
+        for fine, path, value, expected in checks:
+            shown = value if isinstance(value, str) else f"{value:g}"
+            found += [] if fine else [Fault(path, shown, expected)]
+        found += [*p.misfits(), *program_faults(self.segment)]
+        if all(table.kind == "dwell" for table in self.segment):
+            found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
+        return found
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @property
+    def _unit(self) -> tuple[str, float]:
+        return ("mm", 1.0) if self.geometry.follower.motion == "translating" else ("deg", math.degrees(1))
+
+    @cached_property
+    def program(self) -> Program:
+        """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
+        made = program(self.segment, 1 / self._unit[1])
+        return made if self.sense > 0 else made.backwards()
+
+    @cached_property
+    def _highest(self) -> tuple[float, float]:
+        """Least and greatest displacement, mm or rad."""
+        joints = [float(b) for b in self.program.breaks]
+        highest = greatest(self.program, joints[0], joints[-1], joints)[1]
+        return -greatest(partial(_negative, self.program), joints[0], joints[-1], joints)[1], highest
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted displacement s (mm or rad) or its derivative to theta, (n,)."""
+        return self.program(theta, order)
+
+    def reachable(self, theta: Floats) -> Floats:
+        """Displacement that the exact cam gives: the wanted one less the undercut, (n,)."""
+        return self.cam.reachable(theta)
+
+    # ---- followers --------------------------------------------------------------------------------------------------
+
+    def _followers(self, base: float) -> Sequence[Follower]:
+        """The follower on a base circle; with conjugate closure also its second one, on the far side.
+
+        Raises DesignError where it cannot stand on that circle.
+        """
+        f, top = self.geometry.follower, self._highest[1]
+        both = self.geometry.closure == "conjugate"
+        radius = f.radius or 0.0
+        prime = base + radius
+        if f.motion == "translating":
+            if f.shape == "flat":
+                start = f.offset + _UP * base
+                return [SlidingFace(start, _UP), SlidingFace(start - _UP * (2 * base + top), _UP, -1)][: 1 + both]
+            if abs(f.offset) >= prime:
+                raise DesignError(
+                    "geometry.follower.offset", f.offset, prime, "mm", "the base circle",
+                    "the slide passes beside the pitch circle: use a smaller offset or a larger base_radius",
+                )  # fmt: skip
+            high = math.sqrt(prime**2 - f.offset**2)
+            start = f.offset + _UP * high
+            second = SlidingTip(start - _UP * (2 * high + top), _UP, radius, -1)
+            return [SlidingTip(start, _UP, radius), second][: 1 + both]
+        far = f.pivot_distance or 0.0
+        if f.shape == "flat":
+            share = (base - f.face_offset) / far
+            if not abs(share) < 1:
+                raise DesignError(
+                    "geometry.base_radius", base, far + f.face_offset, "mm", "the base circle",
+                    "the face cannot touch it from that pivot: use a smaller base_radius or a larger pivot_distance",
+                )  # fmt: skip
+            facing = cmath.rect(1, -math.acos(share))
+            turned = facing.conjugate() * cmath.exp(-1j * top)
+            return [SwingingFace(complex(far), facing, f.face_offset), SwingingFace(complex(far), turned, f.face_offset)][
+                : 1 + both
+            ]
+        arm = f.arm or 0.0
+        bearing = (far**2 + arm**2 - prime**2) / (2 * far * arm)
+        if not abs(bearing) < 1:
+            raise DesignError(
+                "geometry.base_radius", base, max(abs(far - arm), min(far + arm, prime)) - radius, "mm", "the base circle",
+                "pivot_distance, arm and the pitch circle make no triangle: change one of them",
+            )  # fmt: skip
+        spoke = -cmath.rect(arm, math.acos(bearing))
+        second_arm = spoke.conjugate() * cmath.exp(-1j * top)
+        return [SwingingArm(complex(far), spoke, radius, 1), SwingingArm(complex(far), second_arm, radius, -1)][: 1 + both]
+
+    @cached_property
+    def base_radius(self) -> float:
+        """The spec's, or the smallest that keeps to the allowed pressure angle and least radius."""
+        g, f = self.geometry, self.geometry.follower
+        if g.base_radius is not None:
+            return g.base_radius
+        radius = f.radius or 0.0
+
+        def make(size: float) -> DiscCam[Follower]:
+            """size: distance of the trace point, or of the face, from the axis at s = 0; in line with it where it slides."""
+            base = math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
+            return DiscCam(self.program, self._followers(base)[0])
+
+        stroke = self._highest[1] - self._highest[0]
+        low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
+        if f.motion == "oscillating":
+            far, arm = f.pivot_distance or 0.0, f.arm or 0.0
+            low, high = (
+                (radius + 1e-3 * far, 0.999 * far + f.face_offset)
+                if f.shape == "flat"
+                else (max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm))
+            )
+        size = smallest(make, math.radians(self.allowed.pressure_angle_deg), self.allowed.least_radius, low, high)
+        return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
+
+    def found(self) -> Mapping[str, object]:
+        """The base radius, and what every mechanism fills in."""
+        return {**super().found(), "geometry.base_radius": self.base_radius}
+
+    @cached_property
+    def cams(self) -> list[DiscCam[Follower]]:
+        """The cam; with conjugate closure also the second one."""
+        return [DiscCam(self.program, follower) for follower in self._followers(self.base_radius)]
+
+    @property
+    def cam(self) -> DiscCam[Follower]:
+        """The cam that drives outwards."""
+        return self.cams[0]
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    def parts(self) -> Sequence[Part]:
+        """The cam; both cams of a conjugate pair; or inner cam, outer ring and back plate of a groove."""
+        return self._parts
+
+    @cached_property
+    def _parts(self) -> tuple[Part, ...]:
+        outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
+        wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
+        roller = 2 * (self.geometry.follower.radius or 0.0)
+        made = disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
+        return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """The plates turning about O, one above the other; the follower."""
+        theta = np.asarray(theta, float)
+        still: Points = np.zeros(theta.shape, complex)
+        p = self.making
+        heights = {"inner": p.back, "outer": p.back, "cam-2": p.thickness + p.hub_height + self.print.slide_clearance}
+        found = {part.name: [Pose(theta, still, z=heights.get(part.name, 0.0))] for part in self.parts()}
+        s = self.reachable(theta)
+        f = self.geometry.follower
+        found["ground"] = [Pose(np.zeros(theta.shape), still)]
+        if f.motion == "translating":
+            return {**found, "follower": [Pose(np.zeros(theta.shape), still + _UP * s)]}
+        return {**found, "follower": [Pose(s, still + complex(f.pivot_distance or 0.0))]}
+
+    def contacts(self) -> Sequence[Rolling]:
+        """The follower on its cam; on both cams of a pair, and on both walls of a groove."""
+        names = [part.name for part in self.parts()]
+        found = [self._rolling(name, cam) for name, cam in zip(names, self.cams, strict=False)]
+        if self.geometry.closure == "groove":
+            found.append(self._rolling("outer", self.cam, inside=True))
+        return found
+
+    def _rolling(self, part: str, cam: DiscCam[Follower], inside: bool = False) -> Rolling:
+        follower, f, limits = cam.follower, self.geometry.follower, self.allowed
+        k = 0 if inside else self.cams.index(cam)
+        common = partial(
+            Rolling, part, part, pressure_angle=math.radians(self._pressure[k]), speed_ripple=limits.speed_ripple,
+            lash=limits.lash / self._unit[1], undercut=limits.undercut / self._unit[1], inside=inside, leaves=follower.leaves,
+            reachable=self.program if inside else cam.reachable,
+        )  # fmt: skip
+        wider = self.print.slide_clearance if inside else 0.0
+        match follower:
+            case SwingingArm(pivot, arm, radius, _):
+                return common(pivot=pivot, arm=arm, tip_radius=radius + wider)
+            case SlidingTip(start, along, radius, _):
+                return common(pivot=start, arm=along, tip_radius=radius + wider, slides=True)
+            case SlidingFace(start, along, leaves):
+                half = f.face_width and f.face_width / 2
+                reach = (-half, half) if half else None
+                return common(pivot=start, arm=along, tip_radius=0.0, slides=True, face=leaves * along, reach=reach)
+            case SwingingFace(pivot, facing, ahead):
+                low, high = self._face[k]
+                half = f.face_width and f.face_width / 2
+                reach = ((low + high) / 2 - half, (low + high) / 2 + half) if half else None
+                lever = min(abs(low), abs(high))
+                return common(pivot=pivot, arm=ahead * facing, tip_radius=0.0, face=facing, lever=lever, reach=reach)
+        raise TypeError(f"no contact for {type(follower).__name__}")
+
+    # ---- checks and study -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _pressure(self) -> list[float]:
+        """Largest pressure angle of each cam over the turn, deg; it jumps at the program's breaks and at an undercut's ends."""
+        found = []
+        for cam in self.cams:
+            breaks = [float(b) for b in self.program.corners]
+            ends = [c % math.tau for cut in cam.undercuts for c in (cut.begin, cut.end)]
+            marks = sorted({*breaks, *(c for c in ends if breaks[0] < c < breaks[-1])})
+            stretches = [(a + 1e-9, b - 1e-9, self.program.knots(a, b)) for a, b in pairwise(marks)]
+            found.append(math.degrees(max(greatest(cam.pressure_angle, *stretch)[1] for stretch in stretches)))
+        return found
+
+    @cached_property
+    def _face(self) -> list[tuple[float, float]]:
+        """Between which places each cam touches its face, mm from the stem's line or the pivot's foot."""
+        found = []
+        for cam in self.cams:
+            follower = cam.follower
+            assert isinstance(follower, FlatFace)
+
+            def place(theta: Any, cam: DiscCam[Follower] = cam, follower: FlatFace = follower) -> Floats:
+                return follower.place(self.program(theta), cam.profile(theta) * np.exp(1j * np.asarray(theta)))
+
+            mirrored = cam.greatest(partial(_negative, place))
+            found.append((-mirrored[1], cam.greatest(place)[1]))
+        return found
+
+    def limits(self) -> Sequence[Finding]:
+        """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
+        unit, scale = self._unit
+        limits, f = self.allowed, self.geometry.follower
+        findings = []
+        for cam, pressure, name in zip(self.cams, self._pressure, self._names, strict=True):
+            where = f"exact profile{name}"
+            findings.append(
+                at_most("PRESSURE_ANGLE", pressure, limits.pressure_angle_deg, "deg", where,
+                        "a larger base_radius, a longer span or an offset towards the rise lowers it")
+            )  # fmt: skip
+            lost = scale * max((cut.shortfall for cut in cam.undercuts), default=0.0)
+            spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in cam.undercuts)
+            remedy = "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else "")
+            findings.append(
+                at_most("UNDERCUT", lost, limits.undercut, unit, spans + name or where,
+                        f"the follower falls short there, as the spec implies; {remedy} lowers it" if lost
+                        else "the follower makes the whole motion")
+            )  # fmt: skip
+            findings.append(
+                at_least("CURVATURE", least_convex(cam), limits.least_radius, "mm", where,
+                         "least radius of curvature of the convex profile; below 0 it is undercut, "
+                         "which a limits.least_radius below 0 accepts")
+            )  # fmt: skip
+        if f.pivot_distance is not None:
+            reach = max(float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance)))) for cam in self.cams)
+            findings.append(
+                at_least("INTERFERENCE", f.pivot_distance - reach, 0.0, "mm", "exact profile and the follower's axle",
+                         f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {f.pivot_distance:g} mm")
+            )  # fmt: skip
+        if f.face_width is not None:
+            needed = max(high - low if f.motion == "oscillating" else 2 * max(-low, high) for low, high in self._face)
+            findings.append(
+                at_most("FACE_WIDTH", needed, f.face_width, "mm", "exact profile", "width over which the face is touched")
+            )
+        return [*findings, *self._jumps()]
+
+    def _jumps(self) -> list[Finding]:
+        """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""
+        highest, (unit, scale) = self.allowed.continuous, self._unit
+        if highest < 0:
+            return []
+        jumps = self.program.discontinuities(highest)
+        units = (unit, f"{unit}/rad", f"{unit}/rad^2", f"{unit}/rad^3")
+        told = "; ".join(
+            f"{_ORDERS[j.order]} at {math.degrees(j.theta):.3f} deg by {j.size * scale:.4g} {units[j.order]}" for j in jumps[:6]
+        )
+        more = f"; and {len(jumps) - 6} more" if len(jumps) > 6 else ""
+        asked = " and ".join(filter(None, (", ".join(_ORDERS[:highest]), _ORDERS[highest])))
+        said = f"{told}{more}; a law that ends smoother, or 'matched', joins them" if jumps else f"no jump of {asked}"
+        return [at_most("MOTION_JUMP", len(jumps), 0, "jumps", "program", said)]
+
+    @property
+    def _names(self) -> list[str]:
+        return [""] if len(self.cams) == 1 else [f" of {part.name}" for part in self.parts()]
+
+    def study(self) -> Study:
+        """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
+        unit, scale = self._unit
+        f, cam, low, high = self.geometry.follower, self.cam, *self._highest
+        speed = self.speed
+        peaks = [scale * abs(speed) ** k * self.program.peak(k) for k in (1, 2)]
+        numbers = {
+            "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
+            "base_radius_mm": self.base_radius,
+            "prime_radius_mm": self.base_radius + (f.radius or 0.0),
+            "pressure_angle_deg": max(self._pressure),
+            "curvature_radius_min_mm": min(least_convex(each) for each in self.cams),
+            f"peak_speed_{unit}_s": peaks[0],
+            f"peak_acceleration_{unit}_s2": peaks[1],
+            "profile_length_mm": cam.outline.length,
+            "profile_area_mm2": cam.outline.area,
+            f"undercut_{unit}": scale * max((c.shortfall for each in self.cams for c in each.undercuts), default=0.0),
+            "undercut_mm": max((c.depth for each in self.cams for c in each.undercuts), default=0.0),
+        }
+        if f.shape == "flat":
+            numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
+        else:
+            numbers["pitch_curvature_radius_min_mm"] = cam.least_radius
+        return Study(
+            numbers, self._plots(speed), (self._table(),), (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
+            self._notes(),
+        )  # fmt: skip
+
+    def _notes(self) -> list[str]:
+        notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
+        if math.isinf(self.program.peak(2)):
+            notes.append("The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out.")
+        if self.allowed.continuous < 0:
+            notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
+        return notes
+
+    def _plots(self, speed: float) -> tuple[Plot, ...]:
+        unit, scale = self._unit
+        theta = np.union1d(np.linspace(0, math.tau, 1441), [b - 1e-9 for b in self.program.breaks if b > 0])
+        degrees, label = np.degrees(theta), "cam angle, deg"
+        names = ("Displacement", "Velocity", "Acceleration", "Jerk")
+        units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
+        marks = [(s.kind, math.degrees(at)) for s, at in zip(self.program.segments, self.program.joints, strict=False)]
+        svaj = [
+            Plot(name, label, text, [("wanted", degrees, scale * speed**k * self.program(theta, k))], marks)
+            for k, (name, text) in enumerate(zip(names, units, strict=True))
+        ]
+        steep = [np.degrees(cam.pressure_angle(theta)) for cam in self.cams]
+        who = [name.strip() or "exact profile" for name in self._names]
+        pressure = Plot("Pressure angle", label, "deg", [(name, degrees, y) for name, y in zip(who, steep, strict=True)])
+        radius = np.clip(self.cam.radius(theta), -10 * self.base_radius, 10 * self.base_radius)
+        curvature = Plot("Radius of curvature", label, "mm", [("profile, cut off at 10 base radii", degrees, radius)])
+        z = np.where(self.cam.reachable(theta) == self.program(theta), self.cam.profile(theta), np.nan)  # less what is cut off
+        coloured = [
+            (f"{a:g} to {b:g} deg", z.real, np.where((steep[0] >= a) & (steep[0] <= b), z.imag, np.nan))
+            for a, b in pairwise(_BANDS)
+            if np.any((steep[0] >= a) & (steep[0] <= b))
+        ]
+        return (*svaj, pressure, curvature, Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True))
+
+    def _table(self) -> Table:
+        unit, scale = self._unit
+        columns = ("segment", "from, deg", "to, deg", f"from, {unit}", f"to, {unit}", "law", "C_v", "C_a", "C_j")
+        rows: list[list[object]] = []
+        for s, begin in zip(self.program.segments, self.program.joints, strict=False):
+            law = [s.law.name, s.law.c_v, s.law.c_a, s.law.c_j] if s.scale else ["", "", "", ""]
+            ends = [math.degrees(begin), math.degrees(begin + s.span), scale * s.start, scale * s.end]
+            rows.append([s.kind, *ends, *law])
+        return Table("Program", columns, rows)
+
+    def _sketch(self) -> Sketch:
+        """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""
+        strokes, circles = [], []
+        for cam in self.cams:
+            match cam.follower:
+                case SlidingTip(start, along, radius, leaves):
+                    strokes.append(np.array([start, start + leaves * along * self.base_radius]))
+                    circles.append((start, radius))
+                case SwingingArm(_, arm, radius, _):
+                    strokes.append(np.array([0, arm]))
+                    circles.append((arm, radius))
+                case SlidingFace(start, along, leaves):
+                    half = (self.geometry.follower.face_width or 2 * max(map(abs, self._face[0]))) / 2
+                    strokes += [
+                        np.array([start - half, start + half]),
+                        np.array([start, start + leaves * along * self.base_radius]),
+                    ]
+                case SwingingFace(_, facing, ahead):
+                    low, high = self._face[self.cams.index(cam)]
+                    strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
+        return Sketch("follower", strokes, [(z, r) for z, r in circles if r])
+
+
+def _negative(f: Callable[[Any], Floats], theta: Any) -> Floats:
+    return -f(theta)

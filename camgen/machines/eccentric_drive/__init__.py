@@ -1,0 +1,1 @@
+"""The eccentric drive of a needle machine."""

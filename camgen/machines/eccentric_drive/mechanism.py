@@ -1,0 +1,479 @@
+"""The eccentric drive of a needle machine: an eccentric disc on the motor's shaft, a rod with a strap round it, a slider.
+
+       .---.
+      /  E--\\------------------------- P ==>     O shaft (origin), E the disc's centre, OE = eccentricity,
+      \\  O  /                         slider      EP = rod, P the slider's pin on the guide y = offset, along x
+       '---'
+
+A slider-crank: the disc is a crank as long as its centre is off the shaft, however large it is. The output is the way of
+P from its outermost place towards the shaft, mm.
+[Sviridov, Vladimirov, Chusovitin, study of the crank-slider mechanism of a tattoo machine, with its table corrected]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault
+from camgen.findings import Finding, at_least
+from camgen.geometry.outlines import Floats, Points, Region, circle, polygon
+from camgen.machine.contacts import Contact, Eye, Pin, Pose, Slide, Traced
+from camgen.machine.landmarks import refuse_open
+from camgen.machine.linkages import RRP, Crank, Fixed, Linkage, slider_travel
+from camgen.machine.study import Study
+from camgen.machines.eccentric_drive.study import Masses, study
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, turning_text
+from camgen.parts.hardware import plate
+from camgen.parts.part import Layer, Part, hull
+from camgen.spec import Length, Record, Rpm, turning
+from camgen.tolerances import SAME_POINT
+
+_LASH = (
+    "free play of the slider, mm, by the play of all joints together; 1: the source lets the needle reach 2 to 3 mm deep, and "
+    "play moves its point within that"
+)
+_FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
+
+
+class Geometry(Record):
+    """Lengths of the mechanism."""
+
+    eccentricity: Length
+    rod: Length
+    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    eccentric_diameter: Length
+    shaft_diameter: Length
+
+
+class Motor(Record):
+    """What drives the disc; boss_diameter: of the collar by which it sits in the body, diameter, length: of its can.
+
+    shaft_length: of its shaft over its face, a finding where it is too short.
+    """
+
+    speed_rpm: Annotated[Rpm, turning(0.001)]
+    boss_diameter: Length = 6.0
+    diameter: Length = 21.0
+    length: Length = 25.0
+    shaft_length: Length | None = None
+
+
+class Parts(Record):
+    """The bodies of the parts."""
+
+    strap_wall: Length = 2.0
+    rod_thickness: Length = 3.0
+    flange: Length = 1.0
+    pin_diameter: Length = 3.0
+    slider_width: Length = 8.0
+    slider_thickness: Length = 4.0
+    wire_diameter: Length = 1.5
+    rail_width: Length = 6.0
+    cover_length: Length = 10.0
+    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = "M2"
+    body_thickness: Length = 5.0
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    transmission_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
+    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 1.0
+    min_wall: Length = 0.8
+
+
+class EccentricDrive(Mechanism):
+    """Spec and answers of an eccentric drive; the output is the slider's way from its outermost place, mm."""
+
+    geometry: Geometry
+    motor: Motor
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    masses: Masses | None = None
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        p, motor, slide = self.making, self.motor, self.print.slide_clearance
+        nozzle = f"at least the nozzle, {self.print.nozzle:g} mm"
+        thin = [("limits.min_wall", self.allowed.min_wall)]
+        thin += [(f"parts.{key}", getattr(p, key)) for key in ("strap_wall", "flange", "rod_thickness", "body_thickness")]
+        checks = [(value >= self.print.nozzle, path, value, nozzle) for path, value in thin]
+        room, floor = p.slider_thickness + slide, p.slider_thickness - self.print.nozzle
+        screw, shaft = SCREWS[p.screw].clearance, self.geometry.shaft_diameter
+        checks += [
+            (p.flange < room, "parts.flange", p.flange, f"less than {room:g} mm, so that it clears the body"),
+            (
+                p.wire_diameter <= floor, "parts.wire_diameter", p.wire_diameter,
+                f"at most {floor:g} mm, so that a floor as thick as the nozzle stays in the slider",
+            ),
+            (p.pin_diameter < p.slider_width, "parts.pin_diameter", p.pin_diameter, "less than slider_width"),
+            (p.wire_diameter < p.slider_width, "parts.wire_diameter", p.wire_diameter, "less than slider_width"),
+            (screw < p.rail_width, "parts.rail_width", p.rail_width, f"more than the screw's hole, {screw:g} mm"),
+            (screw < p.cover_length, "parts.cover_length", p.cover_length, f"more than the screw's hole, {screw:g} mm"),
+            (motor.boss_diameter > shaft, "motor.boss_diameter", motor.boss_diameter, f"more than its shaft, {shaft:g} mm"),
+            (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
+        ]  # fmt: skip
+        return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """O, E, P as a dyad on a crank; raises DesignError with the angles where the rod does not reach the guide."""
+        g = self.geometry
+        linkage = Linkage({"O": Fixed(0), "E": Crank("O", g.eccentricity), "P": RRP("E", g.rod, 1j * g.offset, 0.0)})
+        refuse_open(linkage)
+        spare = g.rod - g.eccentricity - abs(g.offset)
+        if spare <= SAME_POINT:
+            raise DesignError(
+                "geometry.rod", g.rod, g.eccentricity + abs(g.offset), "mm",
+                f"crank angle {270 if g.offset > 0 else 90} deg",
+                "these lengths make a change point: the rod stands square to the guide, the slider can stall; use a longer rod",
+            )  # fmt: skip
+        return linkage
+
+    @cached_property
+    def _outermost(self) -> float:
+        """The slider pin's greatest x, mm: crank and rod in one line."""
+        g = self.geometry
+        return math.sqrt((g.rod + g.eccentricity - g.offset) * (g.rod + g.eccentricity + g.offset))
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Way of the slider from its outermost place towards the shaft, mm, or its derivative to theta, (n,)."""
+        g = self.geometry
+        if order == 0:
+            begun = 0.0
+            if g.offset:  # at theta = 0 the slider is not outermost; the difference of two squares, without cancellation
+                at_zero = g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset))
+                begun = self._outermost - at_zero
+            return begun + slider_travel(theta, g.eccentricity, g.rod, g.offset)
+        return -np.real(self.linkage.point("P")(theta, order))
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _bore(self) -> float:
+        return self.geometry.shaft_diameter + self.print.press_clearance
+
+    @cached_property
+    def _inner(self) -> tuple[float, float]:
+        """Least x of the slider and greatest of the rod's end, mm."""
+        g, p = self.geometry, self.making
+        x_in = math.sqrt((g.rod - g.eccentricity) ** 2 - g.offset**2)
+        return x_in - p.slider_width / 2, self._outermost + max(self._eye_radius, p.pin_diameter / 2 + 1)
+
+    @cached_property
+    def _eye_radius(self) -> float:
+        p = self.making
+        return (p.pin_diameter + self.print.slide_clearance) / 2 + p.strap_wall
+
+    @cached_property
+    def _strap_radius(self) -> float:
+        return (self.geometry.eccentric_diameter + self.print.slide_clearance) / 2 + self.making.strap_wall
+
+    @cached_property
+    def _slider_front(self) -> float:
+        """How far the slider reaches outwards from its pin, mm: past rod and cover at its innermost place."""
+        start, rod_end = self._inner
+        return rod_end + 1 + self.making.cover_length - (start + self.making.slider_width / 2)
+
+    def parts(self) -> Sequence[Part]:
+        """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin."""
+        return self._parts
+
+    @cached_property
+    def _parts(self) -> tuple[Part, ...]:
+        g, p, wall = self.geometry, self.making, self.allowed.min_wall
+        self._check_sizes()
+        slide, press = self.print.slide_clearance, self.print.press_clearance
+        bore, pin_hole = circle(0j, self._bore / 2), p.pin_diameter + press
+        keeper = Region(circle(complex(g.eccentricity), self._strap_radius), (bore,))
+        rim = Region(circle(complex(g.eccentricity), g.eccentric_diameter / 2), (bore,))
+        disc_height = p.rod_thickness + slide
+        disc = Part(
+            "disc", "Eccentric disc", (Layer(keeper, 0.0, p.flange), Layer(rim, p.flange, p.flange + disc_height)),
+            centres=(0j, complex(g.eccentricity)), min_wall=wall, cut=1,
+            notes=("press on the motor's shaft, flange below", "cut from sheet, the flange is a second washer"),
+        )  # fmt: skip
+        washer = Part(
+            "washer", "Keeper washer", (Layer(keeper, 0.0, p.flange),), centres=(0j,),
+            notes=("press on the shaft above the disc, in line with its flange",), min_wall=wall,
+        )  # fmt: skip
+        outline = hull([(0j, self._strap_radius), (complex(g.rod), self._eye_radius)])
+        eyes = (circle(0j, (g.eccentric_diameter + slide) / 2), circle(complex(g.rod), (p.pin_diameter + slide) / 2))
+        rod = Part(
+            "rod", "Connecting rod with strap", (Layer(Region(outline, eyes), 0.0, p.rod_thickness),),
+            centres=(0j, complex(g.rod)), min_wall=wall,
+        )  # fmt: skip
+        return (
+            self._body(), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(), self._motor_bar()
+        )
+
+    def _check_sizes(self) -> None:
+        """Raise DesignError where the disc has no wall, the strap meets the guide, or rod and slider cannot be made."""
+        g, need = self.geometry, self.allowed.min_wall
+        thin = g.eccentric_diameter / 2 - g.eccentricity - self._bore / 2
+        if thin < need - SAME_POINT:
+            works = 2 * (need + g.eccentricity + self._bore / 2)
+            raise DesignError(
+                "MIN_WALL of the eccentric disc", thin, need, "mm", "the thin side of its bore",
+                f"D/2 - e - d/2 must reach it: geometry.eccentric_diameter of {works:g} mm or more works",
+            )  # fmt: skip
+        self.linkage  # noqa: B018  refuses what does not close, before roots of negative numbers are taken
+        seat = self._inner[0] - (self.motor.boss_diameter + self.print.press_clearance) / 2
+        if seat < need:
+            raise DesignError(
+                "wall between the motor's seat and the guide", seat, need, "mm", "body",
+                "use a longer rod or a motor with a smaller boss_diameter",
+            )  # fmt: skip
+        room = self._inner[0] - self._strap_radius - g.eccentricity
+        if room < self.print.slide_clearance:
+            raise DesignError(
+                "geometry.rod", g.rod, g.rod - room + self.print.slide_clearance, "mm", "the slider's innermost place",
+                "the flange would meet the slider: use a longer rod or a smaller disc",
+            )  # fmt: skip
+
+    @cached_property
+    def _screw(self) -> Screw:
+        return SCREWS[self.making.screw]
+
+    @cached_property
+    def _rim(self) -> float:
+        """Radius of the material round a screw's hole, mm."""
+        return self._screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + _FACETS)
+
+    @cached_property
+    def _head(self) -> tuple[float, float, complex]:
+        """Of the slider's head, always outside the guide: its begin and length along x, and its upper screw, mm."""
+        p, screw = self.making, self._screw
+        aside = p.wire_diameter / 2 + self.allowed.min_wall + _FACETS + screw.clearance / 2
+        length = 2 * max(screw.head / 2 + 1, self._rim + 0.2)  # 0.2: the clamp is so much shorter at both ends
+        return self._slider_front + 1, length, complex(self._slider_front + 1 + length / 2, aside)
+
+    def _slider(self, pin_hole: float) -> Part:
+        """Block on the guide: pin hole at the origin, along x a groove for the needle's wire, two screws for its clamp."""
+        p, (neck, length, screw) = self.making, self._head
+        half, groove, front = p.slider_width / 2, p.wire_diameter / 2, neck + length
+        wide = max(half, screw.imag + self._rim)
+        hook = self._inner[1] - self._outermost + 1 + p.wire_diameter
+        rear = [complex(-half, half), complex(-half, -half)]
+        shoulder = [complex(neck, -half), complex(neck, -wide)] if wide > half else []
+        under = [*rear, *shoulder, complex(front, -wide)]
+        over = [z.conjugate() for z in reversed(under[2:])]
+
+        def slot(end: float) -> list[complex]:
+            return [complex(end, -groove), complex(hook, -groove), complex(hook, groove), complex(end, groove)]
+
+        shank = polygon([*rear, complex(neck, -half), *slot(neck), complex(neck, half)])
+        holes = {"pin": circle(0j, pin_hole / 2)}
+        screws = {f"clamp screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate((screw.conjugate(), screw), 1)}
+        wall, floor = self.allowed.min_wall, p.slider_thickness - p.wire_diameter
+        proud = p.slider_thickness - p.wire_diameter / 4
+        layers = (
+            Layer(plate("slider", polygon([*under, *over]), holes | screws, wall), 0.0, floor),
+            Layer(plate("slider", polygon([*under, *slot(front), *over]), holes | screws, wall), floor, proud),
+            Layer(plate("slider", shank, holes, wall), proud, p.slider_thickness),
+        )
+        return Part(
+            "slider", "Needle holder", layers, centres=(0j, screw.conjugate(), screw), min_wall=wall,
+            notes=("the needle's wire lies in the groove", "clamp, screws and nuts hold it at the head"),
+        )  # fmt: skip
+
+    def _clamp(self) -> Part:
+        """Plate over the wire at the slider's head; its origin is its middle."""
+        p, (_, length, screw) = self.making, self._head
+        x, y = length / 2 - 0.2, max(p.slider_width / 2, screw.imag + self._rim)
+        return self._bored("clamp", "Wire clamp", (x, y), screw.imag)
+
+    def _bored(self, name: str, title: str, half: tuple[float, float], screw: float) -> Part:
+        """A rectangular plate of half sizes (x, y), as thick as the rod, with two screws at x = 0, y = +-screw."""
+        x, y = half
+        outer = polygon([complex(-x, -y), complex(x, -y), complex(x, y), complex(-x, y)])
+        places = (-1j * screw, 1j * screw)
+        holes = {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(places, 1)}
+        layer = Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, self.making.rod_thickness)
+        return Part(name, title, (layer,), centres=places, min_wall=self.allowed.min_wall)
+
+    def _pin(self) -> Part:
+        """Pin with a head, printed head down, put in from above."""
+        p, slide = self.making, self.print.slide_clearance
+        shank = p.slider_thickness + 3 * slide + p.rod_thickness
+        layers = (
+            Layer(Region(circle(0j, p.pin_diameter / 2 + 1)), 0.0, 1.0),
+            Layer(Region(circle(0j, p.pin_diameter / 2)), 1.0, 1.0 + shank),
+        )
+        return Part("pin", "Slider pin", layers, centres=(0j,), notes=("press into the slider through the rod",), cut=1)
+
+    @cached_property
+    def _rail(self) -> tuple[float, float, float]:
+        """Where the rails begin and end along x, and the middle of a rail from the guide's axis, mm."""
+        p = self.making
+        start = self._inner[0]
+        end = start + p.slider_width / 2 + self._slider_front
+        return start, end, (p.slider_width + self.print.slide_clearance + p.rail_width) / 2
+
+    def _cover(self) -> Part:
+        middle = self._rail[2]
+        return self._bored("cover", "Guide cover", (self.making.cover_length / 2, middle + self.making.rail_width / 2), middle)
+
+    @cached_property
+    def _motor_screw(self) -> float:
+        """Distance of the motor's two long screws from its shaft, beside its can and beside what turns, mm."""
+        beside = self.motor.diameter / 2 + self._screw.clearance / 2
+        return max(beside, self.geometry.eccentricity + self._strap_radius + self._screw.head / 2) + 1
+
+    def _motor_bar(self) -> Part:
+        """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
+        p = self.making
+        boss = (self.motor.boss_diameter + self.print.slide_clearance) / 2
+        screws = (-1j * self._motor_screw, 1j * self._motor_screw)
+        holes = {"boss": circle(0j, boss)} | {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(screws, 1)}
+        wall = max(p.strap_wall, self.allowed.min_wall + _FACETS)
+        outer = hull([(screws[0], self._rim), (0j, boss + wall), (screws[1], self._rim)])
+        layer = Layer(plate("motor-bar", outer, holes, self.allowed.min_wall), 0.0, p.body_thickness)
+        note = "behind the motor; two long screws draw both to the body"
+        return Part("motor-bar", "Motor bar", (layer,), centres=(0j, *screws), notes=(note,), min_wall=self.allowed.min_wall)
+
+    def _body(self) -> Part:
+        """Plate with the motor's seat at the origin, the two rails of the guide, and a mounting hole in every corner."""
+        g, p, slide, screw = self.geometry, self.making, self.print.slide_clearance, self._screw
+        start, end, middle = self._rail
+        seat, corner = (self.motor.boss_diameter + self.print.press_clearance) / 2, max(screw.head / 2 + 1, self._rim)
+        beside, outside = self._motor_screw + self._rim, middle + p.rail_width / 2 + 2 * corner
+        top, bottom = max(g.offset + outside, beside), min(g.offset - outside, -beside)
+        left = -self.motor.diameter / 2 - 2 * corner
+        mounts = [complex(x, y) for x in (left + corner, end - corner) for y in (bottom + corner, top - corner)]
+        cover = [complex(end - p.cover_length / 2, g.offset + side * middle) for side in (-1, 1)]
+        motor = [side * 1j * self._motor_screw for side in (-1, 1)]
+        screws = [*cover, *motor, *mounts]
+        kinds = ("cover", cover), ("motor", motor), ("mounting", mounts)
+        names = [f"screw {k} of the {kind}" for kind, places in kinds for k in range(1, len(places) + 1)]
+        holes = {"motor's seat": circle(0j, seat)}
+        holes |= {name: circle(z, screw.clearance / 2) for name, z in zip(names, screws, strict=True)}
+        region = plate("body", hull([(z, corner) for z in mounts]), holes, self.allowed.min_wall)
+        layers = [Layer(region, 0.0, p.body_thickness)]
+        height = p.body_thickness + p.slider_thickness + slide
+        for side, place in zip((-1, 1), cover, strict=True):
+            y0, y1 = sorted(g.offset + side * (middle + s * p.rail_width / 2) for s in (-1, 1))
+            bar = polygon([complex(start, y0), complex(end, y0), complex(end, y1), complex(start, y1)])
+            rail = plate("rail", bar, {"screw": circle(place, screw.clearance / 2)}, self.allowed.min_wall)
+            layers.append(Layer(rail, p.body_thickness, height))
+        return Part(
+            "body", "Body plate with guide", tuple(layers), centres=(0j, *screws),
+            notes=("the motor's collar sits in the hole at the origin, from below", "the corners' holes are for mounting"),
+            min_wall=self.allowed.min_wall,
+        )  # fmt: skip
+
+    @cached_property
+    def shaft_length(self) -> float:
+        """How far the motor's shaft must reach over its face, to the upper side of the keeper washer, mm."""
+        p, slide = self.making, self.print.slide_clearance
+        return p.body_thickness + p.slider_thickness + 3 * slide + p.rod_thickness + p.flange
+
+    def bought(self) -> Sequence[Bought]:
+        """Motor, screws, nuts and the needle's wire."""
+        g, p, m, slide = self.geometry, self.making, self.motor, self.print.slide_clearance
+        through = (
+            ("screw of the cover", p.body_thickness + p.slider_thickness + slide + p.rod_thickness),
+            ("screw of the motor", 2 * p.body_thickness + m.length),
+            ("screw of the wire clamp", p.slider_thickness + p.rod_thickness),
+        )
+        motor = (
+            f"{turning_text(m.speed_rpm)}, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, "
+            f"collar {m.boss_diameter:g}, can {m.diameter:g} x {m.length:g}"
+        )
+        return (
+            Bought("motor", "", motor, 1),
+            *(fastener(name, p.screw, reach, 2) for name, reach in through),
+            Bought("nut", "ISO 4032", p.screw, 6),
+            Bought("screw for mounting", self._screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
+            Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}", 1),
+        )
+
+    # ---- assembly ---------------------------------------------------------------------------------------------------
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """Disc and washer turn, the rod follows, slider and pin shift; body and cover stand still."""
+        p, slide = self.making, self.print.slide_clearance
+        theta = np.asarray(theta, float)
+        still: Points = np.zeros(theta.shape, complex)
+        flat: Floats = np.zeros(theta.shape)
+        at = self.linkage.solve(theta)
+        e, pin = at["E"][0], at["P"][0]
+        bed = p.body_thickness
+        rod_z = bed + p.slider_thickness + 2 * slide
+        _, end, _ = self._rail
+        cover = complex(end - p.cover_length / 2, self.geometry.offset)
+        return {
+            "disc": [Pose(theta, still, z=rod_z - p.flange)],
+            "washer": [Pose(theta, still, z=rod_z + p.rod_thickness + slide)],
+            "rod": [Pose(np.angle(pin - e), e, z=rod_z)],
+            "slider": [Pose(flat, pin, z=bed)],
+            "pin": [Pose(flat, pin, flipped=True, z=bed)],
+            "cover": [Pose(flat, still + cover, z=bed + p.slider_thickness + slide)],
+            "clamp": [Pose(flat, pin + self._head[2].real, z=bed + p.slider_thickness)],
+            "body": [Pose(flat, still)],
+            "motor-bar": [Pose(flat, still, z=-self.motor.length - bed)],
+        }
+
+    def contacts(self) -> Sequence[Contact]:
+        """The shaft in disc and body, the disc in the strap, the pin in rod and slider, the slider on its guide."""
+        g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
+        boss = self.motor.boss_diameter
+        slider = Eye("slider", 0j, p.pin_diameter + press)
+        return (
+            # the motor is the pin: its collar in the body, its shaft in the disc, and the mean of both counts twice
+            Pin(
+                "shaft", Eye("disc", 0j, self._bore), Eye("body", 0j, boss + press), 2 * press,
+                Eye(None, 0j, (g.shaft_diameter + boss) / 2, shaft=True),
+            ),
+            Pin(
+                "strap", Eye("disc", complex(g.eccentricity), g.eccentric_diameter, shaft=True),
+                Eye("rod", 0j, g.eccentric_diameter + slide), slide,
+            ),
+            Pin(
+                "slider pin", Eye("rod", complex(g.rod), p.pin_diameter + slide), slider, slide + press,
+                Eye("pin", 0j, p.pin_diameter, shaft=True),
+            ),
+            Slide("guide", slider, 1j * g.offset, 0.0, p.slider_width, slide, "body", drawn=False),
+            Traced(
+                "travel", "disc", ("body", "cover"), Eye("slider", 0j, 0.0),
+                lambda path: self._outermost - path.real, lambda path: np.full(path.shape, -1 + 0j),
+                lash=self.allowed.lash,
+            ),
+        )  # fmt: skip
+
+    # ---- checks and study -------------------------------------------------------------------------------------------
+
+    def limits(self) -> Sequence[Finding]:
+        """Least transmission angle: of the rod against the square to the guide."""
+        g = self.geometry
+        self.linkage  # noqa: B018
+        reach = (g.eccentricity + abs(g.offset)) / g.rod
+        worst = math.degrees(math.acos(reach))
+        where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
+        message = "90 deg less the rod's greatest tilt; a longer rod enlarges it"
+        found = [at_least("TRANSMISSION_ANGLE", worst, self.allowed.transmission_angle_deg, "deg", where, message)]
+        if self.motor.shaft_length is not None:
+            message = "over the motor's face, up to the keeper washer; thinner parts need less"
+            found.append(at_least("SHAFT_LENGTH", self.motor.shaft_length, self.shaft_length, "mm", "motor", message))
+        return found
+
+    def study(self) -> Study:
+        """Stroke, peak speed and its angle, harmonics, travel; the published table where the lengths are the paper's."""
+        g = self.geometry
+        numbers = {
+            "stroke_mm": self._outermost - self._inner[0] - self.making.slider_width / 2,
+            "motor_shaft_length_mm": self.shaft_length,
+            "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self._bore / 2,
+        }
+        found = study(self.linkage, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses)
+        return replace(found, numbers={**numbers, **found.numbers})

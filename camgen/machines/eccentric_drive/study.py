@@ -1,0 +1,141 @@
+"""What a report shows of an eccentric drive: peak speed, harmonics, forces, and the paper's table with its errata."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from camgen.machine import dynamics
+from camgen.machine.landmarks import zeros
+from camgen.machine.linkages import Floats, Jet, Linkage
+from camgen.machine.study import Plot, Study, Table
+from camgen.spec import Mass, Record
+
+Motion = Callable[[Floats, int], Floats]
+
+_PAPER = (1.5, 48.0, 0.0)
+_PAPER_SPEED = 22.6  # rad/s: 13000/60 taken for rpm
+# Published: angle deg, v3 mm/s, phi2 deg, phi2' rad/s.
+_PUBLISHED = (
+    (30, 16.49, 0.9, 0.61), (60, 28.9, 1.55, 0.35), (90, 33.9, 1.79, 0.0), (120, 28.9, 1.55, -0.35), (150, 16.49, 0.9, -0.61),
+    (180, 0.0, 0.0, -0.7), (210, -16.49, -0.9, -0.61), (240, -28.9, -1.55, -0.35), (270, -33.9, -1.79, 0.0),
+    (300, -28.9, -1.55, 0.35), (330, -16.49, -0.9, 0.61), (360, 0.0, 0.0, 0.7),
+)  # fmt: skip
+_ERRATA = (
+    "Erratum 1: the published v3 at 30 and 330 deg is 5.28 % low, at 60 and 300 deg 3.08 % low: the table mirrors 150 and "
+    "120 deg.",
+    "Erratum 2: phi2 is printed without its minus sign, which contradicts the closure; the header gives phi2' in degrees, it is "
+    "rad/s.",
+    "Erratum 3: 22.6 rad/s puts 13000/60, revolutions per second, into a formula that wants rpm. The motor's real speed is "
+    "1361.357 rad/s; 22.69 rad/s is 216.67 rpm, 3.6 strokes per second.",
+    "Erratum 4: the greatest speed is not at 90 deg but at 88.212 deg.",
+    "Erratum 5: the speed curve is not a sine: it has a second harmonic of about half of eccentricity / rod.",
+    "Erratum 6: an eccentric disc of 5 mm, bored 1.5 mm off centre for a 2 mm shaft, leaves a wall of 2.5 - 1.5 - 1 = 0 mm. A "
+    "printable one is larger, with a strap round it; the motion does not change.",
+)
+
+
+class Masses(Record):
+    """What moves, for forces; the rod's centre of mass from the disc's centre, and its inertia about it."""
+
+    rod_g: Mass
+    rod_centre: Annotated[float, Field(ge=-1e6, le=1e6)]
+    rod_inertia_g_mm2: Annotated[float, Field(ge=0, le=1e12)]
+    slider_g: Mass
+
+
+def study(
+    linkage: Linkage, motion: Motion, lengths: tuple[float, float, float], rpm: float, masses: Masses | None
+) -> Study:
+    """Numbers, curves and tables for crank O-E and slider pin P; the published table where the lengths are the paper's.
+
+    motion: the slider's way (theta, order), mm; lengths: eccentricity, rod, offset, mm.
+    """
+    degrees = np.linspace(0, 360, 1441)
+    theta, speed = np.radians(degrees), rpm * math.tau / 60
+    at, top = _peak(motion)
+    wave = np.abs(np.fft.rfft(motion(np.linspace(0, math.tau, 4096, endpoint=False), 1)))
+    numbers = {
+        "motor_speed_rad_s": speed,
+        "strokes_per_second": abs(rpm) / 60,
+        "peak_speed_mm_s": top * abs(speed),
+        "peak_speed_angle_deg": math.degrees(at),
+        "peak_speed_over_e_w": top / lengths[0],
+        "acceleration_outermost_mm_s2": float(motion(np.zeros(1), 2)[0]) * speed**2,
+        "second_harmonic_share": float(wave[2] / wave[1]),
+    }
+    label = "crank angle, deg"
+    plots = [
+        Plot(title, label, unit, [("exact", degrees, motion(theta, order) * speed**order * 1e-3)])
+        for order, title, unit in ((1, "Slider speed", "m/s"), (2, "Slider acceleration", "m/s²"))
+    ]
+    units = (1.0, speed, speed**2 * 1e-3)
+    rows = np.column_stack([degrees[::120], *(_clean(motion(theta[::120], k) * unit) for k, unit in enumerate(units))])
+    columns = ("crank angle, deg", "travel, mm", "speed, mm/s", "acceleration, m/s²")
+    tables = [Table("Travel from the outermost place, at the motor's speed", columns, rows.tolist())]
+    notes: tuple[str, ...] = ()
+    if lengths == _PAPER:
+        numbers |= {"paper_speed_rad_s": _PAPER_SPEED, "paper_peak_speed_mm_s": top * _PAPER_SPEED}
+        tables.append(_published(linkage, motion))
+        source = "Source: Sviridov, Vladimirov, Chusovitin, study of the crank-slider mechanism of a tattoo machine."
+        notes = (source, *_ERRATA)
+    if masses is not None:
+        forces = _forces(linkage, theta, speed, masses)
+        peaks = {f"peak_force_{name.lower()}_n": float(np.max(np.abs(force))) for name, force in forces.reactions.items()}
+        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(forces.torque)))}
+        plots += [
+            Plot("Joint forces", label, "N", [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()]),
+            Plot("Driving torque", label, "N m", [("torque", degrees, forces.torque)]),
+        ]
+    return Study(numbers, plots, tables, (), notes)
+
+
+def _peak(motion: Motion) -> tuple[float, float]:
+    """Crank angle, rad, and size, mm/rad, of the greatest speed; the first of equal ones."""
+
+    def slope(theta: Floats, order: int) -> Floats:
+        return motion(theta, 2) if order == 0 else np.full(theta.shape, np.nan)
+
+    found = zeros(slope)
+    speeds = np.abs(motion(found, 1))
+    k = int(np.argmax(speeds > speeds.max() * (1 - 1e-12)))
+    return float(found[k]), float(speeds[k])
+
+
+def _published(linkage: Linkage, motion: Motion) -> Table:
+    """The paper's table beside exact values at the paper's speed; v3 positive towards the shaft, as printed."""
+    theta = np.radians([row[0] for row in _PUBLISHED])
+    at: dict[str, Jet] = linkage.solve(theta, 1)
+    rod = at["P"] - at["E"]
+    tilt, rate = np.degrees(np.angle(rod[0])), np.imag(rod[1] / rod[0]) * _PAPER_SPEED
+    exact = zip(*(_clean(values) for values in (motion(theta, 1) * _PAPER_SPEED, tilt, rate)), strict=True)
+    rows = [
+        [angle, v, x, round((v / x - 1) * 100, 9) + 0.0 if x else 0.0, phi, y, dphi, z]
+        for (angle, v, phi, dphi), (x, y, z) in zip(_PUBLISHED, exact, strict=True)
+    ]
+    columns = (
+        "crank angle, deg", "published v3, mm/s", "exact v3, mm/s", "v3 off by, %", "published phi2, deg",
+        "exact phi2, deg", "published phi2', rad/s", "exact phi2', rad/s",
+    )  # fmt: skip
+    return Table(f"Published table and exact values at {_PAPER_SPEED:g} rad/s", columns, rows)
+
+
+def _forces(linkage: Linkage, theta: Floats, speed: float, masses: Masses) -> dynamics.Forces:
+    """Joint forces and torque of the running drive; the disc counts as balanced."""
+    bodies = {
+        "disc": dynamics.Body("O", "E", 0.0),
+        "rod": dynamics.Body("E", "P", masses.rod_g * 1e-3, masses.rod_centre, masses.rod_inertia_g_mm2 * 1e-9),
+        "slider": dynamics.Body("P", "P", masses.slider_g * 1e-3),
+    }
+    pins = [dynamics.Pin("O", "disc"), dynamics.Pin("E", "rod", "disc"), dynamics.Pin("P", "slider", "rod")]
+    guide = [dynamics.Slide("P", "slider", 0.0)]
+    return dynamics.kinetostatics(linkage.solve(theta, 2), bodies, pins, guide, "disc", speed)
+
+
+def _clean(values: Floats) -> list[float]:
+    """Values of a table, rounding noise beside its greatest made zero."""
+    return [float(v) for v in np.where(np.abs(values) < 1e-13 * np.max(np.abs(values)), 0.0, values)]

@@ -1,0 +1,1 @@
+"""The indexing cam with a spring unloader."""

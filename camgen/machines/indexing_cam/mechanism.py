@@ -1,0 +1,453 @@
+"""The indexing cam: it turns a driven link by a given angle, holds it, turns it back and holds it; a spring bears the inertia.
+
+               return roller ( )                    O cam shaft (origin), A the follower's axle at (L, 0); the follower's
+                               \\                    gear segment turns the driven link by gear_ratio times its angle
+          O                     A ===(gears)=== driven link, with the spring unloader
+                               /
+                    roller ( )                      s = 0 in the inner dwell; the roller leaves the cam as s grows
+
+The driven link swings to and fro, so one cam turn makes two indexings by the same law. With closure "conjugate" a second
+cam beside the first carries the return roller. [Analysis and recommendations for choosing cam mechanisms for the drive of
+pad-printing machines, combined with unloading devices (in Ukrainian); MR-13 is its law, A6 with the corrected sign]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault, SpecError
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Floats, Points, Region
+from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.contacts import Pose, Rolling
+from camgen.machine.study import Sketch, Study
+from camgen.machines.indexing_cam.study import IndexingStudy
+from camgen.machines.indexing_cam.unloader import CrankSpring, Load, SpringTorque, antisymmetric, law_torque
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.laws import Law
+from camgen.motion.program import Program, Segment
+from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
+from camgen.motion.spring_law import characteristic, trade_off
+from camgen.parts.disc_cams import ShaftHole, Thickness, holes_in, turning_note
+from camgen.parts.part import Layer, Part, windows
+from camgen.spec import Length, Record, Rpm, turning, validate
+
+_LASH = (
+    "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
+    "unloader presses one roller on, so the link stands there without play"
+)
+_SPRING_POINTS = 101  # of a table that stands for a spring
+Span = Annotated[float, Field(ge=1, lt=360)]
+NotNegative = Annotated[float, Field(ge=0, le=1e6)]
+Positive = Annotated[float, Field(gt=0, le=1e6)]
+
+
+class Arm(Record):
+    """The follower: a roller on an arm, and its axle."""
+
+    arm: Length
+    pivot_distance: Length
+    roller_radius: Length
+
+
+class Geometry(Record):
+    """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
+
+    follower: Arm
+    base_radius: Length
+    law: NamedLaw
+    rise_deg: Span
+    dwell_deg: Annotated[float, Field(ge=0, lt=360)]
+    return_deg: Span | None = None
+    index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
+    gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
+    closure: Literal["conjugate", "force"] = "conjugate"
+
+
+class Motor(Record):
+    """What drives the cam shaft."""
+
+    speed_rpm: Annotated[Rpm, turning()] = 30.0
+
+
+class LoadTable(Record):
+    """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
+    presses the follower on a cam with closure "force"."""
+
+    inertia_kg_m2: Positive
+    follower_inertia_kg_m2: NotNegative = 0.0
+    friction_n_m: NotNegative = 0.0
+    dwell_torque_n_m: NotNegative = 0.0
+    closing_n_m: NotNegative = 0.0
+
+
+class UnloaderTable(Record):
+    """The spring on the driven link.
+
+    torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
+    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
+    """
+
+    torque: Literal["law", "crank", "table", "none"] = "law"
+    balance: Annotated[float, Field(gt=0, le=2)] | None = None
+    design_rpm: Positive | None = None
+    points: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None = None
+    stiffness_n_mm: Positive | None = None
+    crank: Length | None = None
+    guide: Length | None = None
+    stretch: NotNegative | None = None
+    lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
+
+
+_KEYS = {  # keys of an unloader by its kind: needed, allowed
+    "none": ((), ()),
+    "law": ((), ("balance", "design_rpm")),
+    "table": (("points",), ()),
+    "crank": (("stiffness_n_mm", "crank", "guide", "stretch", "lead_deg"), ()),
+}
+
+
+class SynthesisTable(Record):
+    """Laws sought for the unloader's spring: one for each weight q of Q = C^2 + q Y^2."""
+
+    weights: Annotated[tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)]
+    sines: Annotated[int, Field(ge=1, le=8)] = 5
+    cosines: Annotated[int, Field(ge=0, le=3)] = 1
+
+
+class Parts(ShaftHole):
+    """The cams as bodies."""
+
+    thickness: Thickness = 8.0
+    bore: Length = 12.0
+    shaft: Literal["plain", "keyway", "d-flat"] = "keyway"
+    key_width: Length = 4.0
+    key_depth: Length = 1.8
+    flat_depth: Length = 1.0
+    windows: Annotated[int, Field(ge=0, le=24)] = 0
+    wall: Length = 4.0
+
+
+class Limits(Record):
+    """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
+
+    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
+    """
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    acceleration_jump: NotNegative = 3.0
+    residual: Annotated[float, Field(ge=0, le=100)] = 0.25
+    min_wall: Length = 0.8
+
+
+class IndexingCam(Mechanism):
+    """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
+
+    geometry: Geometry
+    motor: Motor = Motor()
+    load: LoadTable
+    unloader: UnloaderTable = UnloaderTable()
+    synthesis: SynthesisTable | None = None
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        g, p, u, nozzle = self.geometry, self.making, self.unloader, self.print.nozzle
+        spans = math.fsum((g.rise_deg, g.dwell_deg, self._return_deg))
+        checks = [
+            (spans <= 360, "geometry.dwell_deg", g.dwell_deg,
+             f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}"),
+            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
+            (g.follower.roller_radius < g.follower.arm, "geometry.follower.roller_radius", g.follower.roller_radius,
+             f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle"),
+            (g.closure == "force" or not self.load.closing_n_m, "load.closing_n_m", self.load.closing_n_m,
+             'nothing here: closure "conjugate" needs no spring'),
+            (u.crank is None or u.guide is None or u.guide > u.crank, "unloader.guide", u.guide or 0.0,
+             f"more than the crank, {u.crank or 0:g} mm"),
+        ]  # fmt: skip
+        found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        needed, further = _KEYS[u.torque]
+        takes = ", ".join((*needed, *further)) or "nothing more"
+        missing = f"missing: torque '{u.torque}' needs it"
+        found += [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(u, key) is None]
+        for key in UnloaderTable.model_fields:
+            if key != "torque" and getattr(u, key) is not None and key not in (*needed, *further):
+                found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{u.torque}' takes {takes}"))
+        if u.torque == "table" and u.points is not None:
+            try:
+                characteristic(u.points)
+            except SpecError as error:
+                found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        if self.synthesis is not None and u.torque == "none":
+            found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
+        return [*found, *p.misfits(), *self._law_faults()]
+
+    def _law_faults(self) -> Sequence[Fault]:
+        choice = self.geometry.law
+        if choice.name == MATCHED:
+            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
+        try:
+            law = law_of(choice)
+        except SpecError as error:
+            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        turning = turning_rows(choice)
+        if turning:
+            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
+        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
+        return [] if fault is None else [fault]
+
+    def designed(self) -> Self:
+        """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
+        as a table. SpecError without [synthesis].
+        """
+        wanted, spring = self.synthesis, self._spring
+        if wanted is None or spring is None:
+            raise SpecError([Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")])
+        found = trade_off(spring, wanted.weights, wanted.sines, wanted.cosines)[-1]
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        data["geometry"]["law"] = {"name": "fourier", "sines": list(found.sines), "cosines": list(found.cosines)}
+        if self.unloader.torque == "law":
+            a = 0.5 * np.linspace(0, 1, _SPRING_POINTS) ** 2  # the torque starts as the root of the position
+            data["unloader"] = {"torque": "table", "points": np.column_stack([a, spring(a)]).tolist()}
+        return validate(type(self), data)
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @property
+    def _return_deg(self) -> float:
+        return self.geometry.rise_deg if self.geometry.return_deg is None else self.geometry.return_deg
+
+    @cached_property
+    def law(self) -> Law:
+        """The law of the turn; the return runs through the same one."""
+        return law_of(self.geometry.law)
+
+    @property
+    def swing(self) -> float:
+        """The follower's swing, rad."""
+        return math.radians(self.geometry.index_deg / self.geometry.gear_ratio)
+
+    @cached_property
+    def program(self) -> Program:
+        """Rise from theta = 0, outer dwell, return, inner dwell; on a clockwise cam backwards."""
+        g, swing = self.geometry, self.swing
+        spans = [g.rise_deg, g.dwell_deg, self._return_deg]
+        spans.append(360 - math.fsum(spans))
+        shape = [("rise", 0.0, swing), ("dwell", swing, 0.0), ("return", swing, -swing), ("dwell", 0.0, 0.0)]
+        segments = [
+            Segment(kind, math.radians(span), start, scale, self.law)
+            for span, (kind, start, scale) in zip(spans, shape, strict=True) if span > 1e-9
+        ]  # fmt: skip
+        made = Program(tuple(segments))
+        return made if self.sense > 0 else made.backwards()
+
+    def found(self) -> Mapping[str, object]:
+        """The span of the return and the spring by the law, and what every mechanism fills in."""
+        found = {**super().found(), "geometry.return_deg": self._return_deg}
+        if self.unloader.torque == "law":
+            found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
+        return found
+
+    @property
+    def _balance(self) -> float:
+        return 1.0 if self.unloader.balance is None else self.unloader.balance
+
+    @property
+    def _design_rpm(self) -> float:
+        return abs(self.motor.speed_rpm) if self.unloader.design_rpm is None else self.unloader.design_rpm
+
+    @cached_property
+    def cams(self) -> Mapping[str, DiscCam]:
+        """The cam engine for each cam by its part's name; DesignError where there is no such follower."""
+        f = self.geometry.follower
+        reach, far = self.geometry.base_radius + f.roller_radius, f.pivot_distance
+        inner, _ = self._opening(reach, "geometry.base_radius", "the inner dwell")
+        outer = inner + self.swing
+        if outer >= math.pi:
+            raise DesignError(
+                "the follower's swing", math.degrees(self.swing), math.degrees(math.pi - inner), "deg", "the outer dwell",
+                "the arm would pass the line of shaft and axle: use a larger gear_ratio or a smaller index_deg",
+            )  # fmt: skip
+        pivot = complex(far)
+        first = SwingingArm(pivot, f.arm * cmath.exp(1j * (math.pi + inner)), f.roller_radius, leaves=1)
+        if self.geometry.closure == "force":
+            return {"cam": DiscCam(self.program, first)}
+        second = SwingingArm(pivot, f.arm * cmath.exp(1j * (math.pi - outer)), f.roller_radius, leaves=-1)
+        return {"cam": DiscCam(self.program, first), "return-cam": DiscCam(self.program, second)}
+
+    def _opening(self, radius: float, quantity: str, where: str) -> tuple[float, float]:
+        """Angle OAC and the distance OC for a roller centre so far from the shaft."""
+        f = self.geometry.follower
+        low, high = abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm
+        if not low < radius < high:
+            limit = low if radius <= low else high
+            raise DesignError(
+                f"{quantity} and roller_radius together", radius, limit, "mm", where,
+                "arm and pivot_distance make no triangle with it: change one of them",
+            )  # fmt: skip
+        cosine = (f.pivot_distance**2 + f.arm**2 - radius**2) / (2 * f.pivot_distance * f.arm)
+        return math.acos(cosine), radius
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
+        return self.program(theta, order)
+
+    def reachable(self, theta: Floats) -> Floats:
+        """Angle s that the exact cam gives: the wanted one less any undercut, (n,) rad."""
+        return self.cams["cam"].reachable(theta)
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    def parts(self) -> Sequence[Part]:
+        """The cam, and with closure "conjugate" the return cam that sits beside it on the same key."""
+        return [self._part(name, cam) for name, cam in self.cams.items()]
+
+    def _part(self, name: str, cam: DiscCam) -> Part:
+        p = self.making
+        holes = holes_in(p, name, cam.outline, lambda rim, reach: windows(rim, reach, p.windows, p.wall))
+        title = "Return cam" if name == "return-cam" else "Indexing cam"
+        return Part(
+            name, title, (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
+            centres=(0j,), notes=(turning_note(self.sense), *p.notes()), bore=p.bore, min_wall=self.allowed.min_wall,
+        )  # fmt: skip
+
+    # ---- assembly ---------------------------------------------------------------------------------------------------
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """The cams turning about O, the follower about A, the driven link about its own axle."""
+        theta = np.asarray(theta, float)
+        still: Points = np.zeros(theta.shape, complex)
+        s = self.reachable(theta)
+        gap = self.making.thickness + self.print.slide_clearance
+        found = {name: [Pose(theta, still, z=0.0 if name == "cam" else gap)] for name in self.cams}
+        found["follower"] = [Pose(s, still + complex(self.geometry.follower.pivot_distance))]
+        found["driven-link"] = [Pose(-self.geometry.gear_ratio * s, still + self._link_centre)]
+        found["ground"] = [Pose(np.zeros(theta.shape), still)]
+        return found
+
+    @property
+    def _link_centre(self) -> complex:
+        f = self.geometry.follower
+        return complex(f.pivot_distance + 0.75 * f.arm)
+
+    def contacts(self) -> Sequence[Rolling]:
+        """Each roller on its cam."""
+        return [
+            Rolling(
+                "roller" if name == "cam" else "return roller", name, cam.follower.pivot, cam.follower.arm,
+                cam.follower.tip_radius, cam.follower.leaves, math.radians(self._pressure[name]), self.allowed.speed_ripple,
+                math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg), reachable=cam.reachable,
+            )
+            for name, cam in self.cams.items()
+        ]  # fmt: skip
+
+    # ---- checks and study -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _pressure(self) -> Mapping[str, float]:
+        """Largest pressure angle of each cam, deg."""
+        return {name: math.degrees(cam.greatest(cam.pressure_angle)[1]) for name, cam in self.cams.items()}
+
+    @cached_property
+    def _study(self) -> IndexingStudy:
+        load = self.load
+        spring, omega = self._spring, self.speed
+        given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
+        return IndexingStudy(
+            self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
+            load.closing_n_m if self.geometry.closure == "force" else None, self._ideal,
+        )  # fmt: skip
+
+    @cached_property
+    def _spring(self) -> SpringTorque | None:
+        u, stroke = self.unloader, math.radians(self.geometry.index_deg)
+        if u.torque == "none":
+            return None
+        if u.torque == "table":
+            assert u.points is not None
+            return antisymmetric(characteristic(u.points))
+        if u.torque == "crank":
+            assert None not in (u.stiffness_n_mm, u.crank, u.guide, u.stretch, u.lead_deg)
+            return CrankSpring(u.stiffness_n_mm, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)  # type: ignore[arg-type]
+        return self._ideal
+
+    @cached_property
+    def _ideal(self) -> SpringTorque:
+        """A spring, which cannot be built, that does by itself what the law asks."""
+        stroke, omega = math.radians(self.geometry.index_deg), self._design_rpm * math.tau / 60
+        period = math.radians(self.geometry.rise_deg) / omega
+        return law_torque(self.law, self._balance * self.load.inertia_kg_m2 * stroke / period**2)
+
+    def limits(self) -> Sequence[Finding]:
+        """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""
+        findings = []
+        for name, cam in self.cams.items():
+            where = f"exact {name}"
+            findings.append(
+                at_most(
+                    "PRESSURE_ANGLE", self._pressure[name], self.allowed.pressure_angle_deg, "deg", where,
+                    "a larger base_radius, gear_ratio or rise_deg lowers it",
+                )
+            )  # fmt: skip
+            lost = max((math.degrees(cut.shortfall) for cut in cam.undercuts), default=0.0)
+            findings.append(
+                at_most(
+                    "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where,
+                    "a larger base_radius or a smaller roller lowers it" if lost else "the roller follows the whole motion",
+                )
+            )  # fmt: skip
+            reach = float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance))))
+            pivot = self.geometry.follower.pivot_distance
+            findings.append(
+                at_least("INTERFERENCE", pivot - reach, 0.0, "mm", f"{where} and the follower's axle",
+                         f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {pivot:g} mm")
+            )  # fmt: skip
+        return [*findings, *self._study.findings(self.allowed.acceleration_jump, self.allowed.residual)]
+
+    def study(self) -> Study:
+        """Torques with and without the unloader, the law's curves, and what was taken from the source."""
+        numbers = {
+            "index_deg": self.geometry.index_deg,
+            "swing_deg": math.degrees(self.swing),
+            **{f"{name.replace('-', '_')}_pressure_angle_deg": angle for name, angle in self._pressure.items()},
+            **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius - cam.follower.tip_radius
+               for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
+        }  # fmt: skip
+        cut = [c for cam in self.cams.values() for c in cam.undercuts]
+        numbers |= {"undercut_deg": max((math.degrees(c.shortfall) for c in cut), default=0.0),
+                    "undercut_mm": max((c.depth for c in cut), default=0.0)}  # fmt: skip
+        if isinstance(self._spring, CrankSpring):
+            low, high = self._spring.stretches
+            numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,
+                        "spring_force_least_n": self._spring.stiffness * low,
+                        "spring_force_greatest_n": self._spring.stiffness * high}  # fmt: skip
+        wanted = self.synthesis
+        asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
+        found = self._study.study(self.cams, asked)
+        return Study(numbers | dict(found.numbers), found.plots, found.tables, self._sketches(), found.notes)
+
+    def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
+        """The driven link's turn as the files give it."""
+        turn = {kind: math.degrees(self.geometry.gear_ratio * float(np.ptp(s))) for kind, s in motion.items()}
+        return Study({f"index_recovered_{kind}_deg": value for kind, value in turn.items()})
+
+    def _sketches(self) -> Sequence[Sketch]:
+        rollers = [(cam.follower.arm, cam.follower.tip_radius) for cam in self.cams.values()]
+        strokes = [np.array([0j, arm]) for arm, _ in rollers]
+        size = self.geometry.follower.arm / 2
+        table = Sketch("driven-link", [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])], [(0j, size)])
+        bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
+        return Sketch("follower", strokes, rollers), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])

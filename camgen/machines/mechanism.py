@@ -1,0 +1,135 @@
+"""The one interface: a mechanism is a frozen record whose fields are its spec and which answers six questions as data.
+
+motion(theta, order)   the wanted output
+parts()                what to make
+poses(theta)           where each body is
+contacts()             how parts touch
+limits()               closed-form design checks, as findings
+study()                named numbers, curves and tables for the report
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
+from operator import getitem
+from typing import Self
+
+import numpy as np
+
+from camgen.findings import Finding
+from camgen.geometry.outlines import Floats, Points
+from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
+from camgen.machine.study import Study
+from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.part import Part
+from camgen.spec import Spec, validate
+
+
+class Mechanism(Spec, ABC):
+    """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
+
+    @abstractmethod
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted output and its derivatives to theta, (n,); rad or mm."""
+
+    def reachable(self, theta: Floats) -> Floats:
+        """Output that exact parts give: the wanted one, less what the spec itself implies (undercut), (n,)."""
+        return self.motion(theta)
+
+    @abstractmethod
+    def parts(self) -> Sequence[Part]:
+        """Distinct parts, with counts."""
+
+    @abstractmethod
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """Poses of each part's copies (in order) and of each sketch, by name."""
+
+    @abstractmethod
+    def contacts(self) -> Sequence[Contact]:
+        """How parts touch: a cam's Rolling tips, or a linkage's Pins and Slides with the one Traced point."""
+
+    @abstractmethod
+    def limits(self) -> Sequence[Finding]:
+        """Closed-form design checks; raises DesignError where no such mechanism exists."""
+
+    @abstractmethod
+    def study(self) -> Study:
+        """Named numbers, curves and tables for the report."""
+
+    @property
+    def speed(self) -> float:
+        """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""
+        motor = getattr(self, "motor", None)
+        return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
+
+    @property
+    def sense(self) -> int:
+        """Sense in which theta runs: -1 where the input shaft turns clockwise."""
+        return -1 if self.speed < 0 else 1
+
+    def found(self) -> Mapping[str, object]:
+        """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
+        return {"material.density": self.material.density or DENSITY[self.material.name]}
+
+    def resolved(self) -> Self:
+        """The same with everything filled in that was found: a spec that makes the same files."""
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        for key, value in self.found().items():
+            *tables, last = key.split(".")
+            reduce(getitem, tables, data)[last] = value
+        return validate(type(self), data)
+
+    def assembly(self) -> Assembly | None:
+        """The whole machine, laid out for printing; None where only single parts are made."""
+        return None
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """What is not made but in the way: unless a mechanism says more, each contact's round tip, as high as its part."""
+        assembly = self.assembly()
+        if assembly is not None:
+            return assembly.stand_ins
+        parts, start = {part.name: part for part in self.parts()}, self.poses(np.zeros(1))
+        found = []
+        for tip in self.contacts():
+            if isinstance(tip, Rolling) and tip.tip_part is None and tip.face is None and tip.tip_radius and not tip.inside:
+                part, pose = parts[tip.part], next(p for p in start[tip.part] if p.flipped is tip.flipped)
+                layer = part.layers[part.cut]
+                low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if pose.flipped else (layer.z0, layer.z1)
+                disc = (0j if tip.slides else tip.arm, tip.tip_radius, pose.z + low, pose.z + high)
+                found.append(StandIn(f"tip on {tip.part}-{1 + tip.flipped}", self._tip_course(tip), (disc,), rolls=True))
+        return found
+
+    def _tip_course(self, tip: Rolling) -> Callable[[Floats], tuple[Floats, Points]]:
+        output = tip.reachable or self.reachable
+
+        def course(theta: Floats) -> tuple[Floats, Points]:
+            s, still = output(theta), np.zeros(theta.shape)
+            place: Points = np.asarray(tip.pivot + (tip.arm * s if tip.slides else still), complex)
+            return (still if tip.slides else s), place
+
+        return course
+
+    def moved(self) -> Moved:
+        """What the sweep needs."""
+        names, tolerance = [part.name for part in self.parts()], self.accuracy.chord_tolerance
+        return Moved(names, self.poses, self.contacts(), self.stand_ins(), self.running_gap, tolerance)
+
+    @property
+    def running_gap(self) -> float:
+        """What bodies that move past each other keep, mm: of the play on a side what a coarse print leaves, less facets."""
+        return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
+
+    def printed(self) -> Sequence[Part]:
+        """Parts that are laid out on plates, with a list of parts: those of a whole machine, unless said otherwise."""
+        return [part for part in self.parts() if part.made == "printed"] if self.assembly() is not None else []
+
+    def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
+        """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
+        return Study()
+
+    def bought(self) -> Sequence[Bought]:
+        """What is bought, by its standard."""
+        return ()

@@ -1,0 +1,117 @@
+"""Published constants beside those that this installation computes: trust in a second.
+
+A published value is a text: its last decimal says how exact it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgen.machine.linkages import four_bar, slider_travel, transmission_extremes
+from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, UNIFORM, Law, end_speed, largest, modified_sine
+from camgen.motion.program import Program, Segment, uniform_swing
+
+
+@dataclass(frozen=True)
+class Row:
+    """One constant: what it is, as published, as computed here."""
+
+    what: str
+    published: str
+    ours: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether ours rounds to the published value, by half a unit of its last decimal and a hair."""
+        mantissa, _, exponent = self.published.partition("e")
+        unit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+        return bool(abs(self.ours - float(self.published)) <= 0.5001 * unit)
+
+
+# C_v, C_a, C_j inside the segment, jerk at the crossover, largest |v a|.   [VDI 2143; Norton]
+_LAWS = {
+    "parabolic": "2.0000 4.0000 - - 8.000",
+    "simple-harmonic": "1.5708 4.9348 15.503 -15.503 3.876",
+    "cubic": "1.5000 6.0000 12.000 -12.000 3.464",
+    "cycloidal": "2.0000 6.2832 39.478 -39.478 8.162",
+    "modified-trapezoid": "2.0000 4.8881 61.426 -61.426 8.090",
+    "modified-sine": "1.7596 5.5280 69.466 -23.155 5.458",
+    "3-4-5": "1.8750 5.7735 60.000 -30.000 6.694",
+    "4-5-6-7": "2.1875 7.5132 52.500 -52.500 10.750",
+    "modified-sine-20": "1.5275 5.9986 94.23 0.000 5.14",
+}
+# Peaks of v, a, j: 1 in up and down over 90 deg each at 2 pi rad/s, dwells between.   [Norton's running example]
+_DOUBLE_DWELL = {
+    "simple-harmonic": "6.283 78.96",
+    "cycloidal": "8.000 100.53 2526.6",
+    "modified-trapezoid": "8.000 78.21 3931",
+    "modified-sine": "7.038 88.45 4446",
+    "3-4-5": "7.500 92.38 3840",
+    "4-5-6-7": "8.750 120.21 3360",
+}
+
+
+def rows() -> Iterator[Row]:
+    """Every constant, in groups, recomputed from the formulas and never taken from a record's claims."""
+    for name, published in _LAWS.items():
+        law = LAWS[name] if name in LAWS else modified_sine(0.2)
+        labels = ("C_v", "C_a", "C_j", "j(1/2)", "|v a|")
+        values = (*(_peak(law, order) for order in (1, 2, 3)), float(law(0.5, 3)), _power(law))
+        for label, text, value in zip(labels, published.split(), values, strict=True):
+            if text != "-":
+                yield Row(f"{name} {label}", text, value)
+    for name, published in _DOUBLE_DWELL.items():
+        for order, text in enumerate(published.split(), start=1):
+            yield Row(f"double dwell, {name} {'vaj'[order - 1]}", text, _double_dwell_peak(LAWS[name], order))
+    yield from _mr_13()
+    yield from _linkages()
+
+
+def _peak(law: Law, order: int) -> float:
+    return largest(lambda u: law(u, order), law.breaks)
+
+
+def _power(law: Law) -> float:
+    return largest(lambda u: law(u, 1) * law(u, 2), law.breaks)
+
+
+def _double_dwell_peak(law: Law, order: int) -> float:
+    """Peak of a derivative to time at one turn a second."""
+    quarter = math.pi / 2
+    program = Program((
+        Segment("dwell", quarter, 0.0, 0.0, UNIFORM), Segment("rise", quarter, 0.0, 1.0, law),
+        Segment("dwell", quarter, 1.0, 0.0, UNIFORM), Segment("return", quarter, 1.0, -1.0, law),
+    ))  # fmt: skip
+    joints = program.joints / (2 * math.pi)
+    return largest(lambda u: program(2 * math.pi * u, order), [float(j) for j in joints[1:-1]]) * (2 * math.pi) ** order
+
+
+def _mr_13() -> Iterator[Row]:
+    """Closure and peaks of the law MR-13, on the card's 61 positions and between them."""
+    law = LAWS["mr-13"]
+    misprinted = (*MR_13_SINES[:-1], -MR_13_SINES[-1])
+    yield Row("mr-13 speed at its ends", "2.8e-8", abs(end_speed(MR_13_SINES, MR_13_COSINES)))
+    yield Row("mr-13 speed at its ends, A6 as printed", "1.6e-3", abs(end_speed(misprinted, MR_13_COSINES)))
+    yield Row("mr-13 c(0)", "2.550126", float(law(0.0, 2)))
+    kappa = np.arange(61) / 60
+    b, c = law(kappa, 1), law(kappa, 2)
+    for label, text, curve in (("|b|", "1.8917", b), ("|c|", "6.1487", c), ("|b c|", "8.0202", b * c)):
+        yield Row(f"mr-13 {label} of 61 positions", text, float(np.max(np.abs(curve))))
+    yield Row("mr-13 |b|", "1.8917", _peak(law, 1))
+    yield Row("mr-13 |c|", "6.1501", _peak(law, 2))
+    yield Row("mr-13 |b c|", "8.0491", _power(law))
+
+
+def _linkages() -> Iterator[Row]:
+    """Closed forms of the eccentric (e = 1.5, rod 48) and of the thread take-up's four-bar (9, 30, 19, 30)."""
+    for angle, text in ((30, "0.206821627"), (90, "1.523443225"), (180, "3.000000000")):
+        yield Row(f"eccentric, travel at {angle} deg", text, float(slider_travel(math.radians(angle), 1.5, 48.0)))
+    least, greatest = (math.degrees(angle) for angle in transmission_extremes(9.0, 30.0, 19.0, 30.0))
+    yield Row("four-bar, transmission angle at 0 deg", "44.0034273489", least)
+    yield Row("four-bar, transmission angle at 180 deg", "103.1834814862", greatest)
+    yield Row("four-bar, Grashof margin", "10.000", four_bar(9.0, 30.0, 19.0, 30.0).margin)
+    yield Row("uniform swing of 30 deg, speed ratio", "6.000", 1 / float(uniform_swing(math.radians(30))(1.0, 1)))

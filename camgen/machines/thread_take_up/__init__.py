@@ -1,0 +1,1 @@
+"""The two-crank thread take-up."""

@@ -1,0 +1,502 @@
+"""The two-crank four-bar thread take-up of a sewing machine: its coupler carries a thread eye on a path that crosses itself.
+
+          M                    O fixed pivot (origin) of the input crank O-A, C that of the output crank C-B;
+                               A-B-D the bell crank with the eye D, M and N the guides; the thread runs M-D-N.
+     A --- O-C                 Stacked from the frame up: frame, output crank, input crank, bell crank, thread. A layer
+     |   .                     is one thickness and one play high, so that flat faces run on each other.
+     B------- D
+                               The output crank turns on a disc ("pivot") about C, since the input shaft, 9 mm away,
+  N                            must pass through its bearing: so all is carried by one frame and open to the front.
+                               Pins, finger and guides have heads: nothing lifts off, and the thread, laid round finger
+                               and guides, does not slip off them. The frame is screwed on from behind.
+
+The output is the feed L = |M - D| + |D - N|, mm.   [Semin, Korneenko, Kirillov, Mikheeva; see `feed`]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault, SpecError
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.outlines import Contour, Region, circle
+from camgen.machine.contacts import Contact, Eye, Pin, Pose, Traced
+from camgen.machine.landmarks import refuse_open
+from camgen.machine.linkages import Floats, Points, direction, four_bar, transmission_extremes
+from camgen.machine.study import Sketch, Study
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.thread_take_up.feed import TakeUp
+from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, strengths, study
+from camgen.motion.synthesis import Variable, Wish, search
+from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
+from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.tolerances import SAME_POINT
+
+Disc = tuple[complex, float]
+Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
+Place = tuple[Coordinate, Coordinate]
+
+_LASH = "free play of the feed by that of all joints, mm; 7: what it gives or takes is excess, and the source bears 7 mm of it"
+_HEAD = 1.0  # mm, height of a head, and how far it stands out all round
+_TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
+
+
+class Geometry(Record):
+    """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
+
+    input_crank: Length
+    coupler: Length
+    output_crank: Length
+    frame: Length
+    eye_distance: Length
+    eye_angle_deg: Annotated[float, Field(gt=-180, le=180)]
+    branch: Literal[1, -1]
+    guides: tuple[Place, Place]
+    frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+
+
+class Motor(Record):
+    """What drives the input crank."""
+
+    speed_rpm: Annotated[Rpm, turning(0.001)]
+
+
+class Wanted(Record):
+    """What `camgen design` searches for and a build checks; each wish may be left out."""
+
+    feed_range: Length | None = None
+    let_down_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
+    dwell_deg: Annotated[float, Field(gt=0, lt=360)] | None = None
+    dwell_radius: Length = 1.0
+    tolerance: Annotated[float, Field(ge=1e-6, le=0.5)] = 0.01
+
+
+class Parts(Record):
+    """The links as bodies."""
+
+    thickness: Length = 4.0
+    wall: Length = 1.2
+    shaft_diameter: Length = 6.0
+    shaft_length: Length = 12.0
+    shaft_flat: Length = 0.5
+    pin_diameter: Length = 3.5
+    pins: Literal["printed", "steel"] = "printed"
+    mount_diameter: Length = 2.5
+    finger_diameter: Length = 2.0
+    guide_diameter: Length = 2.0
+    thread_height: Length = 6.0
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
+    gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
+    excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
+    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 7.0
+    min_wall: Length = 0.8
+
+
+class ThreadTakeUp(Mechanism):
+    """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
+
+    geometry: Geometry
+    motor: Motor | None = None
+    masses: Masses | None = None
+    consumption: Consumption | None = None
+    wanted: Wanted | None = None
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        p, nozzle, found = self.making, self.print.nozzle, []
+        room = p.shaft_length - p.thickness - self.print.slide_clearance
+        thin = {"limits.min_wall": self.allowed.min_wall}
+        thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
+        checks = (
+            *((value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm") for path, value in thin.items()),
+            (0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
+             "between a twentieth and half of shaft_diameter, so that it turns the crank"),
+            (room > 0, "parts.shaft_length", p.shaft_length,
+             f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play"),
+        )  # fmt: skip
+        found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        if self.masses is not None and self.motor is None:
+            found.append(Fault("motor.speed_rpm", "", "missing: a number > 0, since [masses] ask for the forces"))
+        if self.consumption is not None:
+            found += self.consumption.faults()
+        return found
+
+    # ---- motion ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def take_up(self) -> TakeUp:
+        """The engine for this spec; raises DesignError where the crank cannot turn fully or the chain folds flat."""
+        g = self.geometry
+        m, n = (complex(*guide) for guide in g.guides)
+        found = TakeUp(
+            g.input_crank, g.coupler, g.output_crank, g.frame, g.eye_distance, math.radians(g.eye_angle_deg), g.branch,
+            (m, n), math.radians(g.frame_angle_deg), self.sense,
+        )  # fmt: skip
+        kind = four_bar(g.frame, g.input_crank, g.coupler, g.output_crank)
+        if kind.kind == "change-point":
+            raise DesignError(
+                "Grashof margin", kind.margin, SAME_POINT, "mm", "the fold, where all links lie in one line",
+                "the lengths make a change-point mechanism, which may go on either way there: change one of them",
+            )  # fmt: skip
+        if not kind.full_turn:
+            refuse_open(found.linkage)
+        return found
+
+    def found(self) -> Mapping[str, object]:
+        """Centres of mass, and what every mechanism fills in."""
+        return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {})}
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Feed (mm) or its derivative to theta, (n,)."""
+        return self.take_up.feed(theta, order)
+
+    # ---- parts -------------------------------------------------------------------------------------------------------
+
+    @property
+    def _level(self) -> float:
+        """Height of a layer of the assembly: a part's thickness and the play to the next, mm."""
+        return self.making.thickness + self.print.slide_clearance
+
+    @cached_property
+    def _bearing(self) -> float:
+        """Radius of the disc about C: round the shaft and two dowels with a wall each, mm."""
+        p, shaft, dowel = self.making, (self.making.shaft_diameter + self.print.slide_clearance) / 2, self._dowel_hole
+        room = shaft + dowel + p.wall
+        beside = math.sqrt(max(0.0, room**2 - self.geometry.frame**2)) + dowel + p.wall
+        return max(self.geometry.frame + shaft + p.wall, beside)
+
+    @property
+    def _dowel_hole(self) -> float:
+        return (self.making.pin_diameter + self.print.press_clearance) / 2
+
+    @cached_property
+    def _bands(self) -> Mapping[str, tuple[tuple[Disc, ...], tuple[Disc, ...]]]:
+        """Hubs and holes of each flat part, in its own frame: (centre, radius), mm."""
+        g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
+        self.take_up  # noqa: B018  refuses lengths that do not assemble before any part is drawn
+        back = -complex(g.frame)
+        dowels = tuple((1j * side * (self._bearing - p.wall - self._dowel_hole), self._dowel_hole) for side in (1, -1))
+        shaft, turning, pressed = p.shaft_diameter / 2, (p.pin_diameter + slide) / 2, (p.pin_diameter + press) / 2
+        ring, finger, guide = self._bearing + slide / 2, (p.finger_diameter + press) / 2, (p.guide_diameter + press) / 2
+        eye, c, tilt = self.take_up.eye, -back * cmath.exp(1j * self.take_up.tilt), cmath.exp(1j * self.take_up.tilt)
+
+        def hubs(*holes: Disc) -> tuple[Disc, ...]:
+            return tuple((centre, radius + p.wall) for centre, radius in holes)
+
+        crank = ((0j, shaft + press / 2), (complex(g.input_crank), pressed))
+        output = ((0j, ring), (complex(g.output_crank), pressed))
+        bell = ((0j, turning), (complex(g.coupler), turning), (eye, finger))
+        posts = tuple((z, guide) for z in self.take_up.guides)
+        plate = ((0j, shaft + slide / 2), *((c + tilt * z, r) for z, r in dowels), *posts)
+        mounts = tuple((z, p.mount_diameter / 2) for z in self._mounts(c, self.take_up.guides))
+        return {
+            "frame": ((*hubs(*posts, *mounts), (c, self._bearing)), (*plate, *mounts)),
+            "pivot": (((0j, self._bearing),), ((back, shaft + slide / 2), *dowels)),
+            "input-crank": (hubs(*crank), crank),
+            "output-crank": (hubs(*output), output),
+            "bell-crank": (hubs(*bell), bell),
+        }
+
+    def _mounts(self, pivot: complex, guides: Sequence[complex]) -> tuple[complex, ...]:
+        """Where the frame is screwed on: beyond each guide, and beyond the pivot on the side away from both."""
+        p = self.making
+        away = [guide - pivot for guide in guides]
+        middle = sum(z / abs(z) for z in away if z)
+        sides = [*away, -middle if abs(middle) > SAME_POINT else 1j * away[0]]
+        past = p.wall + p.mount_diameter / 2
+        reach = [*(abs(z) + (p.guide_diameter + self.print.press_clearance) / 2 for z in away), self._bearing]
+        return tuple(pivot + z / abs(z) * (r + past) for z, r in zip(sides, reach, strict=True) if z)
+
+    def parts(self) -> Sequence[Part]:
+        """Five flat parts, and the round ones: shaft with its collar, pins, dowels, finger and guides."""
+        p, level, slide = self.making, self._level, self.print.slide_clearance
+        flat = [
+            self._flat("frame", "Frame with the guides", p.thickness, (
+                "shaft at the origin; the guides are pressed in", "the outermost holes are for screws from behind",
+            )),
+            self._flat("pivot", "Pivot of the output crank", level, ("two dowels hold it on the frame; the shaft passes it",)),
+            self._flat("output-crank", "Output crank", p.thickness, ("its ring turns on the pivot; pin B is pressed in",)),
+            self._flat("input-crank", "Input crank", p.thickness, ("pressed on the shaft; pin A is pressed in",)),
+            self._flat("bell-crank", "Bell crank with the eye", p.thickness, ("turns on pins A and B; finger pressed in",)),
+        ]  # fmt: skip
+        collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
+        length = p.shaft_length + 2 * level + p.thickness
+        glued, made = "pressed and glued in", "printed" if p.pins == "printed" else "turned of steel"
+        return (
+            *flat,
+            Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
+                 notes=("glued into input crank and collar, turns in frame and pivot",)),
+            Part(
+                "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
+                notes=("pressed and glued on the shaft below the frame",), min_wall=self.allowed.min_wall,
+            ),
+            self._headed("pin-a", "Pin A", p.pin_diameter, 2 * level, (glued,), made=made),
+            self._headed("pin-b", "Pin B", p.pin_diameter, 3 * level, (glued,), made=made),
+            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (glued,)),
+            self._headed("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height, (glued,)),
+            self._headed("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, (glued,), 2),
+        )  # fmt: skip
+
+    def _shaft(self, fit: float) -> Contour:
+        """Outline of the input shaft, a circle with a flat, or of its hole."""
+        return d_bore(self.making.shaft_diameter + fit, self.making.shaft_flat)
+
+    def _headed(self, name: str, title: str, diameter: float, length: float, notes: tuple[str, ...], count: int = 1,
+                made: str = "printed") -> Part:  # fmt: skip
+        """A round pin so long below its head, printed head down."""
+        head = Layer(Region(circle(0j, diameter / 2 + _HEAD)), 0.0, _HEAD)
+        shank = Layer(Region(circle(0j, diameter / 2)), _HEAD, _HEAD + length)
+        return Part(name, title, (head, shank), count, centres=(0j,), notes=notes, cut=1, made=made)
+
+    def bought(self) -> Sequence[Bought]:
+        """Motor, and screws for mounting."""
+        p = self.making
+        drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
+        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.thickness:g} into the frame"
+        if self.masses is not None and self.motor is not None:
+            figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self.speed)
+            drive += f"{figures['peak_torque_n_m']:.3g} N m at its peak, "
+        return (
+            Bought("drive", "", f"{drive}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep", 1),
+            Bought("screw of the frame, from behind", "", screw, 3),
+        )
+
+    def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
+        """A band round hubs with holes; raises DesignError where two holes meet."""
+        hubs, holes = self._bands[name]
+        pairs = [(a, b) for k, a in enumerate(holes) for b in holes[k + 1 :]]
+        wall, worst = min(((abs(a[0] - b[0]) - a[1] - b[1], (a, b)) for a, b in pairs), key=lambda each: each[0])
+        if wall <= 0:
+            sizes = " and ".join(f"{2 * radius:.4g} mm" for _, radius in worst)
+            raise DesignError(
+                f"wall of {name}", wall, self.allowed.min_wall, "mm", f"the holes of {sizes}",
+                "they meet: use longer links, a smaller shaft_diameter, pin_diameter or frame",
+            )  # fmt: skip
+        contours = [circle(centre, radius) for centre, radius in holes]
+        if name == "input-crank":
+            contours[0] = self._shaft(self.print.press_clearance)
+        region = Region(hull(hubs), tuple(contours))
+        bore = None if name in ("frame", "pivot") else 2 * holes[0][1]  # of what turns
+        return Part(
+            name, title, (Layer(region, 0.0, thickness),), 1, (), tuple(centre for centre, _ in holes), notes, bore,
+            self.allowed.min_wall,
+        )  # fmt: skip
+
+    # ---- assembly ----------------------------------------------------------------------------------------------------
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
+        theta = np.asarray(theta, float)
+        at, p, level = self.take_up.linkage.solve(theta), self.making, self._level
+        still, zero = np.zeros(theta.shape, complex), np.zeros(theta.shape)
+        a, b, d, c = at["A"][0], at["B"][0], at["D"][0], complex(at["C"][0, 0])
+        coupler, output = direction(at["A"], at["B"])[0], direction(at["C"], at["B"])[0]
+        tilt = np.full(theta.shape, self.take_up.tilt)
+        dowels = [c + cmath.exp(1j * self.take_up.tilt) * place for place, _ in self._bands["pivot"][1][1:]]
+        return {
+            "frame": [Pose(zero, still)],
+            "pivot": [Pose(tilt, still + c, z=p.thickness)],
+            "output-crank": [Pose(output, still + c, z=level)],
+            "input-crank": [Pose(theta, still, z=2 * level)],
+            "bell-crank": [Pose(coupler, a, z=3 * level)],
+            "shaft": [Pose(theta, still, z=-p.shaft_length)],
+            "collar": [Pose(theta, still, z=-level)],
+            "pin-a": [Pose(theta, a, True, 2 * level)],
+            "pin-b": [Pose(output, b, True, level)],
+            "dowel": [Pose(zero, still + place) for place in dowels],
+            "finger": [Pose(coupler, d, True, 3 * level)],
+            "guide": [Pose(zero, still + guide, True) for guide in self.take_up.guides],
+            "eye path": [Pose(zero, still)],
+        }
+
+    def contacts(self) -> Sequence[Contact]:
+        """Pins O, A, B and C; the eye traced, its output the feed."""
+        g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
+        shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * self._bearing
+        return (
+            Pin(
+                "pin O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
+                slide + press, Eye("shaft", 0j, shaft, True),
+            ),
+            Pin(
+                "pin A", Eye("input-crank", complex(g.input_crank), pressed), Eye("bell-crank", 0j, turning),
+                slide + press, Eye("pin-a", 0j, p.pin_diameter, True),
+            ),
+            Pin(
+                "pin B", Eye("output-crank", complex(g.output_crank), pressed),
+                Eye("bell-crank", complex(g.coupler), turning), slide + press, Eye("pin-b", 0j, p.pin_diameter, True),
+            ),
+            Pin("pin C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide), slide),
+            Traced(
+                "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
+                self.take_up.thread, self.take_up.thread_slope, lash=self.allowed.lash,
+                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
+            ),
+        )  # fmt: skip
+
+    # ---- checks and study --------------------------------------------------------------------------------------------
+
+    def limits(self) -> Sequence[Finding]:
+        """Fold, transmission angle, gaps between what moves and what stands, excess thread, and the wishes."""
+        g, t = self.geometry, self.take_up
+        margin = four_bar(g.frame, g.input_crank, g.coupler, g.output_crank).margin
+        play = 2 * self.print.slide_clearance
+        least, most = np.degrees(transmission_extremes(g.frame, g.input_crank, g.coupler, g.output_crank))
+        findings = [
+            at_least(
+                "FOLD_MARGIN", margin, play, "mm", "lengths",
+                "Grashof margin of the lengths; within the play of the four joints (half of it each) the chain could fold and "
+                "go on the wrong way",
+            ),
+            at_least(
+                "TRANSMISSION_ANGLE", min(least, 180 - most), self.allowed.transmission_angle_deg, "deg",
+                f"crank angle {(0 if least < 180 - most else 180) + g.frame_angle_deg:g} deg",
+                f"between coupler and output crank, {least:.4f} to {most:.4f} deg over the turn",
+            ),
+        ]  # fmt: skip
+        findings += [
+            at_least(
+                "GAP", gap, self.allowed.gap, "mm", f"{name}, crank angle {math.degrees(theta):.2f} deg",
+                "least over the turn, by joints without play; under 0 they overlap",
+            )
+            for name, (gap, theta) in self._gaps(t, _TURN).items()
+        ]  # fmt: skip
+        if self.masses is not None and self.motor is not None:
+            p = self.making
+            levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
+            thick = p.shaft_diameter - p.shaft_flat
+            findings += strengths(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers, thick)
+        if self.consumption is not None:
+            findings += self.consumption.findings(t, self.allowed.excess)
+        figures = self._figures(t)
+        for wish in self._wishes():
+            value = figures[wish.name]
+            remark = f"{value:.6g} {wish.unit}; {'at least ' if wish.at_least else ''}{wish.wanted:g} wanted"
+            off = abs(wish.missed(value)) * wish.tolerance
+            findings.append(at_most(wish.name.upper(), off, wish.tolerance, wish.unit, "wanted", remark))
+        return findings
+
+    def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
+        """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
+        p = self.making
+        at = t.linkage.solve(theta)
+        a, b, d = at["A"][0], at["B"][0], at["D"][0]
+        crank, output, coupler = a / t.crank, (b - at["C"][0]) / t.output, (b - a) / t.coupler
+        bands = {name: self._bands[name][0] for name in ("input-crank", "output-crank")}
+        # the bell crank's eye moves in a search, the other links do not
+        bell = (*self._bands["bell-crank"][0][:2], (t.eye, self._bands["bell-crank"][0][2][1]))
+
+        def least(distance: Floats, radius: float) -> tuple[float, float]:
+            k = int(np.argmin(distance))
+            return float(distance[k]) - radius, float(theta[k])
+
+        def local(place: Points | complex, origin: Points | complex, turn: Points) -> Points:
+            return np.asarray((place - origin) / turn, complex)
+
+        found = {"pin B and the input crank": least(clearance(bands["input-crank"], local(b, 0j, crank)), p.pin_diameter / 2)}
+        for name, guide in zip("MN", t.guides, strict=True):
+            radius = p.guide_diameter / 2
+            moving = {
+                "input crank": clearance(bands["input-crank"], local(guide, 0j, crank)),
+                "output crank": clearance(bands["output-crank"], local(guide, at["C"][0], output)),
+                "bell crank": clearance(bell, local(guide, a, coupler)),
+                "finger": np.abs(d - guide) - p.finger_diameter / 2 - 2 * _HEAD,  # head beside head
+            }
+            nearest = min(moving, key=lambda body: float(np.min(moving[body])))
+            found[f"guide {name} and the {nearest}"] = least(moving[nearest], radius)
+        return found
+
+    def study(self) -> Study:
+        """Eye path, near stop, feed diagram, turning, forces, wear and balancing, for both readings of the lengths."""
+        rpm = None if self.motor is None else self.motor.speed_rpm
+        found = study(self.take_up, rpm, self.masses, self.consumption)
+        path = self.take_up.linkage.point("D")(np.linspace(0, math.tau, 721), 0)
+        return Study(found.numbers, found.plots, found.tables, (Sketch("eye path", (path,)),), found.notes)
+
+    # ---- synthesis ---------------------------------------------------------------------------------------------------
+
+    def _wishes(self) -> list[Wish]:
+        wanted = self.wanted
+        if wanted is None:
+            return []
+        asked = (
+            ("feed_range", wanted.feed_range, "mm", False),
+            ("let_down_ratio", wanted.let_down_ratio, "to 1", False),
+            ("dwell_deg", wanted.dwell_deg, "deg", True),
+        )
+        return [
+            Wish(name, value, wanted.tolerance * value, unit, least) for name, value, unit, least in asked if value is not None
+        ]
+
+    def _figures(self, t: TakeUp) -> Mapping[str, float]:
+        """What wishes are about; the dwell only where it is wished for."""
+        wanted = self.wanted
+        if wanted is None:
+            return {}
+        figures = {"feed_range": t.diagram.range, "let_down_ratio": t.diagram.ratio}
+        return figures | ({} if wanted.dwell_deg is None else {"dwell_deg": math.degrees(t.lingers(wanted.dwell_radius))})
+
+    def designed(self) -> Self:
+        """The spec with eye, frame angle and guides moved as little as fulfils [wanted]; the four lengths stay.
+
+        SpecError where nothing is wanted; DesignError, with the nearest value reached, where the search finds none.
+        """
+        wishes = self._wishes()
+        if not wishes:
+            raise SpecError([Fault("wanted", "", "missing: at least one of feed_range, let_down_ratio, dwell_deg")])
+        g, (width, height) = self.geometry, self.print.bed
+        theta, rim = _TURN[::4], self.making.guide_diameter / 2 + self.making.wall
+        mount = self.making.mount_diameter / 2 + self.making.wall
+        base = self.take_up
+
+        def take_up(x: Floats) -> TakeUp:
+            return TakeUp(
+                base.crank, base.coupler, base.output, base.frame, x[0], math.radians(x[1]), base.branch,
+                (complex(x[3], x[4]), complex(x[5], x[6])), math.radians(x[2]), base.sense,
+            )  # fmt: skip
+
+        def measure(x: Floats) -> tuple[Mapping[str, float], Sequence[float]]:
+            t = take_up(x)
+            gaps = [gap for gap, _ in self._gaps(t, theta).values()]
+            pivot = t.frame * cmath.exp(1j * t.tilt)
+            mounts = ((z, mount) for z in self._mounts(pivot, t.guides))
+            hubs = ((pivot, self._bearing), *((guide, rim) for guide in t.guides), *mounts)
+            corners = np.array([centre + side * r for centre, r in hubs for side in (1 + 1j, -1 - 1j)])
+            spare = (width - float(np.ptp(corners.real)), height - float(np.ptp(corners.imag)))
+            # 0.1 mm beyond the limit, since a search looks at fewer angles than the check
+            short = [min(0.0, gap - self.allowed.gap - 0.1) / 0.1 for gap in gaps] + [min(0.0, s) for s in spare]
+            return self._figures(t), short
+
+        def near(start: float, half: float, unit: float, low: float = -math.inf, high: float = math.inf) -> Variable:
+            return Variable(start, max(low, start - half), min(high, start + half), unit)
+
+        (mx, my), (nx, ny) = g.guides
+        variables = [
+            near(g.eye_distance, 0.6 * g.eye_distance, 5.0), near(g.eye_angle_deg, 60, 10, -179, 179),
+            near(g.frame_angle_deg, 60, 10, -360, 360), near(mx, 60, 15), near(my, 60, 15), near(nx, 90, 30), near(ny, 90, 30),
+        ]  # fmt: skip
+        x = [round(float(v), 4) for v in search(measure, variables, wishes)]
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        data["geometry"] |= {
+            "eye_distance": x[0], "eye_angle_deg": x[1], "frame_angle_deg": x[2], "guides": [[x[3], x[4]], [x[5], x[6]]],
+        }  # fmt: skip
+        found = validate(type(self), data, "design")
+        failed = next((finding for finding in found.limits() if not finding.ok), None)
+        if failed is not None:
+            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
+        return found

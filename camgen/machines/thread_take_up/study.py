@@ -1,0 +1,329 @@
+"""What a report shows of a thread take-up: its numbers, curves and tables; the source's lengths in both their readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import Fault
+from camgen.findings import Finding, at_least, at_most
+from camgen.machine.dynamics import Body, Forces, crank_weight
+from camgen.machine.landmarks import TURN
+from camgen.machine.linkages import Floats, Points, four_bar, transmission_extremes
+from camgen.machine.study import Plot, Study, Table
+from camgen.machines.thread_take_up.feed import TakeUp
+from camgen.spec import Length, Record
+
+# The lengths of the source: OA, OC, and AB with BC as it prints them.
+_PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)
+_EYE = (52.0, math.radians(90))  # its BD, and the angle with BA
+_FORCES = np.linspace(0, TURN, 7200, endpoint=False)  # angles at which forces are taken; peaks are flat to 1e-4 N between two
+_DRAWN = np.linspace(0, TURN, 721)
+_DEGREES = np.degrees(_DRAWN)
+_STOPS = (0.25, 1.0)  # mm, circles round the near stop
+_ALPHA = "crank angle, deg"
+# Bending stress that a pin bears for long, MPa: half of its tensile strength, since the load changes with every turn; taken
+# as 40 for prints across their layers and 700 for steel that can still be turned.
+_BEARS = {"printed": 20.0, "steel": 350.0}
+_SHEAR = 1 / math.sqrt(3)  # of it in shear [von Mises]
+
+_NOTES = (
+    "Source: Semin, Korneenko, Kirillov, Mikheeva, Two-crank four-bar thread take-up of a sewing machine (in Russian).",
+    "Feed: straight thread between the centres of guides and finger; the wrap round their radii is left out.",
+    "Wear measure: mean over the turn of |reaction| times |relative angular speed| in the joint, N rad/s (load times "
+    "sliding way, to be multiplied by the pin's radius).",
+)
+# Said of the source's own lengths alone.
+_ERRATA = (
+    "The source's formula (1) has lost the squares of the lengths under the arccosine and has l0 l1 where l0 l1 and l2 "
+    "belong in the denominator; its arctangent jumps by 180 deg. Formula (2) is a reflection unless y' changes sign; the l2 "
+    "in y' of (3) is spurious. 'Cranks OA and AB' means OA and BC. The forms used here close the chain and are proved by "
+    "doing so.",
+    "With the lengths as printed (AB = 30, BC = 19) the eye's path has no double point; with AB and BC interchanged it has "
+    "one, and the near stop that the paper describes. The paper's 120 N at C fits the printed lengths. The text cannot "
+    "decide: both readings stand side by side here, the printed one for the forces, the interchanged one for the motion.",
+    "Not given by the source, so the spec's own choice: centres of mass, guides, frame angle, consumption of thread.",
+)
+
+
+class Masses(Record):
+    """Moving masses; centres in the link's own axes (coupler: origin A, x to B; output crank: from C towards B), mm.
+
+    Where no centre is given, it is the centroid of A, B, D and a third of BC. Counterweights for the balancing of the
+    source sit at these distances: the coupler's from B, the output crank's from C.
+    """
+
+    coupler_g: Annotated[float, Field(gt=0, le=1e6)]
+    output_crank_g: Annotated[float, Field(gt=0, le=1e6)]
+    coupler_kg_m2: Annotated[float, Field(gt=0, le=1e3)]
+    output_crank_kg_m2: Annotated[float, Field(gt=0, le=1e3)]
+    coupler_centre: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], Annotated[float, Field(ge=-1e6, le=1e6)]] | None = None
+    output_crank_centre: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
+    coupler_weight_radius: Length = 20.0
+    output_crank_weight_radius: Length = 15.0
+
+    def bodies(self, t: TakeUp, given: bool = True) -> dict[str, Body]:
+        """Crank (massless: it only turns evenly), coupler and output crank; given: with the spec's centres of mass."""
+        coupler, output = (t.coupler + t.eye) / 3, t.output / 3
+        if given and self.coupler_centre is not None:
+            coupler = complex(*self.coupler_centre)
+        if given and self.output_crank_centre is not None:
+            output = self.output_crank_centre
+        return {
+            "crank": Body("O", "A", 0.0),
+            "coupler": Body("A", "B", self.coupler_g / 1e3, coupler, self.coupler_kg_m2),
+            "output": Body("C", "B", self.output_crank_g / 1e3, output, self.output_crank_kg_m2),
+        }
+
+    def centres(self, t: TakeUp) -> dict[str, object]:
+        """Both centres of mass, by their keys in a spec."""
+        bodies = self.bodies(t)
+        coupler, output = complex(bodies["coupler"].centre), complex(bodies["output"].centre)
+        return {"masses.coupler_centre": (coupler.real, coupler.imag), "masses.output_crank_centre": output.real}
+
+    def balanced(self, t: TakeUp) -> dict[str, Body]:
+        """The bodies with counterweights: the coupler's centre at B, then the output crank's, with the coupler's mass, at C."""
+        bodies = self.bodies(t)
+        coupler = bodies["coupler"].balanced(t.coupler, self.coupler_weight_radius)
+        output = bodies["output"].balanced(0, self.output_crank_weight_radius, coupler.mass, t.output)
+        return bodies | {"coupler": coupler, "output": output}
+
+
+class Consumption(Record):
+    """Thread that needle and hook have drawn since the feed was greatest, by crank angle, linear in between."""
+
+    angles_deg: Annotated[tuple[Annotated[float, Field(ge=0, lt=360)], ...], Field(min_length=2)]
+    length_mm: Annotated[tuple[Annotated[float, Field(ge=0, le=1e6)], ...], Field(min_length=2)]
+
+    def faults(self) -> list[Fault]:
+        """What is wrong between the two lists."""
+        found = []
+        if any(b <= a for a, b in zip(self.angles_deg, self.angles_deg[1:], strict=False)):
+            found.append(Fault("consumption.angles_deg", "", "angles that grow from one to the next"))
+        if len(self.angles_deg) != len(self.length_mm):
+            count = f"{len(self.length_mm)} lengths"
+            found.append(Fault("consumption.length_mm", count, f"as many as angles_deg, {len(self.angles_deg)}"))
+        return found
+
+    def at(self, theta: Floats) -> Floats:
+        """Length at theta, (n,) mm."""
+        return np.asarray(np.interp(np.degrees(theta), self.angles_deg, self.length_mm, period=360.0))
+
+    def extremes(self, t: TakeUp) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and greatest of supply less consumption, mm, each with its angle, rad: tried every 0.05 deg and at the knots."""
+        theta = np.concatenate([_FORCES, np.radians(self.angles_deg), t.diagram.turns])
+        excess = t.supply(theta) - self.at(theta)
+        low, high = int(np.argmin(excess)), int(np.argmax(excess))
+        return (float(excess[low]), float(theta[low])), (float(excess[high]), float(theta[high]))
+
+    def findings(self, t: TakeUp, limit: float) -> list[Finding]:
+        """Thread to spare: nowhere too much, and nowhere less than is drawn."""
+        (least, at_), (most, at) = self.extremes(t)
+        places = [f"crank angle {math.degrees(angle):.2f} deg" for angle in (at, at_)]
+        return [
+            at_most("THREAD_EXCESS", most, limit, "mm", places[0], "supply less consumption at its greatest"),
+            at_least("THREAD_SHORT", round(least, 9) + 0.0, 0, "mm", places[1], "supply less consumption at its least"),
+        ]
+
+
+def reading(t: TakeUp) -> str:
+    """Name of a pair of lengths: the source's two readings, or the lengths themselves."""
+    lengths = f"AB = {t.coupler:g}, BC = {t.output:g}"
+    if _of_source(t):
+        return f"{'as printed' if (t.coupler, t.output) == _PRINTED else 'interchanged'}: {lengths}"
+    return lengths
+
+
+def _of_source(t: TakeUp) -> bool:
+    """Whether the lengths are the source's, in one of their two readings."""
+    own = (t.crank, t.frame, t.eye_distance, t.eye_angle) == (*_PUBLISHED, *_EYE)
+    return own and (t.coupler, t.output) in (_PRINTED, _PRINTED[::-1])
+
+
+def _readings(t: TakeUp) -> tuple[TakeUp, ...]:
+    """The take-up; of the source's lengths also their other reading."""
+    return (t, t.interchanged()) if _of_source(t) else (t,)
+
+
+def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Consumption | None) -> Study:
+    """Figures, curves and tables; forces only with masses, and then with a speed."""
+    figures = [motion_numbers(each) for each in _readings(t)]
+    notes, plots, tables = [*_NOTES, *(_ERRATA if _of_source(t) else ())], _motion_plots(t), [_turns(t)]
+    if masses is not None and rpm is not None:
+        speed = rpm * TURN / 60
+        for found, each in zip(figures, _readings(t), strict=True):
+            found |= force_numbers(each, masses.bodies(each), speed)
+        notes.append(
+            f"Forces at {rpm:g} rpm without gravity, friction, thread and the input crank's own mass, as in the source; the "
+            "masses are those of the spec, not of the parts made here."
+        )
+        plots.append(_force_plot(t, masses, speed))
+        tables += [_centres(t, masses, speed), _balancing(t, masses, speed)]
+    if _of_source(t):
+        keys = dict.fromkeys(key for found in figures for key in found)
+        rows = [[key, *(found.get(key, "") for found in figures)] for key in keys]
+        tables.insert(0, Table("Both readings of the lengths", ("figure", *map(reading, _readings(t))), rows))
+    numbers = dict(figures[0])
+    if masses is not None and rpm is not None:
+        numbers |= balance_numbers(t, masses, rpm * TURN / 60)
+    if consumption is not None:
+        low, high = consumption.extremes(t)
+        numbers |= {
+            "thread_excess_max_mm": high[0], "thread_excess_max_at_deg": math.degrees(high[1]),
+            "thread_excess_min_mm": low[0], "thread_excess_min_at_deg": math.degrees(low[1]),
+        }  # fmt: skip
+        supply, drawn = t.supply(_DRAWN), consumption.at(_DRAWN)
+        curves = [("supply", _DEGREES, supply), ("consumption", _DEGREES, drawn), ("excess", _DEGREES, supply - drawn)]
+        plots.append(Plot("Supply and consumption of thread", _ALPHA, "mm", curves))
+    return Study(numbers, plots, tables, (), notes)
+
+
+def motion_numbers(t: TakeUp) -> dict[str, float]:
+    """Figures of feed, eye path and turning under plain names with units; those of a loop only where there is one."""
+    lengths = (t.frame, t.crank, t.coupler, t.output)
+    feed, stop = t.diagram, t.near_stop
+    least, most = transmission_extremes(*lengths)
+    (w2_low, w2_low_at), (w2_high, w2_high_at) = t.rate_extremes(False)
+    (w3_low, w3_low_at), (w3_high, w3_high_at) = t.rate_extremes(True)
+    cusp = min(t.cusps(), key=lambda each: abs(each[0] - t.eye_distance), default=(math.nan, math.nan))
+    loop = stop.crossings > 0
+    figures = {
+        "grashof_margin_mm": four_bar(*lengths).margin,
+        "transmission_angle_min_deg": math.degrees(least),
+        "transmission_angle_max_deg": math.degrees(most),
+        "feed_max_mm": feed.longest[0],
+        "feed_max_at_deg": math.degrees(feed.longest[1]),
+        "feed_min_mm": feed.shortest[0],
+        "feed_min_at_deg": math.degrees(feed.shortest[1]),
+        "feed_range_mm": feed.range,
+        "let_down_deg": math.degrees(feed.let_down),
+        "let_down_ratio": feed.ratio,
+        "eye_path_crossings": float(stop.crossings),
+        "near_stop_x_mm": stop.centre.real,
+        "near_stop_y_mm": stop.centre.imag,
+        "near_stop_from_deg": math.degrees(stop.enters),
+        "near_stop_to_deg": math.degrees(stop.leaves),
+        "loop_width_mm": stop.width if loop else math.nan,
+        "loop_height_mm": stop.height if loop else math.nan,
+        **{f"dwell_within_{radius:g}_mm_deg": math.degrees(t.lingers(radius)) for radius in _STOPS},
+        "cusp_eye_distance_mm": cusp[0],
+        "cusp_at_deg": math.degrees(cusp[1]),
+        "coupler_rate_min": w2_low,
+        "coupler_rate_min_at_deg": math.degrees(w2_low_at),
+        "coupler_rate_max": w2_high,
+        "coupler_rate_max_at_deg": math.degrees(w2_high_at),
+        "output_rate_min": w3_low,
+        "output_rate_min_at_deg": math.degrees(w3_low_at),
+        "output_rate_max": w3_high,
+        "output_rate_max_at_deg": math.degrees(w3_high_at),
+    }
+    return {name: value for name, value in figures.items() if not math.isnan(value)}
+
+
+def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[str, float]:
+    """Peak reactions, torque and wear measures at an input speed, rad/s."""
+    forces = t.forces(_FORCES, bodies, speed)
+    wear = t.wear(_FORCES, forces, speed)
+    return {
+        **{f"peak_reaction_{name.lower()}_n": value for name, value in _peaks(forces).items()},
+        "peak_torque_n_m": _peak(forces.torque),
+        **{f"wear_{name.lower()}_n_rad_s": value for name, value in wear.items()},
+        "wear_mean_n_rad_s": float(np.mean(list(wear.values()))),
+    }
+
+
+def strengths(
+    t: TakeUp, masses: Masses, rpm: float, made: str, diameter: float, levers: Mapping[str, float], shaft: float
+) -> list[Finding]:
+    """PIN_STRESS of pins held in a crank at one end and bent by the peak reaction on a lever, mm, by the joint's name.
+
+    And SHAFT_STRESS of a round shaft as thick as the input shaft is over its flat, mm, twisted by the peak torque.
+    """
+    peaks, bears, found = force_numbers(t, masses.bodies(t), rpm * math.tau / 60), _BEARS[made], []
+    for pin, lever in levers.items():
+        force = peaks[f"peak_reaction_{pin}_n"]
+        stress = 32 * force * lever / (math.pi * diameter**3)
+        holds = abs(rpm) * math.sqrt(bears / stress) if stress else math.inf
+        remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
+        found.append(at_most("PIN_STRESS", stress, bears, "MPa", f"pin {pin.upper()}", remark))
+    torque = 1000 * peaks["peak_torque_n_m"]
+    stress, bears = 16 * torque / (math.pi * shaft**3), _SHEAR * bears
+    remark = f"twisted by {torque:.4g} N mm; a {made} shaft {shaft:g} mm thick bears {bears:.4g} MPa in shear"
+    return [*found, at_most("SHAFT_STRESS", stress, bears, "MPa", "input shaft", remark)]
+
+
+def _peak(values: Floats | Points) -> float:
+    return float(np.nanmax(np.abs(values)))
+
+
+def _peaks(forces: Forces) -> dict[str, float]:
+    return {name: _peak(forces.reactions[name]) for name in "ABC"}
+
+
+def _motion_plots(t: TakeUp) -> list[Plot]:
+    feed = t.diagram
+    paths = [(reading(each), each.linkage.point("D")(_DRAWN, 0)) for each in _readings(t)]
+    jets = t.linkage.solve(_DRAWN)
+    arms = np.angle((jets["A"][0] - jets["B"][0]) / (jets["C"][0] - jets["B"][0]))
+    coupler, output = t.rates(_DRAWN)
+    marks = [("greatest", math.degrees(feed.longest[1])), ("least", math.degrees(feed.shortest[1]))]
+    return [
+        Plot("Eye path", "x, mm", "y, mm", [(name, path.real, path.imag) for name, path in paths]),
+        Plot("Feed", _ALPHA, "mm", [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in _readings(t)], marks),
+        Plot("Transmission angle", _ALPHA, "deg", [("between coupler and output crank", _DEGREES, np.degrees(np.abs(arms)))]),
+        Plot("Rates of turning", _ALPHA, "per crank", [("coupler", _DEGREES, coupler), ("output crank", _DEGREES, output)]),
+    ]
+
+
+def _force_plot(t: TakeUp, masses: Masses, speed: float) -> Plot:
+    forces = t.forces(_DRAWN, masses.bodies(t), speed)
+    return Plot("Reactions", _ALPHA, "N", [(f"joint {name}", _DEGREES, np.abs(forces.reactions[name])) for name in "ABC"])
+
+
+def _turns(t: TakeUp) -> Table:
+    """Where the feed turns back, in the order of the turn."""
+    rows = [[math.degrees(a), float(length)] for a, length in zip(t.diagram.turns, t.diagram.lengths, strict=True)]
+    return Table("Extremes of the feed", (_ALPHA, "feed, mm"), rows)
+
+
+def _centres(t: TakeUp, masses: Masses, speed: float) -> Table:
+    """Peak reactions for each reading of the lengths and both guesses at the centres of mass."""
+    rows: list[Sequence[object]] = []
+    for each in _readings(t):
+        for label, given in (("given", True), ("centroid of A, B, D; a third of BC", False)):
+            bodies = masses.bodies(each, given)
+            rows.append([reading(each), label, *_peaks(each.forces(_FORCES, bodies, speed)).values()])
+    return Table("Peak reactions, N", ("lengths", "centres of mass", "A", "B", "C"), rows)
+
+
+def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> dict[str, float]:
+    """Balancing as in the source, recomputed with the counterweights on; and the best weight on the input crank alone."""
+    bodies, weighted = masses.bodies(t), masses.balanced(t)
+    before, after = t.forces(_FORCES, bodies, speed), t.forces(_FORCES, weighted, speed)
+    moment, left = crank_weight(before.reactions["O"], _FORCES, speed)
+    return {
+        "counterweight_coupler_g": 1e3 * (weighted["coupler"].mass - bodies["coupler"].mass),
+        "counterweight_output_crank_g": 1e3 * (weighted["output"].mass - bodies["output"].mass),
+        "shaking_force_n": _peak(before.shaking),
+        "balanced_shaking_force_n": _peak(after.shaking),
+        **{f"balanced_peak_reaction_{name.lower()}_n": value for name, value in _peaks(after).items()},
+        "balanced_peak_torque_n_m": _peak(after.torque),
+        "crank_counterweight_g_mm": 1e3 * abs(moment),
+        "crank_counterweight_at_deg": math.degrees(float(np.angle(moment))),
+        "peak_reaction_o_n": _peak(before.reactions["O"]),
+        "peak_reaction_o_with_crank_weight_n": left,
+    }
+
+
+def _balancing(t: TakeUp, masses: Masses, speed: float) -> Table:
+    """What balancing does to forces and torque, before and after."""
+    before, after = (force_numbers(t, bodies, speed) for bodies in (masses.bodies(t), masses.balanced(t)))
+    found = balance_numbers(t, masses, speed)
+    rows: list[Sequence[object]] = [[name, value, after[name]] for name, value in before.items()]
+    rows.append(["shaking_force_n", found["shaking_force_n"], found["balanced_shaking_force_n"]])
+    rows += [[name, 0.0, found[name]] for name in ("counterweight_coupler_g", "counterweight_output_crank_g")]
+    return Table("Balancing of coupler and output crank as in the source", ("", "before", "after"), rows)

@@ -1,0 +1,1 @@
+"""The uniform-swing cam drive."""

@@ -1,0 +1,501 @@
+"""The uniform-swing cam drive: a cam that swings a follower frame to and fro at constant angular speed.
+
+                      B ----------- A          O cam centre (origin), A fixed pivot at (L, 0)
+                      |             :          A-B-C the follower, AB = H, BC = L, right angle at B,
+       O              |             :          C the tip that touches the cam; drawn turned by 90 deg
+                      C
+
+In mid position O, A, B, C is a rectangle with C = (0, -H). The follower's angle s is its turn from there; the tip leaves
+the cam as s grows. With closure "conjugate" a second tip, mirrored in OA, rides on the same cam turned over about Oy.
+[Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706, with the signs of eqs. 7, 8 and 11 corrected]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
+from camgen.machine.cam_forces import Load
+from camgen.machine.cams import DiscCam, SwingingArm, greatest
+from camgen.machine.contacts import Assembly, Pose, Rolling
+from camgen.machine.study import Plot, Sketch, Study, Table
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.uniform_swing.printed import SwingMachine
+from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
+from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
+from camgen.machines.uniform_swing.study import Forces, blend_study, canvas_study, force_study, forces, keeps_contact
+from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
+from camgen.motion.program import uniform_swing
+from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.inertia import inertia_of
+from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
+from camgen.spec import Length, Record, Rpm, turning
+
+_LASH = (
+    "free play of the follower between the two tips, deg; 0.25: so far the nozzle stands still after each reversal, 1 % of a "
+    "swing of 25 deg where the source bears 10 % of the canvas's thickness"
+)
+_ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
+
+
+class Geometry(Record):
+    """Lengths and angles of the mechanism."""
+
+    pivot_distance: Length
+    arm_offset: Length
+    swing_deg: Annotated[float, Field(gt=0, lt=180)]
+    tip_radius: Annotated[float, Field(ge=0, le=1e6)]
+    closure: Literal["conjugate", "force"] = "conjugate"
+    reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+
+
+class Motor(Record):
+    """What drives the cam."""
+
+    speed_rpm: Annotated[Rpm, turning()] = 30.0
+
+
+class Parts(Record):
+    """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
+
+    make: Literal["machine", "cams"] = "cams"
+    thickness: Length = 6.0
+    bore: Length = 8.0
+    shaft: Literal["plain", "keyway", "d-flat"] = "plain"
+    key_width: Length = 2.0
+    key_depth: Length = 1.0
+    flat_depth: Length = 0.5
+    pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
+    windows: Annotated[int, Field(ge=0, le=24)] = 5
+    wall: Length = 3.0
+    mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.1
+    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    min_wall: Length = 0.8
+
+
+class UniformSwing(Mechanism):
+    """Spec and answers of a uniform-swing cam drive; the output is the follower's angle s, rad, 0 in mid position."""
+
+    geometry: Geometry
+    motor: Motor = Motor()
+    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    base: BaseTable = BaseTable()
+    frame: FrameTable = FrameTable()
+    collet: ColletTable = ColletTable()
+    nozzle: NozzleTable = NozzleTable()
+    spring: SpringTable = SpringTable()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
+        checks = [
+            # a stretch of less would be rounding
+            (
+                blend in (0, 180) or 0.01 <= blend <= 179.99,
+                "geometry.reversal_blend_deg",
+                blend,
+                "0 (sharp), 0.01 to 179.99, or 180",
+            ),
+            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
+            (p.mark_depth < p.thickness, "parts.mark_depth", p.mark_depth, f"less than the thickness, {p.thickness:g} mm"),
+            (
+                p.shaft != "d-flat" or p.flat_depth < p.bore,
+                "parts.flat_depth",
+                p.flat_depth,
+                f"less than the bore, {p.bore:g} mm",
+            ),
+            (
+                p.shaft != "keyway" or p.key_width < p.bore,
+                "parts.key_width",
+                p.key_width,
+                f"less than the bore, {p.bore:g} mm",
+            ),
+        ]
+        if p.make == "machine":
+            sizes = self.geometry.tip_radius, self.print.slide_clearance, self.print.press_clearance, p.pin_diameter
+            joined = p.shaft == "plain" and self.geometry.closure == "conjugate"
+            checks += machine_faults(*sizes, self.allowed.min_wall, nozzle, joined, self.base, self.frame, self.collet)
+        return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def cam(self) -> DiscCam:
+        """The cam engine set up for this spec; raises DesignError where the follower cannot swing so far."""
+        g = self.geometry
+        arm = -complex(g.pivot_distance, g.arm_offset)
+        room = 2 * math.atan2(g.arm_offset, g.pivot_distance)
+        if math.radians(g.swing_deg) >= room:
+            raise DesignError(
+                "geometry.swing_deg", g.swing_deg, math.degrees(room), "deg", "the inner end of the swing",
+                "the tip reaches the line of the two shafts there: use a smaller one, or a geometry.arm_offset above "
+                f"{g.pivot_distance * math.tan(math.radians(g.swing_deg / 2)):.4g} mm",
+            )  # fmt: skip
+        program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
+        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
+        return self.cam.program(theta, order)
+
+    def reachable(self, theta: Floats) -> Floats:
+        """Angle s that the exact cam gives: the wanted one less the undercut at the reversals, (n,) rad."""
+        return self.cam.reachable(theta)
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    def parts(self) -> Sequence[Part]:
+        """The cam; with conjugate closure two of it, one of them turned over about Oy.
+
+        Pin holes lie on Ox at equal distances and keyway or flat on Oy, so the turned part fits the other one.
+        """
+        return self._machine.parts() if self.making.make == "machine" else (self._cam_part,)
+
+    @cached_property
+    def _machine(self) -> SwingMachine:
+        p, fits, g = self.making, self.print, self.geometry
+        cam = self.cam
+        self._room.check()
+        flat = p.flat_depth if p.shaft == "d-flat" else 0.0
+        return SwingMachine(
+            cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
+            p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
+            self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
+        )  # fmt: skip
+
+    def assembly(self) -> Assembly | None:
+        """The whole machine, if it is to be made."""
+        return self._machine.assembly(self.reachable) if self.making.make == "machine" else None
+
+    def bought(self) -> Sequence[Bought]:
+        """Motor, screws and other bought parts of the whole machine."""
+        return bought(self._machine) if self.making.make == "machine" else ()
+
+    @cached_property
+    def _rim(self) -> Points:
+        """The cam's edge in facets, on which holes are placed."""
+        return facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
+
+    @cached_property
+    def _cam_part(self) -> Part:
+        p, outline = self.making, self.cam.outline
+        rim = self._rim
+        bore, reach = self._bore()
+        room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
+        if reach >= room:
+            raise DesignError(
+                "parts.bore",
+                p.bore,
+                2 * room,
+                "mm",
+                "the cam's nearest side",
+                "the bore leaves the cam: use a smaller one",
+            )
+        holes, keep_clear = [bore], []
+        if p.pin_diameter:
+            place = self._pins[0]
+            keep_clear += [(z, p.pin_diameter / 2) for z in (place, -place.conjugate())]
+            holes += [circle(*pin) for pin in keep_clear]
+        mark = self._mark(rim, reach, keep_clear) if p.mark_depth else None
+        engraved = (Layer(Region(arrowhead(*mark)), p.thickness - p.mark_depth, p.thickness),) if mark else ()
+        pins = tuple(centre for centre, _ in keep_clear)
+        if mark:
+            keep_clear.append(mark[:2])
+        holes += windows(rim, reach, p.windows, p.wall, keep_clear)
+        # a hole smaller than the tolerance must not lose its corners
+        wall = thinnest_wall(rim, [facet_contour(h, min(LAYOUT, 0.01 * math.sqrt(abs(h.area)))) for h in holes])
+        if not wall > 0:
+            raise DesignError(
+                "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
+                "holes meet or leave the cam: use a smaller bore, key, pin_diameter or wall",
+            )  # fmt: skip
+        copies = 2 if self.geometry.closure == "conjugate" else 1
+        return Part(
+            "cam", "Uniform-swing cam", (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),), copies,
+            engraved, (0j, *pins),
+            self._part_notes(bool(mark)), p.bore, self.allowed.min_wall,
+        )  # fmt: skip
+
+    @cached_property
+    def _pins(self) -> tuple[complex, float]:
+        """Place of one pin hole, the other being its mirror image in Oy, and the wall that they keep, mm."""
+        p = self.making
+        if p.make == "machine" and p.pin_diameter:
+            return self._room.pins(self._rim, p.pin_diameter, p.wall)
+        return place_pins(self._rim, self._bore()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
+
+    @cached_property
+    def _room(self) -> Room:
+        g, p, fits = self.geometry, self.making, self.print
+        return Room(
+            g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius, p.bore, self._bore()[1], p.shaft == "plain",
+            g.closure == "conjugate", self.base.face.half, fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
+            self.frame, self.collet,
+        )  # fmt: skip
+
+    def _mark(self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]) -> tuple[complex, float, complex] | None:
+        """Place, size and direction of the engraved arrow beside the bore, below it if there is room; None without any."""
+        free, size = self.making.wall / 2, min(_ARROW, _ARROW_SHARE * self.making.bore)
+        for turn in (-90, 90, -45, -135, 45, 135, 0, 180):
+            spoke = cmath.rect(1, math.radians(turn))
+            at = spoke * (reach + free + size)
+            room = float(point_to_ring(np.array([at]), rim)[0]) if inside(np.array([at]), rim)[0] else 0.0
+            if min([room, *(abs(at - centre) - radius for centre, radius in holes)]) > size + free:
+                return at, size, self.sense * 1j * spoke
+        return None
+
+    def _part_notes(self, marked: bool) -> tuple[str, ...]:
+        """What the drawing says beside the numbers."""
+        p, notes = self.making, []
+        if p.shaft == "keyway":
+            notes.append(f"hole A: bore {p.bore:g}, keyway on +Y {p.key_width:g} wide, its floor {p.key_depth:g} above the bore")
+        elif p.shaft == "d-flat":
+            notes.append(f"hole A: bore {p.bore:g}, flat on +Y {p.flat_depth:g} below its top")
+        if marked:
+            notes.append("engraved arrow: sense of turning of the cam that is not turned over")
+        elif p.mark_depth:
+            turns = "counter-clockwise" if self.sense > 0 else "clockwise"
+            notes.append(f"no room for the engraved arrow: turns {turns} as drawn")
+        if self.geometry.closure == "conjugate":
+            notes.append("two alike, one turned over about Oy, engraved faces together")
+            notes.append("the tip at -Y rides on this one, the tip at +Y on the other")
+        return tuple(notes)
+
+    def _bore(self) -> tuple[Contour, float]:
+        """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
+        p = self.making
+        if p.shaft == "keyway":
+            return keyed_bore(p.bore, p.key_width, p.key_depth), math.hypot(p.key_width / 2, p.bore / 2 + p.key_depth)
+        if p.shaft == "d-flat":
+            return d_bore(p.bore, p.flat_depth), p.bore / 2
+        return circle(0j, p.bore / 2), p.bore / 2
+
+    # ---- assembly ---------------------------------------------------------------------------------------------------
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """The cam (and its turned twin above it) turning about O, the follower about A."""
+        theta = np.asarray(theta, float)
+        assembly = self.assembly()
+        if assembly:
+            angles = {drive.name: drive.angle(theta) for drive in {m.drive.name: m.drive for m in assembly.mounts}.values()}
+            found: dict[str, list[Pose]] = {mount.part: [] for mount in assembly.mounts}
+            for mount in assembly.mounts:
+                found[mount.part].append(mount.pose(angles[mount.drive.name]))
+            return found
+        still: Points = np.zeros(theta.shape, complex)
+        cams = [Pose(theta, still)]
+        if self.geometry.closure == "conjugate":
+            cams.append(Pose(theta, still, flipped=True, z=self.making.thickness + self.print.slide_clearance))
+        return {
+            "cam": cams,
+            "follower": [Pose(self.reachable(theta), still + complex(self.geometry.pivot_distance))],
+            "ground": [Pose(np.zeros(theta.shape), still)],
+        }
+
+    def contacts(self) -> Sequence[Rolling]:
+        """The tip on the cam; with conjugate closure also the second tip on the turned cam."""
+        follower = self.cam.follower
+        steepest = math.radians(self._pressure[0])
+        first = Rolling(
+            "tip", "cam", follower.pivot, follower.arm, follower.tip_radius, follower.leaves, steepest,
+            self.allowed.speed_ripple, math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg),
+            tip_part="frame" if self.making.make == "machine" else None,
+            seat=self._machine.tip_hole if self.making.make == "machine" else 0.0,
+        )  # fmt: skip
+        if self.geometry.closure == "force":
+            return (first,)
+        return (first, replace(first, name="second tip", arm=first.arm.conjugate(), leaves=-first.leaves, flipped=True))
+
+    # ---- checks and study -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _pressure(self) -> tuple[float, float, float]:
+        """Largest pressure angle over the turn, and over each half turn less the undercut, deg."""
+        cuts = [c for u in self.cam.undercuts for c in (u.begin, u.end)]
+
+        def degrees(theta: Any) -> Floats:
+            return np.degrees(self.cam.pressure_angle(theta))
+
+        def half(begin: float) -> float:
+            # the angle jumps at a sharp reversal and at an undercut's ends: look from either side
+            marks = sorted({begin, begin + math.pi, *(c for c in cuts if begin < c < begin + math.pi)})
+            return max(
+                (greatest(degrees, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(marks) if not self.cam.riding((a + b) / 2)),
+                default=0.0,
+            )
+
+        rise, back = half(0.0), half(math.pi)
+        corners = [greatest(degrees, u.begin, u.end)[1] for u in self.cam.undercuts]
+        return max(rise, back, *corners), rise, back
+
+    def limits(self) -> Sequence[Finding]:
+        """Pressure angle and undercut of the exact cam against the spec's limits."""
+        limit, worst = self.allowed.pressure_angle_deg, self._pressure[0]
+        findings = [
+            at_most(
+                "PRESSURE_ANGLE", worst, limit, "deg", "exact profile",
+                f"rise {self._pressure[1]:.1f} deg, return {self._pressure[2]:.1f} deg; a smaller geometry.swing_deg "
+                "or a larger geometry.arm_offset lowers it",
+            )
+        ]  # fmt: skip
+        lost = max((math.degrees(u.shortfall) for u in self.cam.undercuts), default=0.0)
+        where = "; ".join(f"cam angle {math.degrees(u.begin):.3f} to {math.degrees(u.end):.3f} deg" for u in self.cam.undercuts)
+        depth = max((u.depth for u in self.cam.undercuts), default=0.0)
+        findings.append(
+            at_most(
+                "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where or "exact profile",
+                f"the swing falls short there by {lost:.4g} deg ({depth:.4g} mm at the tip), as the spec implies; "
+                "a smaller geometry.tip_radius or a geometry.reversal_blend_deg lowers it" if lost else
+                "the tip follows the whole motion",
+            )
+        )  # fmt: skip
+        reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
+        pivot = self.geometry.pivot_distance
+        findings.append(
+            at_least(
+                "INTERFERENCE",
+                pivot - reach,
+                0.0,
+                "mm",
+                "exact profile and the follower's pivot",
+                f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm",
+            )
+        )
+        if self.making.make == "machine":
+            findings.append(screw_grip(self._machine))
+        loaded = self._forces
+        if loaded and self.geometry.closure == "force":
+            findings.append(keeps_contact(loaded, self._load, self.speed))
+        return findings
+
+    @cached_property
+    def _load(self) -> Load:
+        """Nozzle and frames about the pivot, and the spring of force closure."""
+        frames = [part for part in self.parts() if part.name == "frame"]
+        density = self.material.density or DENSITY[self.material.name]
+        inertia = self.nozzle.inertia_kg_m2 + sum(part.count * inertia_of(part, 1000 * density) for part in frames)
+        pushed = self.geometry.closure == "force"
+        return Load(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
+
+    @cached_property
+    def _forces(self) -> Forces | None:
+        """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
+        if not self._load.inertia:
+            return None
+        return forces(self.cam, self._load, self.speed, self.nozzle.friction, self.geometry.closure == "conjugate")
+
+    def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
+        """The canvas that the recovered motion lays; for a machine also the choice of the blend."""
+        laid = canvas_study(theta, motion)
+        if self.making.make == "cams":
+            return laid
+        choice = blend_study(self.cam, math.radians(self.geometry.reversal_blend_deg))
+        return replace(laid, plots=[*laid.plots, *choice.plots], tables=[*laid.tables, *choice.tables])
+
+    def study(self) -> Study:
+        """Figures, speed and pressure-angle curves, and the remedies for what the design suffers from."""
+        g, cam = self.geometry, self.cam
+        theta = np.linspace(0, 2 * math.pi, 1441)
+        radius = np.abs(cam.pitch(theta))
+        rpm = abs(self.motor.speed_rpm)
+        speed = float(np.max(np.abs(cam.program(theta, 1))))
+        numbers = {
+            "swing_deg": g.swing_deg,
+            "speed_ratio": 1 / speed,
+            "uniform_share_percent": 100 * (1 - g.reversal_blend_deg / 180),
+            "follower_speed_deg_s": math.degrees(speed) * rpm * math.tau / 60,
+            "peak_speed_mm_s": abs(cam.follower.arm) * speed * rpm * math.tau / 60,
+            "pitch_radius_min_mm": float(np.min(radius)),
+            "pitch_radius_max_mm": float(np.max(radius)),
+            "pitch_curvature_radius_min_mm": 1 / greatest(cam.curvature, 0.0, 2 * math.pi)[1],
+            "profile_length_mm": cam.outline.length,
+            "profile_area_mm2": cam.outline.area,
+            "pressure_angle_rise_deg": self._pressure[1],
+            "pressure_angle_return_deg": self._pressure[2],
+            "undercut_deg": max((math.degrees(u.shortfall) for u in cam.undercuts), default=0.0),
+            "undercut_mm": max((u.depth for u in cam.undercuts), default=0.0),
+        }
+        if self.making.make == "machine":
+            numbers["shaft_length_mm"] = self._machine.shaft_length
+            # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
+            across = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[0]))
+            numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
+        degrees = np.degrees(theta)
+        lever = self.spring.lever if g.closure == "force" else None
+        loaded = force_study(self._forces, self._load, self.speed, lever) if self._forces else Study()
+        undercut = Table(
+            "Undercut of the exact profile",
+            ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
+            [
+                [math.degrees(u.begin), math.degrees(u.end), math.degrees(u.shortfall), math.degrees(u.worst), u.depth]
+                for u in cam.undercuts
+            ],
+        )
+        return Study(
+            numbers | dict(loaded.numbers),
+            plots=(
+                *loaded.plots,
+                Plot(
+                    "Pressure angle",
+                    "cam angle, deg",
+                    "deg",
+                    [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
+                ),
+            ),
+            tables=(*((undercut,) if cam.undercuts else ()), *((steps(self._machine),) if self.making.make == "machine" else ())),
+            sketches=self._sketches() if self.making.make == "cams" else (),
+            notes=(*self._notes(), *loaded.notes),
+        )
+
+    def _sketches(self) -> tuple[Sketch, Sketch]:
+        arm, rho = self.cam.follower.arm, self.cam.follower.tip_radius
+        corner = 1j * arm.imag
+        strokes = [np.array([0, corner, arm])]
+        circles = [(arm, rho)] if rho else []
+        if self.geometry.closure == "conjugate":
+            strokes.append(np.conj(strokes[0]))
+            circles += [(z.conjugate(), r) for z, r in circles]
+        pivots = [(0j, self.making.bore / 4), (complex(self.geometry.pivot_distance), self.making.bore / 4)]
+        return Sketch("follower", strokes, circles), Sketch("ground", (), pivots)
+
+    def _notes(self) -> tuple[str, ...]:
+        notes = [
+            "Source: Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706, which gives no lengths: these are the spec's own.",
+            "MOTION_ERROR compares with the wanted motion less the undercut that the spec implies; UNDERCUT states that loss.",
+        ]
+        if self._pressure[0] > 45:
+            tilt = math.degrees(cmath.phase(-self.cam.follower.arm))
+            notes.append(
+                f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; "
+                "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
+                "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
+            )
+        if self.geometry.closure == "force" and not self._forces:
+            notes.append("Whether the spring keeps the tip on the cam is not judged: give nozzle.inertia_kg_m2.")
+        if self.making.make == "machine":
+            notes.append(self._machine.shaft_note)
+            notes += self._machine.smaller
+        return tuple(notes)

@@ -1,0 +1,195 @@
+"""Room on the cam of a swing machine: where its pins lie, what a washer between two cams leaves, and what makes more room.
+
+    near, far   least and greatest distance of the cam's edge from its shaft, mm
+    pins        two, each the mirror image of the other in Oy: a cam turned over about Oy lies on the same ones
+    washer      the band drawn tight round the shaft's hole and the pins'; it keeps inside both cams
+    hub         the frame's plate round the follower's axle, which the cam passes
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Floats, Points
+from camgen.machines.uniform_swing.tables import ColletTable, FrameTable
+from camgen.parts.hardware import Collet
+from camgen.parts.part import hull
+
+LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+LEAST_AXLE = 3.0  # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
+_LEAST_SIZES = {"parts.bore": 4.0, "geometry.tip_radius": 2.0}  # mm, that are still proposed: NEMA 8's shaft; less wears
+_TURNS = np.radians([0, *(side * turn for turn in range(10, 90, 10) for side in (1, -1))])  # of the pins off Ox
+_OUTWARDS, _INWARDS = 40, 10  # distances from the shaft that are tried, beyond the one that keeps the wall, and within it
+
+
+def washer_wall(rim: Points, hole: float, pins: Sequence[complex], pin: float, keep: float) -> float:
+    """Widest wall of a washer round its holes that stays `keep` inside the rim, mm; below 0 where the holes themselves do not.
+
+    rim: (n,) complex; hole: radius of the shaft's hole; pin: diameter of the pins'. Pins are each other's mirror images in Oy,
+    so that the washer is as far from the turned cam's rim.
+    """
+    band = facet_contour(hull([(0j, hole), *((z, pin / 2) for z in pins)]), LAYOUT)
+    return thinnest_wall(rim, [band]) - LAYOUT - keep
+
+
+def place_pins(
+    rim: Points, reach: float, pin: float, wall: float, least: float, sleeve: float, washer: tuple[float, float] | None
+) -> tuple[complex, float]:
+    """Place of one pin (x > 0) and the wall that both keep: the first with the whole wall, or the one with the widest.
+
+    They are tried on Ox first, then ever nearer to Oy; nearest to the shaft first. rim: (n,) complex; reach: of the shaft's
+    hole; pin: diameter; wall, least: that is wanted and that must be; sleeve: radius about the shaft that pins leave free;
+    washer: radius of its hole, and how far it stays inside the rim; None: no washer. A wall below `least`: there is no room.
+    """
+    first, lowest = (max(reach + w, sleeve) + pin / 2 for w in (wall, least))
+    outwards = np.linspace(first, max(first, float(np.max(np.abs(rim)))), _OUTWARDS)
+    radii = np.concatenate([outwards, np.linspace(first, lowest, _INWARDS)])
+    places = (np.exp(1j * _TURNS)[:, None] * radii).ravel()
+
+    def depth(z: Points) -> Floats:
+        return np.asarray(np.where(inside(z, rim), 1.0, -1.0) * point_to_ring(z, rim))
+
+    walls = np.minimum(depth(places), depth(-np.conj(places))) - pin / 2
+    beside = np.abs(places) - pin / 2 - reach + 1e-9
+    walls = np.minimum.reduce([walls, beside, 2 * places.real - 2 * pin])  # one pin's diameter and a wall between the two
+    walls = np.minimum(walls, wall)
+    best = int(np.argmax(walls))
+    if washer is None or walls[best] < least:
+        return complex(places[best]), float(walls[best])
+    found = complex(places[best]), -math.inf
+    for k in np.flatnonzero(walls >= least):
+        z = complex(places[k])
+        if walls[k] > found[1]:
+            kept = min(float(walls[k]), washer_wall(rim, washer[0], (z, -z.conjugate()), pin, washer[1]))
+            found = max(found, (z, kept), key=lambda each: each[1])
+        if found[1] >= wall:
+            break
+    return found
+
+
+# ---- what makes more room --------------------------------------------------------------------------------------------
+
+
+def near_far(pivot: Any, offset: Any, swing: Any, tip: float) -> tuple[Floats, Floats]:
+    """Least and greatest distance of the cam's edge from its shaft, mm: the law of cosines in shaft, pivot and tip.
+
+    pivot, offset: mm; swing: peak to peak, rad; tip: its radius, mm; arrays of one shape, or numbers.
+    """
+    arm, lean = np.hypot(pivot, offset), np.arctan2(offset, pivot)
+    inner, outer = (
+        np.sqrt(np.maximum(pivot**2 + arm**2 - 2 * pivot * arm * np.cos(lean + side * swing / 2), 0.0)) for side in (-1, 1)
+    )
+    return np.where(lean > swing / 2, inner, 0.0) - tip, outer - tip
+
+
+@dataclass(frozen=True)
+class Room:
+    """Room that the geometry leaves to a machine; lengths mm, swing rad, peak to peak.
+
+    bore: the shaft's; reach: of its hole from the axis; plain: a collet clamps the shaft; pair: two cams, a washer between
+    them; motor: half its width; slide, press: diametral fits.
+    """
+
+    pivot: float
+    offset: float
+    swing: float
+    tip: float
+    bore: float
+    reach: float
+    plain: bool
+    pair: bool
+    motor: float
+    slide: float
+    press: float
+    min_wall: float
+    frame: FrameTable
+    collet: ColletTable
+
+    @property
+    def washer(self) -> tuple[float, float] | None:
+        """Radius of the hole of the washer between two cams, and how far it has to stay inside them, mm; None for one cam.
+
+        Where tips are pins in bosses of the frames, it has to pass the bosses.
+        """
+        seat = self.frame.seat(self.tip)
+        beyond = self.frame.boss(seat, self.press, self.min_wall) - self.tip if seat else 0.0
+        return ((self.bore + self.slide) / 2, self.slide + beyond) if self.pair else None
+
+    @property
+    def least_near(self) -> float:
+        """Least distance of the cam's edge from its shaft that leaves walls to cam and washer, mm."""
+        return max(self.reach, sum(self.washer or (0.0,))) + self.min_wall + 2 * LAYOUT
+
+    def check(self) -> None:
+        """Raise DesignError where the cam comes too near to its shaft, or to the pivot."""
+        near, far = (float(each) for each in near_far(self.pivot, self.offset, self.swing, self.tip))
+        if far >= self.pivot:
+            raise DesignError(
+                "reach of the cam", far, self.pivot, "mm", "the follower's pivot, which it would sweep over", self.remedy()
+            )
+        short = self.least_near - near
+        if short > 0:
+            smaller = {"parts.bore": self.bore - 2 * short}
+            if self.frame.tip == "plate":
+                smaller["geometry.tip_radius"] = self.tip - short
+            said = [f"{key} = {math.floor(10 * size) / 10:g}" for key, size in smaller.items() if size >= _LEAST_SIZES[key]]
+            raise DesignError(
+                "distance of the cam's edge from its shaft", near, self.least_near, "mm",
+                f"its nearest side, for parts.bore = {self.bore:g} with walls", ", or ".join([self.remedy(), *said]),
+            )  # fmt: skip
+
+    def pins(self, rim: Points, pin: float, wall: float) -> tuple[complex, float]:
+        """Place of one pin hole of the diameter `pin`, the other being its mirror image in Oy, and the wall that they keep, mm.
+
+        The collet's wall gives way before the pins'. DesignError where they have no room.
+        """
+        least = self.min_wall + 2 * LAYOUT
+        sleeves = self._sleeve(self.collet.wall), self._sleeve(min(self.collet.wall, least))
+        tries = [place_pins(rim, self.reach, pin, wall, least, sleeve, self.washer) for sleeve in sleeves]
+        place, kept = next((found for found in tries if found[1] >= least), tries[-1])
+        if not kept >= least:
+            raise DesignError(
+                "wall of the cam's pins", kept, least, "mm", f"the best place for parts.pin_diameter = {pin:g}",
+                f"use a smaller one, or more cam: {self.remedy(2 * (least - kept))}",
+            )  # fmt: skip
+        return place, kept
+
+    def _sleeve(self, wall: float) -> float:
+        """Radius of the collet's sleeve where it is thickest, mm; 0 without a collet."""
+        c = self.collet
+        return Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0).radius if self.plain else 0.0
+
+    def remedy(self, more: float = 0.0) -> str:
+        """What of the geometry to change, key and value, for a cam that leaves room about shaft and pivot.
+
+        One key is changed, the others stay. more: mm that the cam needs beyond its walls.
+        """
+        axle = min(self.frame.axle, LEAST_AXLE) + max(self.press, self.slide)
+        hub = self.frame.gap + axle / 2 + self.min_wall + 5 * LAYOUT
+        motor = self.motor + self.frame.axle_flange / 2
+
+        def fits(pivot: Any, offset: Any, swing: Any) -> Any:
+            near, far = near_far(pivot, offset, swing, self.tip)
+            # the frame swings by half the swing to either side
+            return (near >= self.least_near + more) & (pivot * np.cos(swing / 2) - far >= hub) & (pivot >= motor)
+
+        step = 10.0 ** (math.floor(math.log10(self.pivot)) - 1) / 2
+        lengths, degrees = step * np.arange(1, 400), np.arange(0.5, 180.0, 0.5)
+        said = []
+        for key, values, fine, now in (
+            ("arm_offset", lengths, fits(self.pivot, lengths, self.swing), self.offset),
+            ("pivot_distance", lengths, fits(lengths, self.offset, self.swing), self.pivot),
+            ("swing_deg", degrees, fits(self.pivot, self.offset, np.radians(degrees)), math.degrees(self.swing)),
+        ):
+            if fine.any():
+                nearest = values[fine][np.argmin(np.abs(values[fine] - now))]
+                said.append(f"geometry.{key} = {nearest:g}")
+        return f"room enough has {', or '.join(said)}" if said else "use other lengths, or a smaller geometry.swing_deg"

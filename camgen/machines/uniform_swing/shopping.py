@@ -1,0 +1,85 @@
+"""What is bought for the machine round a uniform-swing cam, and in which order all of it goes together."""
+
+from __future__ import annotations
+
+from camgen.findings import Finding, at_least
+from camgen.machine.study import Table
+from camgen.machines.uniform_swing.printed import SwingMachine
+from camgen.parts.catalogue import SCREWS, Bought
+
+_ENGAGED = 0.8  # diameters of thread that hold a screw in metal
+
+
+def screw_grip(machine: SwingMachine) -> Finding:
+    """SCREW_GRIP: the motor's screws, of a length that is sold, hold by 0.8 diameters of thread or by a whole nut."""
+    face, plate = machine.base.face, machine.base_plate
+    grip, screw = plate.thickness - plate.pocket_depth, face.screw
+    length, least = face.screw_length(grip), screw.nut if face.plain else _ENGAGED * screw.nominal
+    held = length - grip - (face.depth if face.plain else 0.0)
+    said = f"{screw.thread} x {length:g} through {grip:.4g} mm of the base; another base.thickness suits lengths that are sold"
+    return at_least("SCREW_GRIP", held, least, "mm", "screws of the motor", said)
+
+
+def bought(machine: SwingMachine) -> tuple[Bought, ...]:
+    """What is bought, by its standard."""
+    face, plate, tip = machine.base.face, machine.base_plate, machine.frame.bearing
+    nema, copies = face.name != "flange", 2 if machine.pair else 1
+    name = f"{face.name.upper().replace('-', ' ')} frame" if nema else "with a plain flange"
+    grip = plate.thickness - plate.pocket_depth
+    length = face.screw_length(grip)
+    into = f"{face.screw.thread} x {length:g}, " + ("with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor")
+    found = [
+        Bought("motor", "NEMA ICS 16" if nema else "", f"{name}, shaft {machine.shaft_size}", 1),
+        Bought("screw of the motor", face.screw.standard, into, len(face.screws)),
+    ]
+    if face.plain:
+        found.append(Bought("nut of the motor", "ISO 4032", face.screw.thread, len(face.screws)))
+    if plate.mount:
+        size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
+        found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))
+    screw, most = SCREWS[machine.nozzle.screw], machine.last - machine.foot
+    least = machine.thickness + screw.nut / 2 if machine.pair else most
+    longer = f"{least:g} to {most:g}" if least < most else f"{most:g}"
+    found += [
+        Bought("screw of the nozzle", screw.standard, f"{screw.thread}, {longer} mm longer than the nozzle's foot", 2),
+        Bought("nut of the nozzle", "ISO 4032", screw.thread, 2),
+    ]
+    if machine.seat:
+        found.append(Bought("dowel pin of the tip", "ISO 2338", f"{machine.seat:g} m6 x {machine.tip_pin:g}", copies))
+    if tip:
+        size = f"{tip.name}, {tip.bore:g} x {tip.outside:g} x {tip.width:g}"
+        found.append(Bought("bearing of the tip", "ISO 15", size, copies))
+    return (*found, Bought("glue", "", "for all that is pressed", 1))
+
+
+def steps(machine: SwingMachine) -> Table:
+    """In which order the machine goes together: from the base up, each part laid on from above."""
+    m, pins = machine, bool(machine.pins) and machine.cam_pin_length > machine.thickness
+    tip = "; dowel pin pressed in, flush with the side away from the cam" if m.seat else ""
+    tip += ", the bearing glued on it at half the cam's height" if m.frame.bearing else ""
+    nuts = "nozzle's nuts in their pockets" + ("" if m.pair else " below")
+    flush = f"pressed on until the axles end flush, which leaves them {m.slide:g} mm of end float"
+    layers = [
+        (m.low, "cam", f"on the shaft, arrow up, {m.low - m.base.thickness:.3g} mm over the base{'; its pins' if pins else ''}"),
+        (m.foot, "frame plate", f"as drawn, pressed and glued on both axles{tip}; {nuts}"),
+    ]
+    if m.pair:
+        pinned = "; its pins" if m.pin else ""
+        layers += [
+            (m.foot + m.thickness, "second frame plate", f"turned over about the line of the axles{pinned}; {flush}"),
+            (m.top - m.thickness, "spacer, second cam", "on the first cam and its pins, turned over about Oy, arrow down"),
+        ]
+    else:
+        layers.append((m.foot + 1e-3, "axles", flush))
+    rows = [
+        ("base, motor", "motor below, its screws' heads in the pockets"),
+        ("axles, washers", "from below, held by a tape, one through the hole, one through the arc slot; a washer on each"),
+        *((what, how) for _, what, how in sorted(layers, key=lambda layer: layer[0])),
+    ]
+    if m.base_plate.mounts:
+        below = m.frame.flange_thickness + m.slide
+        rows.insert(2, ("base", f"on its stand, {below:g} mm free below for the axles, before the frames cover the screws"))
+    if m.plain:
+        rows.append(("collet, clamp ring", "collet glued on the upper cam; ring over it, wide end first, pushed home"))
+    rows.append(("nozzle", "on the frames, its screws from above into the nuts"))
+    return Table("Assembly, step by step", ("step", "what", "how"), [(k, *row) for k, row in enumerate(rows, 1)])

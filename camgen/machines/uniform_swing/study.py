@@ -1,0 +1,158 @@
+"""What follows from a uniform swing: the canvas that it lays, the choice of the reversal blend, forces and lift-off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.findings import Finding
+from camgen.geometry.outlines import Floats
+from camgen.machine.cam_forces import Contact, Load, arm_contact, kicks, lift_of, lift_off, pair_contact
+from camgen.machine.cams import DiscCam
+from camgen.machine.study import Plot, Study, Table
+from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
+
+_BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
+_MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
+_JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
+_SAMPLES = 1441
+_NO_SPRING = "A sharp reversal asks for an endless force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
+
+
+def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
+    """Canvas laid by the motions recovered from files, (n,) rad over a whole turn; one that is not whole is left out."""
+    numbers: dict[str, float] = {}
+    rows: list[tuple[object, ...]] = []
+    series = []
+    for kind, s in motion.items():
+        if not np.all(np.isfinite(s)):
+            continue
+        for name, flat in (("round", False), ("flat", True)):
+            laid = canvas(theta, s, flat, _JET)
+            share, middle = 100 * canvas(theta, s, flat, STRIPS).share, 100 * laid.spread(_MIDDLE)
+            numbers[f"canvas_share_{name}_{kind}_percent"] = share
+            rows.append((f"{name} collector, from {kind.upper()}", share, middle))
+            series.append((f"{name}, {kind.upper()}", laid.place, laid.thickness))
+    if not series:
+        return Study()
+    ends = np.array([-1.0, 1.0])
+    kept = series[-2:]  # the kinds differ by less than a line's width
+    bounds = [(f"{sign} {BAND:.0%}", ends, np.full(2, 1 + float(f"{sign}{BAND}"))) for sign in "+-"]
+    plot = Plot("Canvas over the width", "place, share of half the width", "thickness / median", [*kept, *bounds])
+    columns = ("canvas", f"width within {BAND:.0%}, %", f"spread of the middle {_MIDDLE:.0%}, %")
+    return Study(numbers, [plot], [Table("Thickness of the canvas, from the recovered motion", columns, rows)])
+
+
+def blend_study(cam: DiscCam, blend: float) -> Study:
+    """Undercut, peak acceleration and share of the canvas against the reversal blend, rad; gaps where no cam exists."""
+    swing = float(np.ptp(cam.program(np.array([0.0, math.pi]))))
+    degrees = sorted({*_BLENDS, round(math.degrees(blend), 9)})
+    table = np.full((4, len(degrees)), math.nan)
+    for k, each in enumerate(np.radians(degrees)):
+        try:
+            found = blend_choice(swing, cam.follower, [float(each)])
+        except DesignError:
+            continue
+        table[:, k] = [np.degrees(found.undercut[0]), found.acceleration[0], found.share_round[0], found.share_flat[0]]
+    x = np.array(degrees)
+    undercut, acceleration, share_round, share_flat = table
+    finite = np.where(np.isfinite(acceleration), acceleration, math.nan)
+    label, here = "reversal_blend_deg", [("this spec", math.degrees(blend))]
+    shares = [("round collector", x, 100 * share_round), ("flat collector", x, 100 * share_flat)]
+    columns = ("blend, deg", "undercut, deg", "peak acceleration, 1/rad", "round, % of width", "flat, % of width")
+    rows = [tuple(map(float, row)) for row in zip(x, undercut, acceleration, 100 * share_round, 100 * share_flat, strict=True)]
+    return Study(
+        plots=[
+            Plot("Undercut against the blend", label, "deg", [("undercut", x, undercut)], here),
+            Plot("Peak acceleration against the blend", label, "1/rad", [("d2s/dtheta2", x, finite)], here),
+            Plot(f"Canvas within {BAND:.0%} against the blend", label, "% of the width", shares, here),
+        ],
+        tables=[Table("Choice of the reversal blend", columns, rows)],
+    )
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Forces of a loaded follower at even cam angles: theta (n,) rad, effort (n,) N m, contact, kick (N m s) at reversals."""
+
+    theta: Floats
+    lift: Floats
+    effort: Floats
+    contact: Contact
+    kick: float
+
+
+def forces(cam: DiscCam, load: Load, speed: float, friction: float, pair: bool) -> Forces:
+    """Contact over the turn at a cam speed in rad/s; nan where the tip rides on the corner of an undercut."""
+    theta = np.linspace(0, 2 * math.pi, _SAMPLES)
+    lift = lift_of(cam.program, theta)
+    effort = load.effort(lift, speed)
+    follow = np.array([not cam.riding(angle) for angle in theta])
+    contact = (pair_contact if pair else arm_contact)(cam, theta, effort, friction, -1 if speed < 0 else 1)
+    force, torque = (np.where(follow, values, math.nan) for values in (contact.force, contact.torque))
+    kick = float(np.max(np.abs(kicks(cam.program, load.inertia, speed)), initial=0.0))
+    return Forces(theta, lift, effort, Contact(force, torque), kick)
+
+
+def force_study(found: Forces, load: Load, speed: float, lever: float | None) -> Study:
+    """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
+    degrees = np.degrees(found.theta)
+    force, torque = found.contact.force, found.contact.torque
+    numbers = {
+        "inertia_kg_m2": load.inertia,
+        "peak_contact_force_n": float(np.nanmax(force)),
+        "peak_torque_n_m": float(np.nanmax(np.abs(torque))),
+    }
+    notes = []
+    if found.kick:
+        numbers["reversal_kick_n_m_s"] = found.kick
+        notes.append(
+            f"A sharp reversal gives the follower a kick of {found.kick:.3g} N m s; the curves of force and torque leave it "
+            "out. A reversal_blend_deg spreads it."
+        )
+    if lever is not None:
+        preload, rate = _spring_needed(found, load, speed)
+        numbers |= {
+            "spring_preload_needed_n_m": preload, "spring_rate_needed_n_m_per_rad": rate,
+            "spring_force_needed_n": preload / lever * 1e3, "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
+        }  # fmt: skip
+        ways = [f"pulls with {preload / lever * 1e3:.3g} N where the tip is nearest to the shaft (spring.preload)"]
+        if math.isfinite(rate):
+            ways.append(f"has a rate of {rate / lever**2 * 1e3:.3g} N/mm (spring.rate)")
+        notes.append(
+            _NO_SPRING if math.isinf(preload) else
+            f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
+        )  # fmt: skip
+    label = "cam angle, deg"
+    plots = [
+        Plot("Contact force", label, "N", [("tip on cam", degrees, _drawn(force))]),
+        Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, _drawn(torque))]),
+    ]
+    return Study(numbers, plots if np.any(found.effort) else (), notes=notes)
+
+
+def _drawn(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), values, math.nan)
+
+
+def keeps_contact(found: Forces, load: Load, speed: float) -> Finding:
+    """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
+    force = np.where(np.isnan(found.contact.force), math.inf, found.contact.force)
+    preload, rate = _spring_needed(found, load, speed)
+    stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""
+    remedy = f"a spring.preload of {preload:.4g} N m{stiffer} keeps it; less inertia or a longer reversal_blend_deg lowers that"
+    if found.kick:
+        force[len(force) // 2] = -math.inf
+        remedy = _NO_SPRING
+    return lift_off(force, found.theta, remedy)
+
+
+def _spring_needed(found: Forces, load: Load, speed: float) -> tuple[float, float]:
+    """Least preload, N m, or else rate, N m/rad, of a spring that keeps contact; inf where none does."""
+    if found.kick:
+        return math.inf, math.inf
+    return load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)

@@ -1,0 +1,128 @@
+"""Tables of the spec that describe the machine round a uniform-swing cam: base, frame, collet, nozzle, spring; their faults."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from camgen.parts.catalogue import BEARINGS, DOWELS, MOTOR_FACES, Bearing, MotorFace, flange
+from camgen.spec import Length, Record
+
+Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
+Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
+
+
+class BaseTable(Record):
+    """The base plate; boss, screw_circle, screws and screw describe the motor "flange"; mount: screws that hold the base."""
+
+    motor: Literal["nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "flange"] = "nema-17"
+    boss: Length = 22.0
+    screw_circle: Length = 44.0
+    screws: Annotated[int, Field(ge=2, le=12)] = 4
+    screw: Thread = "M3"
+    thickness: Length = 4.0
+    wall: Length = 3.0
+    window: bool = True
+    slot_room: Annotated[float, Field(ge=0, le=100)] = 1.0
+    mount: Thread | Literal["none"] = "M3"
+    gap: Length = 0.6
+
+    @property
+    def face(self) -> MotorFace:
+        """The motor that it carries."""
+        if self.motor == "flange":
+            return flange(self.boss, self.screw_circle, self.screws, self.screw)
+        return MOTOR_FACES[self.motor]
+
+
+class FrameTable(Record):
+    """The follower's plates and the two axles that they are pressed on; tip: "plate", "pin" or a bearing by its name."""
+
+    tip: Tip = "plate"
+    arm: Length = 10.0
+    wall: Length = 3.0
+    axle: Length = 6.0
+    axle_flange: Length = 12.0
+    flange_thickness: Length = 2.0
+    slide_at: Length = 24.0
+    gap: Length = 1.0
+
+    @property
+    def bearing(self) -> Bearing | None:
+        """The bearing that is the tip, if one is."""
+        return BEARINGS.get(self.tip)
+
+    def seat(self, tip_radius: float) -> float:
+        """Diameter of the dowel pin that is pressed into the plate at the tip, mm; 0 where the plate itself is the tip."""
+        if self.bearing:
+            return float(self.bearing.bore)
+        return 2 * tip_radius if self.tip == "pin" else 0.0
+
+    def boss(self, seat: float, press: float, min_wall: float) -> float:
+        """Radius of the plate round a tip's pin of the diameter `seat`, mm."""
+        return (seat + press) / 2 + 2 * min_wall
+
+
+class ColletTable(Record):
+    """Collet and clamp ring on a plain shaft."""
+
+    wall: Length = 2.4
+    length: Length = 6.0
+    flange: Length = 2.0
+    slits: Annotated[int, Field(ge=2, le=24)] = 4
+    slit: Length = 1.0
+
+
+class NozzleTable(Record):
+    """What the frames carry: two screws across the tail, and the load's inertia about the pivot (0: the frames' alone)."""
+
+    screw: Thread = "M3"
+    spacing: Length = 20.0
+    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    friction: Annotated[float, Field(ge=0, le=1)] = 0.25
+
+
+class SpringTable(Record):
+    """The spring of force closure, as it acts on the frame: N m per rad, and N m where the tip is nearest to the shaft.
+
+    lever: from the pivot to a straight spring that pulls square to it; what it has to be is stated for that.
+    """
+
+    rate: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    preload: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    lever: Length = 24.0
+
+
+def machine_faults(
+    tip_radius: float, slide: float, press: float, pin: float, min_wall: float, nozzle: float, joined: bool, base: BaseTable,
+    frame: FrameTable, collet: ColletTable,
+) -> Sequence[tuple[bool, str, float, str]]:
+    """Checks between keys of the machine: (holds, path, value, what would be right); joined: pins must join its cams."""
+    rollers = [d / 2 for d in DOWELS] if frame.tip == "pin" else [b.outside / 2 for b in (frame.bearing,) if b]
+    thin = {
+        "parts.pin_diameter": pin or min_wall, "frame.arm": frame.arm, "frame.axle": frame.axle,
+        "frame.flange_thickness": frame.flange_thickness, "collet.flange": collet.flange,
+    }  # fmt: skip
+    return (
+        *((size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm") for path, size in thin.items()),
+        (pin > 0 or not joined, "parts.pin_diameter", pin, "more than 0: pins join the two cams on a plain shaft"),
+        (collet.slit >= nozzle, "collet.slit", collet.slit, f"at least the nozzle, {nozzle:g} mm, or it closes in print"),
+        (
+            frame.tip == "plate" or tip_radius in rollers,
+            "geometry.tip_radius", tip_radius,
+            f"that of frame.tip = \"{frame.tip}\": {', '.join(f'{radius:g}' for radius in rollers)} mm",
+        ),
+        (slide > 0, "print.slide_clearance", slide, "more than 0: the cams and frames of a machine turn past each other"),
+        (base.gap > slide, "base.gap", base.gap, f"more than print.slide_clearance, {slide:g} mm"),
+        (press < pin or not pin, "print.press_clearance", press, f"less than parts.pin_diameter, {pin:g} mm"),
+        (
+            frame.axle_flange > frame.axle + slide,
+            "frame.axle_flange", frame.axle_flange, f"more than the axle and its clearance, {frame.axle + slide:g} mm",
+        ),
+        (
+            base.motor != "flange" or base.screw_circle > base.boss,
+            "base.screw_circle", base.screw_circle, f"more than base.boss, {base.boss:g} mm",
+        ),
+    )  # fmt: skip

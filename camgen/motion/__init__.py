@@ -1,0 +1,1 @@
+"""Laws of motion, programs of a turn, and the search for them."""

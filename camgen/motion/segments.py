@@ -1,0 +1,293 @@
+"""The `[[segment]]` tables of a spec: from kind, span, lift and law to a program, or to the list of what is wrong.
+
+    [[segment]]
+    kind = "rise"                                          # "rise", "dwell" or "return"
+    span_deg = 90
+    lift = 10                                              # or to = 10: the displacement at the end
+    law = "modified-sine"                                  # a name of LAWS, or "matched" (joins its neighbours in v and a)
+    law = { name = "modified-sine", constant_velocity = 0.2 }
+    law = { name = "fourier", sines = [6.283185307179586] }
+    law = { name = "polynomial", conditions = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 0]] }    # u, order, value
+    law = { name = "table", file = "rise.csv" }            # angle and displacement in any unit, from the first row to the last
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+from camgen.errors import Fault, FileError, SpecError
+from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
+from camgen.motion.program import Program, Segment, matched
+from camgen.spec import Data, Length, Record, read_bytes, unknown
+from camgen.tolerances import LAW_CLOSES
+
+MATCHED = "matched"
+# Laws with parameters: their keys, and what they are.
+FAMILIES = {
+    "modified-sine": ("constant_velocity",),
+    "fourier": ("sines", "cosines"),
+    "polynomial": ("conditions",),
+    "table": ("points", "file", "source", "rest"),
+}
+ABOUT = {
+    "modified-sine": "a share 0 to 1 of the span at constant velocity in its middle",
+    "fourier": "acceleration: sines of 2 pi u, 4 pi u, ..., cosines of pi u, 3 pi u, ...",
+    "polynomial": "conditions [u, order, value], as many as coefficients; from 0 at u = 0 to 1 at u = 1",
+    "table": "C2 spline through points [angle, displacement], or through a file's; rest = false: not from rest to rest",
+    MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
+}
+NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
+_MOST_BYTES = 50_000_000  # of a table of points
+_NEEDED = {"fourier": ("sines", "cosines"), "polynomial": ("conditions",), "table": ("points", "file")}  # one of them
+_FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
+
+Terms = Annotated[tuple[float, ...], Field(max_length=50)]
+Condition = tuple[Annotated[float, Field(ge=0, le=1)], Annotated[int, Field(ge=0, le=20)], float]  # u, order, value
+
+
+class LawChoice(Record):
+    """A law with its parameters."""
+
+    name: str
+    constant_velocity: float | None = None
+    sines: Terms | None = None
+    cosines: Terms | None = None
+    conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = None
+    points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = None
+    file: str | None = None
+    source: str | None = None
+    rest: bool | None = None
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The parameters that are given, by their keys."""
+        return {key: value for key, value in self if key != "name" and value is not None}
+
+
+# A law's bare name stands for the table with that name alone.
+NamedLaw = Annotated[
+    LawChoice,
+    BeforeValidator(lambda law: {"name": law} if isinstance(law, str) else law, json_schema_input_type=str | LawChoice),
+]
+
+
+class SegmentTable(Record):
+    """One segment of a program as a spec gives it; `lift` is how far it rises or returns, `to` where it ends."""
+
+    kind: Literal["rise", "dwell", "return"]
+    span_deg: Annotated[float, Field(ge=1e-3, le=360)]
+    lift: Length | None = None
+    to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
+    law: NamedLaw | None = None
+
+
+def law_of(choice: str | LawChoice) -> Law:
+    """The law that a spec names; SpecError with paths below the law's where there is none."""
+    chosen = LawChoice(name=choice) if isinstance(choice, str) else choice
+    name, given = chosen.name, chosen.parameters
+    if name not in LAWS and name not in FAMILIES:
+        raise SpecError([unknown("name" if given else "", name, NAMES)])
+    allowed = FAMILIES.get(name, ())
+    takes = f"nothing here: '{name}' takes {', '.join(allowed) or 'no parameters'}"
+    faults = [Fault(key, "", takes) for key in given if key not in allowed]
+    needed = _NEEDED.get(name)
+    if needed and not any(key in given for key in needed):
+        faults.append(Fault(needed[0], "", f"missing: '{name}' needs {' or '.join(needed)}"))
+    if "points" in given and "file" in given:
+        faults.append(Fault("file", given["file"], "either points or a file"))
+    if faults:
+        raise SpecError(faults)
+    if name == "table":
+        points = given["points"] if "points" in given else read_points(Path(given["file"]))
+        return tabulated(points, given.get("source") or given.get("file") or "points of the spec", given.get("rest", True))
+    if name == "fourier":
+        return fourier(given.get("sines", ()), given.get("cosines", ()))
+    if name == "polynomial":
+        return polynomial_law(given["conditions"])
+    return modified_sine(**given) if given else LAWS[name]
+
+
+def program(tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segment") -> Program:
+    """The program of these tables, the first segment beginning at theta = 0 with s = 0; SpecError with every fault.
+
+    unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings.
+    """
+    faults: list[Fault] = []
+    levels = _levels(tables, path, faults)
+    laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
+    total = math.fsum(table.span_deg for table in tables)
+    if not abs(total - 360) <= _FULL_TURN_SLACK:
+        much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
+        faults.append(Fault(path, f"the spans make {total:.12g} deg", f"span_deg of all segments that make 360 ({much})"))
+    rounding = 1e-12 * float(np.nanmax(np.abs(levels)))
+    if tables and abs(levels[-1]) > rounding:
+        last = f"{path}.{len(tables) - 1}"
+        faults.append(Fault(last, f"ends at {levels[-1]:.12g}", "a last segment that ends at 0, where the first begins"))
+    if faults:
+        raise SpecError(faults)
+    levels[-1] = 0.0
+    made = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
+    faults = [fault for k, segment in enumerate(made.segments) if (fault := backwards(segment, f"{path}.{k}.law"))]
+    if faults:
+        raise SpecError(faults)
+    return made
+
+
+def program_faults(tables: Sequence[SegmentTable], path: str = "segment") -> Sequence[Fault]:
+    """What is wrong with these tables together; for a mechanism's `faults`."""
+    try:
+        program(tables, path=path)
+    except SpecError as error:
+        return error.faults
+    return ()
+
+
+def _levels(tables: Sequence[SegmentTable], path: str, faults: list[Fault]) -> list[float]:
+    """Displacement at each joint, from 0; nan where a fault leaves it open. Adds the faults of lift and to."""
+    levels = [0.0]
+    for k, table in enumerate(tables):
+        here, at, to = levels[-1], f"{path}.{k}", table.to
+        sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
+        end = math.nan if to is None else to
+        if sign == 0:
+            faults += [Fault(f"{at}.{key}", "", "nothing here: a dwell stays where it is") for key in ("lift", "law")
+                       if getattr(table, key) is not None]  # fmt: skip
+            if to is not None and abs(to - here) > 0:
+                faults.append(Fault(f"{at}.to", f"{to:g}", f"{here:g}, where the segment before ends, or leave it out"))
+            end = here
+        elif (table.lift is None) == (to is None):
+            faults.append(Fault(f"{at}.lift", "" if table.lift is None else f"{table.lift:g}", "either lift or to"))
+        elif table.lift is not None:
+            end = here + sign * table.lift
+        elif sign * (end - here) <= 0:
+            faults.append(Fault(f"{at}.to", f"{to:g}", f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins"))
+            end = math.nan
+        levels.append(end)
+    return levels
+
+
+def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
+    """The segment's law; None for a matched one, and where there is a fault. A dwell's is any, of lift 0."""
+    if table.kind == "dwell":
+        return UNIFORM
+    if table.law is None:
+        faults.append(Fault(path, "", f"missing: one of {', '.join(NAMES)}"))
+        return None
+    if table.law.name == MATCHED:
+        faults += [Fault(f"{path}.{key}", "", f"nothing here: '{MATCHED}' takes no parameters") for key in table.law.parameters]
+        return None
+    try:
+        law = law_of(table.law)
+    except SpecError as error:
+        faults += [Fault(f"{path}.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        return None
+    wrong = turning_rows(table.law)
+    faults += [Fault(f"{path}.{fault.path}", fault.value, fault.expected) for fault in wrong]
+    return None if wrong else law
+
+
+def turning_rows(choice: LawChoice) -> list[Fault]:
+    """The rows of a law's table at which it turns back; paths below the law's."""
+    s = np.array([row[1] for row in choice.points or ()])
+    wrong = np.flatnonzero(np.diff(s) * (s[-1:] - s[:1]) < 0) + 1
+    way = "rises" if len(s) and s[-1] > s[0] else "falls"
+    return [Fault(f"points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}") for k in wrong]
+
+
+def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Sequence[Law | None]) -> list[Segment]:
+    """The segments; those without a law are matched to their neighbours."""
+    spans = [math.radians(table.span_deg) for table in tables]
+    made = [None if law is None else Segment(table.kind, span, begin, end - begin, law)
+            for table, law, span, begin, end in zip(tables, laws, spans, levels, levels[1:], strict=False)]  # fmt: skip
+    n = len(made)
+    if not any(made):
+        return matched(spans, levels)
+    first = next(k for k, segment in enumerate(made) if segment is not None)
+    order = [(first + k) % n for k in range(n)]  # begins with a segment that has a law, so no run crosses the end
+    for free, run in groupby(order, key=lambda k: made[k] is None):
+        if not free:
+            continue
+        ks = list(run)
+        before, after = made[ks[0] - 1], made[(ks[-1] + 1) % n]
+        assert before is not None and after is not None
+        start = float(before.at(before.span, 1)), float(before.at(before.span, 2))
+        end = float(after.at(0.0, 1)), float(after.at(0.0, 2))
+        found = matched([spans[k] for k in ks], [*(levels[k] for k in ks), levels[ks[-1] + 1]], start, end)
+        for k, segment in zip(ks, found, strict=True):
+            made[k] = segment
+    return [segment for segment in made if segment is not None]
+
+
+def backwards(segment: Segment, path: str) -> Fault | None:
+    """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
+    if segment.kind == "dwell":
+        return None
+    u = np.union1d(np.linspace(0, 1, 2001), segment.law.breaks)
+    speed = segment.law(u, 1) * math.copysign(1, segment.scale) * (1 if segment.kind == "rise" else -1)
+    wrong = u[speed < -LAW_CLOSES * max(1.0, segment.law.c_v)]
+    if not len(wrong):
+        return None
+    where = f"{wrong[0]:.3g} to {wrong[-1]:.3g} of its span"
+    return Fault(path, f"'{segment.law.name}' runs backwards within {where}", f"a law that only goes one way in a {segment.kind}")
+
+
+# ---- tables from files -----------------------------------------------------------------------------------------------
+
+
+def read_points(path: Path) -> tuple[tuple[float, float], ...]:
+    """Angle and displacement from the first two columns of a text file; rows before the first number are headings.
+
+    Columns part at commas, semicolons, tabs or spaces; with semicolons or tabs a comma in a number is its decimal point.
+    Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
+    """
+    try:
+        text = read_bytes(path, _MOST_BYTES, "a table of angle and displacement").decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(path, "is not text: a table of angle and displacement was expected") from None
+    points: list[tuple[float, float]] = []
+    faults = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        if ";" in line or "\t" in line:
+            cells = re.split(r"[;\t]", line.replace(",", "."))
+        else:
+            cells = re.split(r"\s*,\s*|\s+", line.strip())
+        try:
+            x, y = float(cells[0]), float(cells[1])
+            if not math.isfinite(x + y):
+                raise ValueError
+            points.append((x, y))
+        except (ValueError, IndexError):
+            if points:
+                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], "two numbers: angle and displacement"))
+    if faults or not points:
+        nothing = Fault(path.name, f"{len(text)} characters", "rows of two numbers: angle and displacement")
+        raise SpecError(faults or [nothing], str(path))
+    return tuple(points)
+
+
+def with_tables(data: Data, folder: Path) -> Data:
+    """Copy of a spec's tables in which each law's `file`, seen from the folder, is replaced by its points and its name.
+
+    So the resolved spec needs no other file. Laws are those of [[segment]] and of [geometry]; what is no such table is left
+    for `validate` to find.
+    """
+    data = copy.deepcopy(data)
+    segments: Any = data.get("segment")
+    for table in (data.get("geometry"), *(segments if isinstance(segments, list) else ())):
+        law = table.get("law") if isinstance(table, dict) else None
+        if isinstance(law, dict) and isinstance(law.get("file"), str) and "points" not in law:
+            name = law.pop("file")
+            law["points"] = [list(point) for point in read_points(folder / name)]
+            law.setdefault("source", name)
+    return data

@@ -1,0 +1,1 @@
+"""Bodies to make: stacks of layers, machine parts, fits, what is bought."""

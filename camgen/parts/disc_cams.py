@@ -1,0 +1,147 @@
+"""The bodies of disc cams: one cam, a pair, or the three plates of a groove cam; the bore that all of them share."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault
+from camgen.geometry.distances import point_to_ring, thinnest_wall
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Points, Region, circle
+from camgen.parts.part import Layer, Part, d_bore, keyed_bore
+from camgen.spec import Length, Record
+
+Thickness = Annotated[float, Field(ge=0.1, le=1000)]
+
+_LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+
+
+class ShaftHole(Record):
+    """A cam's bore, and what keeps it from turning on its shaft."""
+
+    thickness: Thickness = 6.0
+    bore: Length = 8.0
+    shaft: Literal["plain", "keyway", "d-flat"] = "plain"
+    key_width: Length = 2.0
+    key_depth: Length = 1.0
+    flat_depth: Length = 0.5
+
+    def misfits(self) -> list[Fault]:
+        """Keys or flats that are no match for the bore."""
+        expected = f"less than the bore, {self.bore:g} mm"
+        found = []
+        if self.shaft == "d-flat" and self.flat_depth >= self.bore:
+            found.append(Fault("parts.flat_depth", f"{self.flat_depth:g}", expected))
+        if self.shaft == "keyway" and self.key_width >= self.bore:
+            found.append(Fault("parts.key_width", f"{self.key_width:g}", expected))
+        return found
+
+    def hole(self) -> tuple[Contour, float]:
+        """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
+        if self.shaft == "keyway":
+            reach = math.hypot(self.key_width / 2, self.bore / 2 + self.key_depth)
+            return keyed_bore(self.bore, self.key_width, self.key_depth), reach
+        if self.shaft == "d-flat":
+            return d_bore(self.bore, self.flat_depth), self.bore / 2
+        return circle(0j, self.bore / 2), self.bore / 2
+
+    def notes(self) -> tuple[str, ...]:
+        """What the drawing says of the hole beside the numbers."""
+        bore = f"hole A: bore {self.bore:g}"
+        if self.shaft == "keyway":
+            return (f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore",)
+        if self.shaft == "d-flat":
+            return (f"{bore}, flat on +Y {self.flat_depth:g} below its top",)
+        return ()
+
+
+class Parts(ShaftHole):
+    """The cam as a body; pins, rim and back belong to a groove."""
+
+    hub_diameter: Length = 16.0
+    hub_height: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    pin_diameter: Length = 3.0
+    rim: Length = 8.0
+    back: Thickness = 3.0
+
+
+def turning_note(sense: int) -> str:
+    """What the drawing of a cam says of its turning; sense: -1 clockwise."""
+    return f"drawn at cam angle 0, turns {'counter-clockwise' if sense > 0 else 'clockwise'}"
+
+
+def holes_in(
+    made: ShaftHole, name: str, outline: Contour, more: Callable[[Points, float], Sequence[Contour]], hub: float = 0.0
+) -> tuple[Contour, ...]:
+    """A cam's holes: its bore, and more(facets of its outline, reach of the bore).
+
+    DesignError where bore, hub (its diameter, mm) or the others find no room.
+    """
+    bore, reach = made.hole()
+    rim = facet_contour(outline, _LAYOUT)
+    room, widest = float(np.min(point_to_ring(np.zeros(1, complex), rim))), max(reach, hub / 2)
+    if widest >= room:
+        raise DesignError(
+            "parts.hub_diameter" if widest > reach else "parts.bore", 2 * widest, 2 * room, "mm", f"the nearest side of {name}",
+            "it leaves the cam: use a smaller one, or a larger base_radius",
+        )  # fmt: skip
+    holes = (bore, *more(rim, reach))
+    thinnest = thinnest_wall(rim, [facet_contour(hole, _LAYOUT) for hole in holes])
+    if not thinnest > 0:
+        raise DesignError(
+            "wall", thinnest, 0.0, "mm", f"between the holes and the edge of {name}",
+            "holes meet or leave the cam: use a smaller bore, key or pin_diameter, or a larger base_radius",
+        )  # fmt: skip
+    return holes
+
+
+def disc_parts(
+    made: Parts, outlines: Sequence[Contour], wall: Contour | None, groove: tuple[float, float], min_wall: float
+) -> tuple[Part, ...]:
+    """Parts of these cam outlines; with a groove's outer wall: inner cam, outer ring and back plate.
+
+    groove: its width and its roller's diameter, mm. DesignError where bore, hub or pins find no room.
+    """
+    if wall is not None:
+        return _plates(made, outlines[0], wall, groove, min_wall)
+    names = [("cam", "Disc cam")] if len(outlines) == 1 else [("cam-1", "Disc cam, outward"), ("cam-2", "Disc cam, back")]
+    return tuple(_cam(made, *name, outline, [], min_wall) for name, outline in zip(names, outlines, strict=True))
+
+
+def _cam(made: Parts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float) -> Part:
+    hub = made.hub_diameter if made.hub_height else 0.0
+    holes = holes_in(made, name, outline, lambda rim, reach: pins, hub)
+    layers = [Layer(Region(outline, holes), 0.0, made.thickness)]
+    if made.hub_height:
+        layers.append(Layer(Region(circle(0j, hub / 2), holes[:1]), made.thickness, made.thickness + made.hub_height))
+    centres = (0j, *(pin.centroid for pin in pins))
+    return Part(name, title, tuple(layers), 1, (), centres, made.notes(), made.bore, min_wall)
+
+
+def _plates(made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float) -> tuple[Part, ...]:
+    """Inner cam and outer ring, pinned to a back plate."""
+    bore, reach = made.hole()
+    radius = float(np.max(np.abs(facet_contour(wall, _LAYOUT)))) + made.rim
+    beside = reach + min_wall + made.pin_diameter
+    inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]
+    corners = [cmath.rect(radius - made.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
+    outer = [circle(corner, made.pin_diameter / 2) for corner in corners]
+    notes = (*made.notes(), f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}")
+
+    def plate(name: str, title: str, holes: Sequence[Contour], height: float, bore: float | None) -> Part:
+        layer = Layer(Region(circle(0j, radius), tuple(holes)), 0.0, height)
+        pins = [pin.centroid for pin in (*inner, *outer) if pin in holes]
+        said = notes if bore is None else made.notes()
+        return Part(name, title, (layer,), 1, (), (0j, *pins), said, bore, min_wall)
+
+    return (
+        _cam(made, "inner", "Groove cam, inner wall", outline, inner, min_wall),
+        plate("outer", "Groove cam, outer wall", (wall, *outer), made.thickness, None),
+        plate("back", "Groove cam, back plate", (bore, *inner, *outer), made.back, made.bore),
+    )

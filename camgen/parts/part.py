@@ -1,0 +1,224 @@
+"""Parts: stacks of extruded regions, and the shapes that machine parts are made of."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgen.geometry.crossing import Edge, spread, volume
+from camgen.geometry.outlines import Arc, Contour, Line, Points, Region, circle, kidney, polygon
+from camgen.tolerances import SAME_POINT
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A region extruded from height z0 to z1, mm."""
+
+    region: Region
+    z0: float
+    z1: float
+
+    @property
+    def volume(self) -> float:
+        """Exact volume, mm^3."""
+        return self.region.area * (self.z1 - self.z0)
+
+
+@dataclass(frozen=True)
+class Part:
+    """One distinct part: `layers` of material, `engraved` layers taken away, and how many are needed.
+
+    Frame: the part's own datum at the origin, z from 0 up. `centres` are the points that get a centre mark (complex, mm);
+    `title` and `notes` are for people. bore: diameter of the hole on whose centre the part turns, None if it has none;
+    min_wall: the thinnest wall that its designer accepts, mm; cut: the layer that a laser cuts and the drawing shows, which
+    is the one with the joints. Layers of one height are separate pieces with the same z0 and z1.
+    crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material;
+    edges: of a crossed part, those that are rounded, none meeting another one's arc. made: how, for the list of parts.
+    """
+
+    name: str
+    title: str
+    layers: tuple[Layer, ...]
+    count: int = 1
+    engraved: tuple[Layer, ...] = ()
+    centres: tuple[complex, ...] = ()
+    notes: tuple[str, ...] = ()
+    bore: float | None = None
+    min_wall: float = 0.0
+    cut: int = 0
+    crossed: Region | None = None
+    edges: tuple[Edge, ...] = ()
+    made: str = "printed"
+
+    @property
+    def thickness(self) -> float:
+        """Height of the part, mm."""
+        return max(layer.z1 for layer in self.layers)
+
+    @property
+    def region(self) -> Region:
+        """The region that a laser cuts."""
+        return self.layers[self.cut].region
+
+    @property
+    def volume(self) -> float:
+        """Exact volume, mm^3, of layers that do not overlap less the engraving."""
+        if self.crossed is not None:
+            whole = sum(volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers)
+            return whole - sum(edge.volume for edge in self.edges)
+        return sum(layer.volume for layer in self.layers) - sum(layer.volume for layer in self.engraved)
+
+    @property
+    def walls(self) -> float:
+        """Area of the upright walls, mm^2, or more: facets within a tolerance cost at most so much volume per mm of it."""
+        found = sum(layer.region.length * (layer.z1 - layer.z0) for layer in self.layers)
+        if self.crossed is not None:
+            low, high = zip(*(spread(layer.region) for layer in self.layers), strict=True)
+            found += self.crossed.length * (max(high) - min(low))
+        return found
+
+
+def d_bore(diameter: float, flat_depth: float) -> Contour:
+    """Bore for a shaft with a flat: a circle about the origin whose top is cut off flat_depth below it, mm."""
+    radius = diameter / 2
+    height = radius - flat_depth
+    lean = math.asin(height / radius)
+    round_part = Arc(0j, radius, math.pi - lean, math.pi + 2 * lean)
+    half = radius * math.cos(lean)
+    return Contour((round_part, Line(complex(half, height), complex(-half, height))))
+
+
+def keyed_bore(diameter: float, key_width: float, key_depth: float) -> Contour:
+    """Bore with a keyway at its top: key_depth is the keyway's floor above the circle's top, mm (the hub's t2)."""
+    radius, half = diameter / 2, key_width / 2
+    lean = math.acos(half / radius)
+    foot, top = radius * math.sin(lean), radius + key_depth
+    return Contour(
+        (
+            Arc(0j, radius, math.pi - lean, math.pi + 2 * lean),
+            Line(complex(half, foot), complex(half, top)),
+            Line(complex(half, top), complex(-half, top)),
+            Line(complex(-half, top), complex(-half, foot)),
+        )
+    )
+
+
+def arrowhead(centre: complex, size: float, direction: complex) -> Contour:
+    """Triangle of circumscribed radius `size` pointing along `direction` (unit complex)."""
+    return polygon([centre + size * direction * cmath.exp(2j * math.pi * k / 3) for k in range(3)])
+
+
+def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequence[tuple[complex, float]] = ()) -> list[Contour]:
+    """Up to `count` lightening windows (arc slots about the origin) that keep `wall` to everything around them.
+
+    rim: (n,) complex polygon of the part's edge; hub: radius about the origin to keep clear (wall not yet added);
+    obstacles: (centre, radius) discs to keep clear, such as pin holes. Each window is the set of points within a
+    half width of an arc, so its wall is the distance of the obstacles from that arc less the half width: exact.
+    A window that would be narrower than the wall is left out.
+    """
+    found: list[Contour] = []
+    if count == 0:
+        return found
+    first = cmath.phase(complex(rim[np.argmax(np.abs(rim))]))
+    sector = math.pi / count
+    radii = np.linspace(hub + wall, float(np.max(np.abs(rim))), 48)[:, None, None]
+    spreads = np.linspace(0, sector, 24)[None, :, None]
+    # an edge of the rim comes nearer than its ends by at most this, since both are at least a wall away
+    slack = float(np.max(np.abs(np.diff(rim, append=rim[:1])))) ** 2 / (8 * wall)
+
+    # distance of a window's end from the line half way to its neighbour, or to its own other end
+    beside = np.minimum(sector - spreads, math.pi / 2)
+    rib = (radii * np.sin(beside))[:, :, 0]
+
+    def clearance(points: Points, direction: float) -> np.ndarray:
+        local = points * cmath.exp(-1j * direction)
+        along = np.clip(np.angle(local), -spreads, spreads)
+        return np.asarray(np.abs(local - radii * np.exp(1j * along)))
+
+    for k in range(count):
+        direction = first + 2 * sector * k
+        half = np.min(clearance(rim, direction), axis=2) - wall - slack
+        half = np.minimum(half, (radii - hub - wall)[:, :, 0])
+        half = np.minimum(half, rib - wall / 2)
+        for centre, radius in obstacles:
+            half = np.minimum(half, clearance(np.array([centre]), direction)[:, :, 0] - radius - wall)
+        outside = radii[:, 0, 0] > np.min(
+            np.where(np.abs(np.angle(rim * cmath.exp(-1j * direction))) < sector, np.abs(rim), np.inf)
+        )
+        half[outside] = -1
+        area = np.where(half > wall / 2, 4 * half * (radii * spreads)[:, :, 0] + math.pi * half**2, -1)
+        i, j = np.unravel_index(int(np.argmax(area)), area.shape)
+        if area[i, j] < 0:
+            continue
+        radius, spread, width = float(radii[i, 0, 0]), float(spreads[0, j, 0]), float(half[i, j])
+        if spread == 0:
+            found.append(circle(cmath.rect(radius, direction), width))
+        else:
+            found.append(kidney(0j, radius, width, direction - spread, 2 * spread))
+    return found
+
+
+def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
+    """The band drawn tight round discs (centre, radius): a bar with two hubs, a bell crank; counter-clockwise.
+
+    Arcs of the discs and the outer tangents between them; a disc inside another, or inside the band, leaves no trace.
+    """
+    # Of discs that reach a tangent alike, the one farthest along it is next, then the largest: the rest touch on the way.
+    right = max(centre.real + radius for centre, radius in discs)
+    tied = [k for k, (centre, radius) in enumerate(discs) if centre.real + radius >= right - 1e-12 * abs(right)]
+    start = here = max(tied, key=lambda k: (round(discs[k][0].imag, 9), discs[k][1]))
+    angle = 0.0
+    pieces: list[Line | Arc] = []
+    while True:
+        centre, radius = discs[here]
+        leaving = [  # the angle at which another disc begins to reach as far
+            ((cmath.phase(other - centre) - math.acos((radius - r) / abs(other - centre)) - angle) % math.tau, k)
+            for k, (other, r) in enumerate(discs)
+            if abs(radius - r) + SAME_POINT < abs(other - centre)
+        ]
+        first = min((sweep for sweep, _ in leaving), default=math.tau)
+        sweep = min(first, math.tau - angle)
+        if sweep > 1e-12:
+            pieces.append(Arc(centre, radius, angle, sweep))
+        angle += sweep
+        round_once = angle >= math.tau - 1e-12
+        if round_once and here == start:
+            return Contour(tuple(pieces))
+        normal = cmath.exp(1j * angle)
+        tied = [start] if round_once else [k for sweep, k in leaving if sweep <= first + 1e-9]
+        along = {k: round(((discs[k][0] - centre) / (1j * normal)).real, 9) for k in tied}
+        here = max(tied, key=lambda k: (along[k], discs[k][1]))
+        other, r = discs[here]
+        pieces.append(Line(centre + radius * normal, other + r * normal))
+        if round_once:
+            return Contour(tuple(pieces))
+
+
+def rod(name: str, title: str, diameter: float, length: float, count: int = 1, notes: tuple[str, ...] = ()) -> Part:
+    """A round pin, upright on its end."""
+    return Part(name, title, (Layer(Region(circle(0j, diameter / 2)), 0.0, length),), count, (), (0j,), notes)
+
+
+def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndarray:
+    """Signed distance of points, (n,) complex, from the band `hull(discs)`, (n,) mm, negative inside.
+
+    The greatest distance from the band's tangents: exact off its straight edges; round a hub 240 are tried, short by at
+    most 1e-4 of the distance from its centre.
+    """
+    edges = [
+        cmath.phase(d) + side * math.acos((r - s) / abs(d))
+        for z, r in discs
+        for w, s in discs
+        for side in (1, -1)
+        if abs(d := w - z) > abs(r - s)
+    ]
+    normals = np.exp(1j * np.concatenate([np.arange(240) * (math.tau / 240), edges]))
+    reach = np.max([np.real(np.conj(normals) * centre) + radius for centre, radius in discs], axis=0)
+    best = np.full(points.shape, -np.inf)
+    for normal, far in zip(normals, reach, strict=True):
+        np.maximum(best, points.real * normal.real + points.imag * normal.imag - far, out=best)
+    return best

@@ -1,0 +1,310 @@
+"""From a part to a closed triangle mesh: facetted, extruded, stacked, and checked before anyone sees it.
+
+    ring    (n,) complex, mm, closed without repeating the first point; anticlockwise round material, clockwise round
+            a hole; every coordinate is a float32 number, so that the rounding of STL and 3MF changes nothing
+    prism   a region between two heights: two caps and a strip of wall per ring, walls exactly upright
+
+A prism keeps the rings' vertices as they are. Only a stack of layers passes through manifold3d's Boolean operations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.errors import DesignError
+from camgen.geometry.arcs import as_circle
+from camgen.geometry.facets import facet_circle, facet_contour
+from camgen.geometry.outlines import Contour, Floats, Points, Region
+from camgen.parts.part import Layer, Part
+from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
+
+Faces = NDArray[np.int64]
+
+# Earcut takes quadratic time. Rings of more points than _LONG are first cut into some _CHUNKS chunks, see _banded.
+_LONG, _CHUNKS = 8000, 1500
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A closed triangle mesh: vertices (n, 3) mm, unique; faces (m, 3) indices, anticlockwise seen from outside."""
+
+    vertices: Floats
+    faces: Faces
+
+    @property
+    def volume(self) -> float:
+        """Signed volume, mm^3; positive when the faces look outwards."""
+        a, b, c = np.moveaxis(self.vertices[self.faces], 1, 0)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+
+
+def solid(part: Part, tolerance: float) -> Mesh:
+    """The part as one closed body, in the part's frame; same part, same arrays.
+
+    tolerance: chord tolerance, mm. Outlines are inscribed; full circles round empty space (bores, pockets) are
+    circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
+    itself or another one, or where the layers do not make exactly one body.
+    """
+    layers = [_prism(layer, tolerance, part.name, pocket=False) for layer in part.layers]
+    pockets = [_prism(layer, tolerance, part.name, pocket=True) for layer in part.engraved]
+    if part.crossed is not None:
+        mesh = _cross(layers, part, tolerance)
+    elif len(layers) > 1 or pockets:
+        mesh = _combine(layers, pockets)
+    else:  # one body, since its rings bound one region
+        _check(layers[0], part.name)
+        return layers[0]
+    _check(mesh, part.name)
+    _check_bodies(mesh, part.name)
+    return mesh
+
+
+def rings(region: Region, tolerance: float, pocket: bool = False) -> list[Points]:
+    """Facetted rings of a region, outer first; `pocket`: the region is taken away instead of being material."""
+    outer = _ring(region.outer, tolerance, outside=pocket)
+    holes = [_ring(hole, tolerance, outside=not pocket)[::-1] for hole in region.holes]
+    return [outer, *holes]
+
+
+def _ring(contour: Contour, tolerance: float, outside: bool) -> Points:
+    """Anticlockwise float32-clean ring without repeated points or points in line with their neighbours."""
+    round_one = as_circle(contour) if outside else None
+    z = facet_circle(*round_one, tolerance, outside=True) if round_one else facet_contour(contour, tolerance)
+    z = z.astype(np.complex64).astype(np.complex128) + 0  # + 0 turns -0 into 0
+    while True:
+        z = np.asarray(z[z != np.roll(z, 1)])
+        before, after = z - np.roll(z, 1), np.roll(z, -1) - z
+        # Exact: differences of neighbours have under 27 bits, their products fit a float64.
+        idle = (np.conj(before) * after).imag == 0
+        idle &= ~np.roll(idle, 1)
+        if not idle.any() or len(z) <= 3:
+            break
+        z = z[~idle]
+    return z if _area(z) > 0 else z[::-1]
+
+
+def _area(z: Points) -> float:
+    """Signed area of a ring, mm^2."""
+    w = z - z[0]
+    return float(np.sum((np.conj(w) * np.roll(w, -1)).imag)) / 2
+
+
+def _prism(layer: Layer, tolerance: float, name: str, pocket: bool) -> Mesh:
+    """The layer's region between its two heights; raises DesignError where the rings cross."""
+    loops = rings(layer.region, tolerance, pocket)
+    _check_rings(loops, name)
+    z, cap = _triangles(loops)
+    n = len(z)
+    floor = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z0))])
+    ceiling = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z1))])
+
+    sizes = np.array([len(loop) for loop in loops])
+    here = np.arange(sizes.sum())
+    following = here + 1
+    following[np.cumsum(sizes) - 1] -= sizes
+    walls = [np.column_stack([here, following, following + n]), np.column_stack([here, following + n, here + n])]
+    return Mesh(np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls]))
+
+
+def _triangles(loops: Sequence[Points]) -> tuple[Points, Faces]:
+    """Triangles between the rings, anticlockwise, using every point.
+
+    Returns the rings' points end to end, followed by points inside where there are many, and (m, 3) indices into them.
+    """
+    import manifold3d
+
+    z = np.concatenate(loops)
+    wanted = sum(_area(loop) for loop in loops)
+    tries = (_banded, _earcut) if len(z) > _LONG else (_earcut,)
+    for attempt in tries:
+        points, faces = attempt(loops)
+        a, b, c = points[faces].T
+        doubled = (np.conj(b - a) * (c - a)).imag
+        # Earcut makes no promise: it drops points that come in line on the way. All turned one way, as many as there must
+        # be and of the right area, they lie side by side.
+        complete = len(faces) == len(z) + 2 * (len(points) - len(z)) + 2 * (len(loops) - 1) - 2 and np.all(doubled > 0)
+        if complete and abs(np.sum(doubled) / 2 - wanted) <= 1e-9 * wanted:
+            return points, faces
+    corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
+    return z, np.asarray(manifold3d.triangulate(corners), np.int64)
+
+
+def _earcut(loops: Sequence[Points]) -> tuple[Points, Faces]:
+    """Earcut's triangles, each turned anticlockwise."""
+    import mapbox_earcut
+
+    z = np.concatenate(loops)
+    ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
+    faces = mapbox_earcut.triangulate_float64(np.column_stack([z.real, z.imag]), ends).reshape(-1, 3).astype(np.int64)
+    a, b, c = z[faces].T
+    return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
+
+
+def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
+    """A fan on each chunk of a ring from a new point inside the material, and earcut's triangles between the fans.
+
+    The new points are float32 numbers. A chunk that its point does not wholly see, at a corner, stays as it is.
+    """
+    size = sum(len(loop) for loop in loops)
+    step = -(-size // _CHUNKS)
+    kept: list[Faces] = []
+    tips: list[Points] = []
+    fans: list[Faces] = []
+    begin, new = 0, size
+    for loop in loops:
+        n = len(loop)
+        chunk, start = np.arange(n) // step, np.arange(0, n, step)
+        following = np.roll(loop, -1)
+        stop = np.append(loop[start[1:]], loop[0])
+        tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(complex) + 0
+        seen = (np.conj(following - loop) * (tip[chunk] - loop)).imag > 0
+        good = np.logical_and.reduceat(seen, start)
+        number = new + np.cumsum(good) - 1
+        edge = np.flatnonzero(good[chunk])
+        fans.append(np.column_stack([begin + edge, begin + (edge + 1) % n, number[chunk[edge]]]))
+        stays = np.flatnonzero(~good[chunk] | (np.arange(n) % step == 0))
+        place = np.concatenate([stays, start[good] + 0.5])
+        kept.append(np.concatenate([begin + stays, number[good]])[np.argsort(place)])
+        tips.append(tip[good])
+        begin, new = begin + n, new + int(np.count_nonzero(good))
+    points = np.concatenate([*loops, *tips])
+    _, inner = _earcut([points[index] for index in kept])
+    return points, np.concatenate([*fans, np.concatenate(kept)[inner]])
+
+
+def _check_rings(loops: Sequence[Points], name: str) -> None:
+    """Raise DesignError, with the place, unless the rings bound one connected region."""
+    import shapely
+
+    outer, *holes = [np.column_stack([loop.real, loop.imag]) for loop in loops]
+    reason = shapely.is_valid_reason(shapely.Polygon(outer, holes)) if len(outer) > 2 else "No area"
+    if reason != "Valid Geometry":
+        place = reason.replace("[", " at (").replace("]", ") mm")
+        raise DesignError(f"outline faults of {name}", 1, 0, "", place, "outlines may not cross, touch or nest")
+
+
+def _manifold(mesh: Mesh) -> Any:
+    import manifold3d
+
+    return manifold3d.Manifold(manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64)))
+
+
+def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
+    """Union of the layers less the pockets; new vertices are brought back to float32 with walls upright."""
+    import manifold3d
+
+    body = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
+    if pockets:
+        body = manifold3d.Manifold.batch_boolean([body, *map(_manifold, pockets)], manifold3d.OpType.Subtract)
+    raw = body.to_mesh64()
+    vertices, faces = np.asarray(raw.vert_properties)[:, :3], np.asarray(raw.tri_verts).astype(np.int64)
+    levels = np.unique(np.concatenate([m.vertices[:, 2] for m in (*layers, *pockets)]))
+    height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
+    known = np.unique(np.concatenate([m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)]))
+    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known)
+
+    return _ordered(np.column_stack([plan.real, plan.imag, height]), faces)
+
+
+def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
+    """The stack as far as it lies in the part's other region extruded along y, its edges cut round; rounded to float32."""
+    import manifold3d
+
+    stack = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
+    reach = 1 + max(float(np.max(np.abs(m.vertices[:, 1]))) for m in layers)
+    assert part.crossed is not None
+    upright = _prism(Layer(part.crossed, -reach, reach), tolerance, part.name, pocket=False)
+    # (x, y, z) to (x, z, y) is a mirror image, so the faces turn round
+    across = Mesh(np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]), np.ascontiguousarray(upright.faces[:, ::-1]))
+    body = manifold3d.Manifold.batch_boolean([stack, _manifold(across)], manifold3d.OpType.Intersect)
+    cutters = [_manifold(_ordered(*edge.cutter(tolerance))) for edge in part.edges]
+    if cutters:
+        body = manifold3d.Manifold.batch_boolean([body, *cutters], manifold3d.OpType.Subtract)
+    if body.is_empty():
+        raise DesignError(f"volume of {part.name}", 0.0, 0.0, "mm^3", "", "its two outlines must meet")
+    raw = body.to_mesh64()
+    vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
+    faces = np.asarray(raw.tri_verts).astype(np.int64)
+    # Where cuts nearly meet, edges are a few float32 steps long: no two readers agree on the normal of a face with one.
+    here, there = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    step = MERGED_STEPS * FLOAT32_ROUNDING * float(np.abs(vertices).max())
+    for k in np.flatnonzero((here < there) & (np.abs(vertices[here] - vertices[there]).max(axis=1) <= step)):
+        vertices[there[k]] = vertices[here[k]]
+    mesh = _ordered(vertices, faces)
+    return _ordered(mesh.vertices, _split_flat(mesh))
+
+
+def _split_flat(mesh: Mesh) -> Faces:
+    """Faces without those that rounding has made flat: of each the middle corner splits the face across its longest side."""
+    faces = mesh.faces.copy()
+    for _ in range(len(faces)):
+        corners = mesh.vertices[faces]
+        crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        flat = np.flatnonzero(~crossed.any(axis=1))
+        if not len(flat):
+            break
+        k = int(flat[0])
+        lengths = np.linalg.norm(np.roll(corners[k], -1, axis=0) - corners[k], axis=1)
+        p, q, middle = np.roll(faces[k], -int(np.argmax(lengths)))
+        across = np.flatnonzero(np.any((faces == q) & (np.roll(faces, -1, axis=1) == p), axis=1))
+        if len(across) != 1:
+            break
+        far = next(v for v in faces[across[0]] if v not in (p, q))
+        faces[k], faces[across[0]] = (q, middle, far), (middle, p, far)
+    return faces
+
+
+def _ordered(vertices: Floats, faces: Faces) -> Mesh:
+    """A mesh without doubled vertices and the faces that they leave flat, in an order that does not depend on threads."""
+    vertices, index = np.unique(vertices, axis=0, return_inverse=True)
+    faces = index.reshape(-1)[faces]
+    faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]
+    first = np.argmin(faces, axis=1)
+    faces = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return Mesh(vertices, faces[np.lexsort(faces.T[::-1])])
+
+
+def _upright(plan: Points, known: Points) -> Points:
+    """Plan points (x + iy) as float32 numbers, those that differ by rounding alone made equal.
+
+    Points of the rings stay as they are; a crossing of two rings, computed once for each height, takes the first value.
+    """
+    new = np.flatnonzero(~np.isin(plan, known))
+    same = 4 * FLOAT32_ROUNDING * max(1.0, float(np.max(np.abs(plan))))
+    result = plan.copy()
+    settled: list[complex] = []
+    for k in new:
+        near = [z for z in settled if abs(z - plan[k]) <= same]
+        if not near:
+            closest = known[np.argmin(np.abs(known - plan[k]))]
+            near = [closest if abs(closest - plan[k]) <= same else complex(np.complex64(plan[k]))]
+            settled += near
+        result[k] = near[0]
+    return result + 0
+
+
+def _check(mesh: Mesh, name: str) -> None:
+    """Raise DesignError unless the mesh is closed, with volume, and its vertices are still distinct as float32."""
+    place = np.asarray(mesh.vertices, np.float32)
+    place = place[np.lexsort(place.T)]
+    same = int(np.count_nonzero(np.all(place[1:] == place[:-1], axis=1)))
+    if same:
+        raise DesignError(f"distinct vertices of {name}", len(place) - same, len(place), "", "float32")
+    a, b, size = mesh.faces, np.roll(mesh.faces, -1, axis=1), len(mesh.vertices)
+    there, back = np.sort((a * size + b).ravel()), np.sort((b * size + a).ravel())
+    # closed: every edge is run once each way
+    faults = int(np.count_nonzero(there != back)) + int(np.count_nonzero(there[1:] == there[:-1]))
+    if faults or not mesh.volume > 0:
+        raise DesignError(f"volume of {name}", mesh.volume, 0, "mm^3", f"{faults} faulty edges", "outlines must not touch")
+
+
+def _check_bodies(mesh: Mesh, name: str) -> None:
+    """Raise DesignError unless a closed mesh is one body."""
+    bodies = len(_manifold(mesh).decompose())
+    if bodies != 1:
+        raise DesignError(f"bodies of {name}", bodies, 1, "", "", "let the layers overlap")

@@ -1,0 +1,1 @@
+"""Who calls whom: build, check, motion from an outline; on several cores."""

@@ -1,0 +1,242 @@
+"""What a tolerance buys and what it costs: a mechanism made, read back and judged at a row of chord tolerances.
+
+    measured parts   those whose outlines set the motion, by the mechanism's contacts; of a linkage all of them
+    outline          the contour that the follower touches, or the outer one of a part of one layer; for parts that are two
+                     outlines crossed, which no drawing and no section shows whole, the flat templates stand in
+    least            vertices: integral of sqrt(|kappa| / (8 tolerance)) ds, and one a straight line;
+                     arcs: integral of (|kappa'| / (40.5 tolerance))^(1/3) ds, and one a line or arc that was one before
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.files.export import Placed, write_3mf, write_dxf, write_stl
+from camgen.findings import ROUTINE, Finding
+from camgen.geometry.arcs import fit_arcs, theoretical_arcs
+from camgen.geometry.crossing import crossed_at
+from camgen.geometry.deviation import outline_error
+from camgen.geometry.facets import facet_contour, theoretical_vertices
+from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.rolling import judged_angles
+from camgen.machine.contacts import Apart, Rolling, Traced
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import compensated
+from camgen.parts.part import Part
+from camgen.parts.solids import Mesh, solid
+from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
+from camgen.pipeline.judging import Read, judge_part, pass_by
+from camgen.pipeline.making import compensation
+
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+KINDS, JUDGED = ("dxf", "stl", "3mf"), ("dxf", "stl")  # a 3MF holds the numbers of the STL
+STAGES = ("design", "arcs", "solids", "write", "judge dxf", "judge stl")
+_EXACT = 1e-6  # mm, chords of the sections that stand for the exact ones
+
+
+@dataclass(frozen=True)
+class Row:
+    """One tolerance (mm). By kind of file ("dxf", "stl"): outline, the largest distance of the exact outline from the file's, mm;
+    motion, the largest error of the motion, or of the distances of bodies that pass each other; ripple, share of the greatest
+    speed. size: bytes; seconds: of one core, by stage; faults: what the judge refused. Figures that do not exist are left out.
+    """
+
+    tolerance: float
+    vertices: int
+    least_vertices: float
+    arcs: int
+    least_arcs: float
+    outline: Mapping[str, float] = field(default_factory=dict)
+    motion: Mapping[str, float] = field(default_factory=dict)
+    ripple: Mapping[str, float] = field(default_factory=dict)
+    size: Mapping[str, int] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    faults: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The rows of one mechanism; motion: what their `motion` is, with its unit; parts: names of the measured ones."""
+
+    name: str
+    motion: str
+    unit: str
+    parts: Sequence[str]
+    rows: Sequence[Row]
+
+
+def measure(spec: Path, tolerances: Sequence[float] = TOLERANCES, progress: Progress = silent) -> Bench:
+    """Make and judge the measured parts of a spec at each tolerance, mm, in a folder that vanishes.
+
+    Raises SpecError, DesignError or FileError; what a tolerance makes impossible stands in the faults of its row.
+    """
+    mechanism = read_mechanism(spec)
+    parts, _ = _subjects(mechanism)
+    drive = next((contact for contact in mechanism.contacts() if isinstance(contact, Rolling)), None)
+    apart = any(isinstance(contact, Apart) for contact in mechanism.contacts())
+    rows = []
+    for k, tolerance in enumerate([max(tolerances), *tolerances]):
+        progress(f"{mechanism.name} at {tolerance:g} mm", k / (1 + len(tolerances)))
+        with TemporaryDirectory() as folder:
+            rows.append(_row(spec, tolerance, Path(folder)))
+    unit = drive.unit[0] if drive else "mm"
+    # the first run paid for the imports
+    return Bench(mechanism.name, "distance" if apart and not drive else "motion", unit, list(parts), rows[1:])
+
+
+def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]]:
+    """The measured parts, and the outlines by part."""
+    contacts, parts = mechanism.contacts(), {part.name: part for part in mechanism.parts()}
+    rolled = {contact.part for contact in contacts if isinstance(contact, Rolling)}
+    passing = {name for contact in contacts if isinstance(contact, Apart) for name in (contact.a, contact.b)}
+    linked = any(isinstance(contact, Traced) for contact in contacts)
+    touching = set(parts) if linked else rolled | passing
+    even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
+    flat = rolled | touching & even or even
+    inside = _inside(mechanism)
+    outlines = {}
+    for name in (name for name in parts if name in flat):
+        region = parts[name].region
+        contour = max(region.holes, key=lambda hole: abs(hole.area)) if name in inside else region.outer
+        outlines[name] = contour.counter_clockwise()
+    return {name: part for name, part in parts.items() if name in touching | flat}, outlines
+
+
+def _inside(mechanism: Mechanism) -> set[str]:
+    """Parts that their follower touches from within."""
+    return {contact.part for contact in mechanism.contacts() if isinstance(contact, Rolling) and contact.inside}
+
+
+def _row(spec: Path, tolerance: float, folder: Path) -> Row:
+    seconds: dict[str, float] = {}
+
+    @contextmanager
+    def stage(name: str) -> Iterator[None]:
+        begin = time.process_time()
+        yield
+        seconds[name] = time.process_time() - begin
+
+    with stage("design"):
+        case = Case(read_mechanism(spec, [f"accuracy.chord_tolerance={tolerance!r}"]), folder)
+        parts, outlines = _subjects(case.mechanism)
+    fit, meshes, faults = compensation(case.mechanism), dict[str, Mesh](), list[str]()
+    with stage("arcs"):
+        for contour in outlines.values():
+            fit_arcs(contour, tolerance)
+    with stage("solids"):
+        for name, part in parts.items():
+            try:
+                meshes[name] = solid(compensated(part, fit) if fit else part, tolerance)
+            except DesignError as impossible:
+                faults.append(f"no solid of {name}: {impossible}")
+    with stage("write"):
+        for name, part in parts.items():
+            write_dxf(case.file(name, "dxf"), part.region, (), tolerance, case.mechanism.output.curves)
+        for name, mesh in meshes.items():
+            write_stl(case.file(name, "stl"), mesh, name)
+            write_3mf(case.file(name, "3mf"), {name: mesh}, [Placed(name, name)], name)
+    counts: dict[str, int] = {}
+    outline: dict[str, float] = {}
+    motion: dict[str, float] = {}
+    ripple: dict[str, float] = {}
+    inside = _inside(case.mechanism)
+    for kind in JUDGED:
+        made = parts if kind == "dxf" else meshes
+        with stage(f"judge {kind}"):
+            judged = {name: judge_part(case, name, [kind]) for name in made}
+        read = {name: shapes for name, (_, shapes) in judged.items()}
+        findings = [finding for outcome, _ in judged.values() for finding in outcome.findings]
+        findings += _together(case, kind, read)
+        faults += [
+            f"{bad.code} ({bad.where}): {bad.measured:.3g} {bad.unit}, limit {bad.limit:.3g}; {bad.message}"
+            for bad in findings if not bad.ok and bad.code in ROUTINE | {"MOTION_ERROR"}
+        ]  # fmt: skip
+        errors = [finding.measured for finding in findings if finding.code in ("MOTION_ERROR", "DISTANCE_ERROR")]
+        ripples = [finding.measured for finding in findings if finding.code == "SPEED_RIPPLE"]
+        motion |= {kind: max(errors)} if errors else {}
+        ripple |= {kind: max(ripples)} if ripples else {}
+        shapes = {name: read[name].shapes.get(kind) for name in outlines if name in read}
+        rings = {name: _ring(shape, name in inside) for name, shape in shapes.items() if shape is not None}
+        if rings and rings.keys() == outlines.keys():
+            counts[kind] = sum(len(ring.points) for ring in rings.values())
+            outline[kind] = max(outline_error(outlines[name], ring) for name, ring in rings.items())
+    lines = sum(isinstance(piece, Line) for contour in outlines.values() for piece in contour.pieces)
+    return Row(
+        tolerance,
+        counts.get("stl", 0),
+        lines + sum(theoretical_vertices(contour, tolerance) for contour in outlines.values()),
+        counts.get("dxf", 0),
+        sum(theoretical_arcs(contour, tolerance) for contour in outlines.values()),
+        outline, motion, ripple,
+        {kind: sum(path.stat().st_size for path in folder.glob(f"*.{kind}")) for kind in KINDS},
+        seconds, faults,
+    )  # fmt: skip
+
+
+def _ring(shape: Shape, inside: bool) -> Ring:
+    """The ring of a recovered shape that stands for its part's outline."""
+    return max(shape.holes, key=lambda hole: abs(hole.area)).counter_clockwise() if inside else shape.outer
+
+
+def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
+    """What only all files of a kind together tell: the motion of a linkage, and the error of distances."""
+    mechanism, contacts = case.mechanism, case.mechanism.contacts()
+    if any(kind not in part.sections for part in read.values()):
+        return []
+    if any(isinstance(contact, Traced) for contact in contacts) and len(read) == len(case.parts):
+        from camgen.judge.linkage import judge_linkage
+
+        sections = {name: part.sections[kind] for name, part in read.items()}
+        verdict = judge_linkage(
+            kind, f"{mechanism.name}-*.{kind}", sections, contacts, mechanism.poses, mechanism.motion, judged_angles(),
+            mechanism.accuracy.chord_tolerance,
+        )  # fmt: skip
+        return list(verdict.findings)
+    pairs = [contact for contact in contacts if isinstance(contact, Apart)]
+    if any({pair.a, pair.b} - read.keys() for pair in pairs):  # a part of which no solid could be made
+        return []
+    found = list(pass_by(case, [kind]).numbers.values()) if pairs and kind != "dxf" else []
+    if not pairs or len(found) != len(pairs):
+        return []
+    return [
+        Finding("DISTANCE_ERROR", True, abs(distance - _distance(case, pair)), 0.0, "mm", pair.name, "")
+        for distance, pair in zip(found, pairs, strict=True)
+    ]
+
+
+def _distance(case: Case, pair: Apart) -> float:
+    """Least distance over the turn of two bodies that shift, from their exact sections, mm."""
+    from camgen.judge.clearance import least_distance
+
+    poses = case.mechanism.poses
+
+    def way(theta: Floats) -> Points:
+        return np.asarray(poses(theta)[pair.b][0].position - poses(theta)[pair.a][0].position)
+
+    found = []
+    for plane in pair.planes:
+        a, b = (_section(case.parts[name], plane - poses(np.zeros(1))[name][0].z) for name in (pair.a, pair.b))
+        found.append(least_distance(a, b, way).distance)
+    return min(found)
+
+
+def _section(part: Part, height: float) -> list[Points]:
+    """Outer outlines of the part cut at a height, (n,) complex mm each, from chords within _EXACT and no file."""
+
+    def fine(region: Region) -> Shape:
+        points = facet_contour(region.outer.counter_clockwise(), _EXACT)
+        return Shape(Ring(points, np.zeros(len(points))), ())
+
+    shapes = [fine(layer.region) for layer in part.layers if layer.z0 <= height < layer.z1]
+    if part.crossed is not None:
+        shapes = [piece for shape in shapes for piece in crossed_at(shape, fine(part.crossed), height)]
+    return [shape.outer.points for shape in shapes]

@@ -1,0 +1,105 @@
+"""The chain: spec -> mechanism -> parts -> files -> read back -> findings -> report; and judging an earlier build again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from camgen import spec as specs
+from camgen.errors import FileError
+from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
+from camgen.findings import at_most
+from camgen.geometry.arcs import bulges, fit_arcs
+from camgen.machine.contacts import Rolling, Traced
+from camgen.machines.mechanism import Mechanism
+from camgen.pipeline.jobs import Case, Progress, Workers, silent
+from camgen.pipeline.jobs import read_mechanism as read_mechanism
+from camgen.pipeline.judging import judge
+from camgen.pipeline.making import make
+from camgen.report.animation import Animation, Body
+from camgen.report.report import Report, write_csv, write_html, write_json
+
+KINDS = ("dxf", "stl", "3mf", "report")
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "matplotlib")
+_DRAWN = 0.01  # mm, arc tolerance of the report's moving picture
+_FRAMES = 120  # of the moving picture
+
+
+def build(
+    spec_path: Path, out: Path, only: frozenset[str], overrides: Sequence[str] = (), progress: Progress = silent, jobs: int = 1
+) -> Report:
+    """Make, read back and judge one mechanism; its folder out/<name>/ appears, whole, only when all is done.
+
+    only: the kinds of files to make, of KINDS; jobs: cores to use, which changes nothing in the files.
+    Raises SpecError, DesignError or FileError; failed findings do not raise.
+    """
+    progress("reading the spec", 0.0)
+    mechanism = read_mechanism(spec_path, overrides).resolved()
+    staged = Staged(out / mechanism.name)
+    with staged as folder, Workers(jobs) as workers:
+        (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
+        case = Case(mechanism, folder)
+        make(case, only, workers, progress)
+        report, columns = judge(case, [kind for kind in KINDS if kind in only], workers, progress, "was made (--only)")
+        if columns:
+            write_csv(folder / "motion.csv", columns)
+        if "report" in only:
+            progress("writing the report", 0.85)
+            from camgen.report.figures import plot_svg
+
+            figures = list(workers.map(plot_svg, report.plots))
+            write_html(folder / "report.html", replace(report, animation=animation(mechanism)), figures)
+        write_json(folder / "report.json", report)
+        write_manifest(folder, _PACKAGES)
+    said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
+    return replace(report, remarks=[f"{said} {name}" for name in staged.kept])
+
+
+def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
+    """Judge the files of an earlier build again, from the files and the spec.toml beside them; writes nothing."""
+    case = Case(read_mechanism(folder / "spec.toml"), folder)
+    listed = manifest_files(folder)
+    lost = next((name for name in listed if not (folder / name).is_file()), None)
+    if lost is not None:
+        raise FileError(folder / lost, "is listed in manifest.json and not there")
+    kinds = [kind for kind in KINDS if any(path.name in listed or path.exists() for path in _files(case, kind))]
+    with Workers(jobs) as workers:
+        report = judge(case, kinds, workers, progress, "is in the folder")[0]
+    judged = {path.name for kind in ("dxf", "stl", "3mf") for path in _files(case, kind)} | {"spec.toml"}
+    judged |= {name for name in listed if name.endswith(".3mf")}
+    changed = [name for name in changed_files(folder) if name not in judged]
+    if changed:
+        said = f"changed since the build, and not judged by what they hold: {', '.join(changed)}"
+        report = replace(report, findings=(*report.findings, at_most("MANIFEST", len(changed), 0, "files", MANIFEST, said)))
+    return report
+
+
+def _files(case: Case, kind: str) -> list[Path]:
+    """The files of a kind that a build may have made."""
+    return [case.folder / "report.html"] if kind == "report" else [case.file(name, kind) for name in case.parts]
+
+
+def animation(mechanism: Mechanism) -> Animation:
+    """One turn of the exact mechanism, as the report shows it moving."""
+    theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
+    if mechanism.sense < 0:  # as time goes on
+        theta = np.mod(-theta, 2 * math.pi)
+    poses = mechanism.poses(theta)
+    bodies = []
+    for part in mechanism.parts():
+        region = part.region
+        rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
+        bodies.append(Body(part.name, poses[part.name], rings))
+    bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in mechanism.study().sketches]
+    traced = next((contact for contact in mechanism.contacts() if isinstance(contact, Traced)), None)
+    if traced is not None:
+        return Animation(theta, bodies, mechanism.motion(theta), traced.name, "mm")
+    drive = next((contact for contact in mechanism.contacts() if isinstance(contact, Rolling)), None)
+    if drive is None:
+        return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
+    unit, scale = drive.unit
+    return Animation(theta, bodies, scale * mechanism.reachable(theta), "follower", unit)

@@ -1,0 +1,109 @@
+"""What the files of a part should hold, as plain numbers and points: all that the judge of files knows of the part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from camgen.files.export import center_marks
+from camgen.files.readback import Mesh, slice_mesh
+from camgen.geometry.crossing import crossed_at, spread
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Region
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.round_trip import Expected, Section, Undo
+from camgen.machine.contacts import Contact, Rolling, Traced
+from camgen.parts.fits import Compensation, compensated
+from camgen.parts.part import Part
+
+_HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
+_BESIDE = 4.0  # chord tolerances from the ends of a layer
+
+
+def expected(
+    part: Part, tolerance: float, contacts: Sequence[Contact] = (), fit: Compensation | None = None, marked: bool = False
+) -> Expected:
+    """What a file of a part should hold, as plain numbers and points for the judge; marked: with centre marks.
+
+    With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
+    chamfer, and those through an engraving beside holes that were made larger, as they were sent.
+    """
+    turns = any(isinstance(each, Rolling) and part.name in (each.part, each.tip_part) for each in contacts)
+    eyes: Sequence[tuple[complex, float]] = ()
+    if any(isinstance(contact, Traced) for contact in contacts):
+        from camgen.judge.linkage import eyes_of
+
+        eyes = eyes_of(part.name, contacts)
+    sent = compensated(part, fit) if fit is not None else part
+    levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
+    low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
+    # Half the tolerance, so that arcs in a file that are off by all of it stay within the limit, which is twice of it; a
+    # crossed body is what its facets make it, for near the top of a round one the width grows without bound.
+    fine = tolerance / 2 if part.crossed is None else tolerance
+    sections, engraved = _sections(part, fine, low)
+    cut = _spans(part).index((part.layers[part.cut].z0, part.layers[part.cut].z1))
+    if part.crossed is not None:  # what a cut shows changes with its height; the drawing has the whole region
+        under, over = spread(part.crossed)
+        levels = [max(levels[0], under), min(levels[-1], over)]
+        through = _crossings(part, part.crossed, tolerance, sections)
+        sections, cut = [*through, replace(sections[cut], heights=())], len(through)
+    if fit is not None:
+        every, sunk = _sections(sent, fine, levels[0])
+        sections += [replace(section, sent=True) for section in every if section.heights[-1] < low]
+        engraved = [replace(section, sent=True) for section in sunk] if fit.hole else engraved
+    return Expected(
+        part.name, (*sections, *engraved), cut,
+        volume=sent.volume,
+        levels=tuple(levels),
+        facets=part.walls * tolerance,
+        min_wall=part.min_wall,
+        chord_tolerance=tolerance,
+        bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
+        eyes=tuple(eyes),
+        stacked=part.crossed is None,
+        undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
+        marks=center_marks(part.region, part.centres if marked else ()),
+    )  # fmt: skip
+
+
+def _spans(part: Part) -> list[tuple[float, float]]:
+    """Lowest and highest place of each of a part's layers, mm; pieces beside each other are one."""
+    return list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
+
+
+def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], list[Section]]:
+    """The sections of a part's layers above the height `low`, from the bottom, and those through its engraving."""
+    sections, engraved = [], []
+    for z0, z1 in _spans(part):
+        regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == (z0, z1)]
+        shapes = tuple(_facetted(region, tolerance) for region in regions)
+        bottom = max(z0, low)
+        pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
+        top = min((layer.z0 for layer in pockets), default=z1)
+        sections.append(Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes))
+        if pockets and len(shapes) == 1 and part.crossed is None:
+            sunk = tuple(_facetted(layer.region, tolerance).outer for layer in pockets)
+            middle = (top + min(layer.z1 for layer in pockets)) / 2
+            engraved.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
+    return sections, engraved
+
+
+def _crossings(part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]) -> list[Section]:
+    """The sections of a crossed body, whose layers those given are."""
+    face = _facetted(crossed, tolerance)
+    cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
+    through = []
+    beside = _BESIDE * tolerance  # a wall that lies level shows in sections just under and over it alone
+    for section, (z0, z1) in zip(sections, _spans(part), strict=True):
+        for z in (z0 + beside, *section.heights, z1 - beside):
+            taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
+            through += [Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes]
+    return through
+
+
+def _facetted(region: Region, tolerance: float) -> Shape:
+    rings = [facet_contour(contour.counter_clockwise(), tolerance) for contour in (region.outer, *region.holes)]
+    outer, *holes = (Ring(points, np.zeros(len(points))) for points in rings)
+    return Shape(outer, tuple(holes))

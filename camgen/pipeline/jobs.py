@@ -1,0 +1,102 @@
+"""Work on several cores, and what it is told to: one mechanism in one folder.
+
+A task is a plain function of plain arguments. With one core it runs when its result is asked for, with more it runs in
+another process; the results are the same, in the same order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, TypeVar
+
+from camgen import spec as specs
+from camgen.machines import MECHANISMS, load
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.segments import with_tables
+from camgen.parts.part import Part
+
+T = TypeVar("T")
+
+
+class Progress(Protocol):
+    """Is told what is being made, and which share (0..1) of the whole is done where that is known."""
+
+    def __call__(self, text: str, done: float | None = None, /) -> None:
+        """Tell it."""
+
+
+def silent(text: str, done: float | None = None) -> None:
+    """Progress that nobody watches."""
+
+
+def read_mechanism(path: Path, overrides: Sequence[str] = ()) -> Mechanism:
+    """The mechanism that a spec file describes; SpecError with all faults, FileError where it cannot be read."""
+    data = specs.read(path)
+    for override in overrides:
+        data = specs.override(data, override)
+    data = with_tables(data, path.parent)
+    return specs.validate(load(specs.choose(data, MECHANISMS, str(path))), data, str(path))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A mechanism and the folder of its files, `spec.toml` among them; another process reads it anew from there."""
+
+    mechanism: Mechanism
+    folder: Path
+
+    @cached_property
+    def parts(self) -> dict[str, Part]:
+        """The mechanism's parts by name."""
+        return {part.name: part for part in self.mechanism.parts()}
+
+    def file(self, part: str, ending: str) -> Path:
+        """Path of a part's file."""
+        return self.folder / f"{self.mechanism.name}-{part}.{ending}"
+
+    def __reduce__(self) -> tuple[Callable[[Path], Case], tuple[Path]]:
+        return _reopened, (self.folder,)
+
+
+@lru_cache(maxsize=1)
+def _reopened(folder: Path) -> Case:
+    return Case(read_mechanism(folder / "spec.toml"), folder)
+
+
+class Workers:
+    """`with Workers(jobs) as workers:` does tasks on as many cores; on an exception what has not begun is dropped."""
+
+    def __init__(self, jobs: int = 1) -> None:
+        self._pool = ProcessPoolExecutor(jobs, initializer=_left_to_the_parent) if jobs > 1 else None
+
+    def start(self, task: Callable[..., T], *arguments: object) -> Callable[[], T]:
+        """Begin a task; what is returned gives its result, or raises what it raised."""
+        if self._pool is None:
+            return partial(task, *arguments)
+        future: Future[T] = self._pool.submit(task, *arguments)
+        return future.result
+
+    def map(self, task: Callable[..., T], *columns: Iterable[object]) -> Iterator[T]:
+        """The task's results on each row of arguments, in their order."""
+        started = [self.start(task, *row) for row in zip(*columns, strict=True)]
+        return (result() for result in started)
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=error is not None)
+
+
+def _left_to_the_parent() -> None:
+    """Ctrl-C and a request to end reach the parent, which ends its workers."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -1,0 +1,400 @@
+"""Judging a folder: which check looks at which file, and all that they found as one report.
+
+Each stage is a function of the case that returns an Outcome; stages that look at files alone may run in other processes.
+A stage's modules are loaded where a mechanism needs the stage.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import repeat
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.files.readback import Mesh, read_3mf
+from camgen.findings import Finding, at_most
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Floats
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.as_printed import printed
+from camgen.judge.rolling import judge_motion, judge_pair, judge_tip, judged_angles, mounted
+from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
+from camgen.machine.contacts import Apart, Rolling, Traced
+from camgen.machine.study import Plot, Study, Table
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import Compensation, compensated
+from camgen.parts.part import Part
+from camgen.pipeline.expectation import expected
+from camgen.pipeline.jobs import Case, Progress, Workers
+from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
+from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, passing_by, reading, unheard
+from camgen.report.report import Report, motion_plots
+
+if TYPE_CHECKING:
+    from camgen.judge.linkage import Sections
+
+_SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
+_CLOCKWISE = (
+    "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
+    "curves over them; speeds and torques are positive counter-clockwise."
+)
+_DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
+_ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one stage found, for the report."""
+
+    findings: Sequence[Finding] = ()
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    plots: Sequence[Plot] = ()
+    tables: Sequence[Table] = ()
+    columns: Mapping[str, Floats] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Read:
+    """What was read from one part's files, by kind: the shape that tips touch, the pieces at each height, and whether the
+    part gives the wanted motion to the follower that it drives."""
+
+    shapes: dict[str, Shape]
+    sections: dict[str, Sections]
+    moves: dict[str, bool]
+
+
+def judge(
+    case: Case, kinds: Sequence[str], workers: Workers, progress: Progress, lacks: str
+) -> tuple[Report, dict[str, Floats]]:
+    """Judge the files of a case: the report, and the columns of motion.csv.
+
+    kinds: of files that are there, of "dxf", "stl", "3mf" and "report"; the last asks for what only a reader wants.
+    lacks: why others are not there: "no STL ..." goes on with it.
+    """
+    mechanism, names = case.mechanism, list(case.parts)
+    files = [kind for kind in kinds if kind != "report"]
+    asked = _stages(mechanism, files)
+    waiting = [workers.start(stage.work, case, files) for stage in asked if stage.work is not None and stage.runs(files)]
+    reading = workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
+    limits, study = mechanism.limits(), mechanism.study()
+    parts: list[Outcome] = []
+    read: dict[str, Read] = {}
+    for k, name in enumerate(names):
+        progress(f"reading back {name}", 0.45 + 0.2 * k / len(names))
+        outcome, read[name] = next(reading)
+        parts.append(outcome)
+    progress("letting the parts touch", 0.65)
+    moved, columns, more = _moved(mechanism, files, read)
+    together = _together(mechanism, files, read)
+    budget = _budget(case, read, [study.numbers, *(part.numbers for part in parts)]) if "report" in kinds else None
+    stages = []
+    for k, stage in enumerate(waiting):
+        progress("moving the assembly through a turn", 0.7 + 0.15 * k / len(waiting))
+        stages.append(stage())
+    if not columns:
+        columns = dict(study.columns)
+        for outcome in stages:
+            columns |= outcome.columns
+    outcomes = [moved, *parts, together, *stages]
+    found: list[Outcome | Study] = [study, *outcomes, more]
+    numbers: dict[str, float] = {}
+    for each in found:  # of two parts with a figure of one name the first one drives
+        numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
+    findings = (*limits, *(finding for outcome in outcomes for finding in outcome.findings))
+    report = Report(
+        mechanism.name, mechanism.mechanism, findings, numbers,
+        [_part_record(case, part, files) for part in case.parts.values()],
+        [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
+        [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
+        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
+        None, budget, (*_SIDE_FILES, *_machine_files(case)),
+        not_judged(asked, files, findings, lacks), unheard(mechanism, files),
+    )  # fmt: skip
+    return report, columns
+
+
+# ---- a part by itself ------------------------------------------------------------------------------------------------
+
+
+def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
+    """Read one part's files and roll the tips on them that it drives."""
+    mechanism, part = case.mechanism, case.parts[name]
+    contacts, tolerance, fit = mechanism.contacts(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    drives = [contact for contact in contacts if isinstance(contact, Rolling) and contact.part == name]
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    read = Read({}, {}, {})
+    for kind in kinds:
+        path = case.file(name, kind)
+        sent, marked = (None, mechanism.output.center_marks) if kind == "dxf" else (fit, False)
+        meant = expected(part, tolerance, contacts, sent, marked)
+        judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
+        findings += judged.findings
+        if judged.shape is None:
+            continue
+        read.shapes[kind], read.sections[kind] = judged.shape, judged.sections
+        if drives:
+            found, figures = judge_motion(
+                kind, path.name, judged.shape, drives, mechanism.motion, mechanism.reachable, tolerance
+            )
+            read.moves[kind] = found[0].ok
+            findings += found
+            numbers |= figures
+    return Outcome(findings, numbers), read
+
+
+def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:
+    return {
+        "name": part.name,
+        "title": part.title,
+        "count": part.count,
+        "material_mm3": part.volume,
+        "thickness_mm": part.thickness,
+        "area_mm2": part.region.area,
+        "files": [case.file(part.name, kind).name for kind in kinds],
+    }
+
+
+# ---- parts that touch ------------------------------------------------------------------------------------------------
+
+
+def _moved(
+    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
+) -> tuple[Outcome, dict[str, Floats], Study]:
+    """The motion over a turn as the files give it: for the report, as columns of motion.csv, and what follows from it."""
+    traced = next((contact for contact in mechanism.contacts() if isinstance(contact, Traced)), None)
+    if traced is not None:
+        outcome, columns = _linkage(mechanism, traced, kinds, read)
+        return outcome, columns, Study()
+    drive = _drive(mechanism, read)
+    if drive is None:
+        return Outcome(), {}, Study()
+    theta, (unit, scale) = np.linspace(0, 2 * math.pi, _ROWS), drive.unit
+    columns = {
+        "theta_deg": np.degrees(theta),
+        f"wanted_{unit}": scale * mechanism.motion(theta),
+        "wanted_speed": mechanism.motion(theta, 1),
+        f"reachable_{unit}": scale * mechanism.reachable(theta),
+    }
+    recovered = {}
+    for kind, shape in read[drive.part].shapes.items():
+        try:
+            recovered[kind] = mounted(shape, drive).angle(theta)
+        except ValueError:  # told by MOTION_ERROR
+            recovered[kind] = np.full(theta.shape, np.nan)
+        columns[f"recovered_{kind}_{unit}"] = scale * recovered[kind]
+    return Outcome(plots=motion_plots(columns, unit)), columns, mechanism.recovered(theta, recovered)
+
+
+def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
+    """The contact that drives, where its part was read from any file."""
+    rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling) and not contact.inside]
+    return next((contact for contact in rollings if read[contact.part].shapes), None)
+
+
+def _linkage(
+    mechanism: Mechanism, traced: Traced, kinds: Sequence[str], read: Mapping[str, Read]
+) -> tuple[Outcome, dict[str, Floats]]:
+    """The linkage closed on the holes of the files: findings, plots of travel, speed, error and play, motion.csv."""
+    from camgen.judge.linkage import judge_linkage
+
+    theta, fit = np.linspace(0, 2 * math.pi, _ROWS), compensation(mechanism)
+    wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
+    degrees, label = np.degrees(theta), "crank angle, deg"
+    columns = {"theta_deg": degrees, "wanted_mm": wanted, "wanted_mm_rad": speed}
+    travel, speeds = [("wanted", degrees, wanted)], [("wanted", degrees, speed)]
+    errors, bands = [], []
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    for kind in kinds:
+        if any(kind not in part.sections for part in read.values()):
+            continue
+        verdict = judge_linkage(
+            kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()},
+            mechanism.contacts(), mechanism.poses, mechanism.motion, judged_angles(), mechanism.accuracy.chord_tolerance,
+            Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None and kind != "dxf" else 0.0,
+        )  # fmt: skip
+        findings += verdict.findings
+        numbers |= verdict.numbers
+        if verdict.chain is None:
+            continue
+        closed, source = verdict.chain.close(theta), f"from {kind.upper()}"
+        columns[f"recovered_{kind}_mm"], columns[f"band_{kind}_mm"] = closed.output, verdict.band(closed)
+        travel.append((source, degrees, closed.output))
+        speeds.append((source, degrees, closed.slope))
+        errors.append((source, degrees, closed.output - wanted))
+        bands.append((f"+- {source}", degrees, columns[f"band_{kind}_mm"]))
+    plots = [Plot(traced.name.capitalize(), label, "mm", travel), Plot("Speed", label, "mm/rad", speeds)]
+    if errors:
+        plots += [Plot("Motion error", label, "mm", errors), Plot("Worst case of the joints' play", label, "mm", bands)]
+    return Outcome(findings, numbers, plots), columns
+
+
+def _together(mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]) -> Outcome:
+    """Pairs of parts: the frame's own tip on the cam, and a follower between two parts that each touch it."""
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling)]
+    tolerance = mechanism.accuracy.chord_tolerance
+    if len({rolling.part for rolling in rollings}) > 1:  # where the follower has its tips at s = 0
+        places = {r.part.replace("-", "_"): r.pivot if r.slides else r.pivot + r.arm for r in rollings if not r.inside}
+        numbers |= {f"tip_on_{part}_x_mm": z.real for part, z in places.items()}
+        numbers |= {f"tip_on_{part}_y_mm": z.imag for part, z in places.items()}
+    for kind in kinds:
+        shapes = {name: part.shapes[kind] for name, part in read.items() if kind in part.shapes}
+        found: list[Finding]
+        for tip in (rolling for rolling in rollings if not rolling.flipped):
+            if tip.tip_part in shapes and tip.part in shapes:
+                where = f"{mechanism.name}-{tip.tip_part}.{kind}"
+                found, figures = judge_tip(
+                    kind, where, shapes[tip.tip_part], shapes[tip.part], tip, mechanism.reachable, tolerance
+                )
+                findings += found
+                numbers |= figures
+        for other in (rolling for rolling in rollings if rolling.part != rollings[0].part):
+            first, second = rollings[0].part, other.part
+            if all(read[name].moves.get(kind) for name in (first, second)):
+                where = f"{mechanism.name}-{first}.{kind} with {mechanism.name}-{second}.{kind}"
+                found, figures = judge_pair(kind, where, (shapes[first], shapes[second]), (rollings[0], other), tolerance)
+                findings += found
+                numbers |= figures
+    return Outcome(findings, numbers)
+
+
+def _budget(case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]) -> Table | None:
+    """What each stage from law to file adds to the error of the part that drives; `found`: the figures of today."""
+    drive = _drive(case.mechanism, read)
+    if drive is None:
+        return None
+    from camgen.judge.budget import error_budget
+
+    part, tolerance, fit = case.parts[drive.part], case.mechanism.accuracy.chord_tolerance, compensation(case.mechanism)
+    numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
+    lost = numbers.get("undercut_mm", 0.0), numbers.get(f"undercut_{drive.unit[0]}", 0.0)
+    shapes, reachable = read[drive.part].shapes, case.mechanism.reachable
+    return error_budget(part.region.outer, _facets(part, tolerance, fit), drive, reachable, tolerance, shapes, lost)
+
+
+def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
+    """The facets of a part's outline, as they print."""
+    if fit is None:
+        points = facet_contour(part.region.outer, tolerance)
+        return Ring(points, np.zeros(len(points)))
+    points = facet_contour(compensated(part, fit).region.outer, tolerance)
+    return printed(Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage).outer
+
+
+# ---- the whole, from its files alone ---------------------------------------------------------------------------------
+
+
+def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
+    """The stages that this mechanism asks for, in the order of the report, then those that are done as parts are read."""
+    stages = []
+    if passing_by(mechanism):
+        stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
+    stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
+    stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
+    laid_out = mechanism.printed() and "3mf" in kinds
+    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))
+    if mechanism.printed() or mechanism.bought():
+        stages.append(Stage((), work=list_parts))
+    return [*stages, *reading(mechanism)]
+
+
+def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Least distances of parts that pass by each other, from each kind of mesh."""
+    from camgen.judge.clearance import judge_clearance
+
+    mechanism = case.mechanism
+    pairs = [contact for contact in mechanism.contacts() if isinstance(contact, Apart)]
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    columns: dict[str, Floats] = {}
+    plots = []
+    for kind in kinds:
+        cleared = judge_clearance(kind, case.folder, mechanism.name, pairs, mechanism.poses, mechanism.accuracy.chord_tolerance)
+        findings += cleared.findings
+        numbers |= cleared.numbers
+        plots.append(Plot(f"Distance, from {kind.upper()}", "shaft angle, deg", "mm, below 0 overlap", cleared.curves))
+        columns |= {f"distance_{name.lower().replace('/', '_')}_{kind}_mm": apart for name, _, apart in cleared.curves}
+    return Outcome(findings, numbers, plots, columns=columns)
+
+
+def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
+    """ROUND_TRIP of the assembly: every copy of every part as designed, where it belongs at theta = 0."""
+    mechanism, path = case.mechanism, case.file("assembly", "3mf")
+    originals, findings = _written(case), []
+    if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
+        originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
+        for name, mesh in originals.items():
+            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.contacts())
+            findings += [f for f in judge_solid(mesh, meant, f"{path.name}, {name}").findings if not f.ok]
+    places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
+    return Outcome([*findings, judge_copies(path, originals, places)])
+
+
+def _written(case: Case) -> dict[str, Mesh]:
+    """The solid of each part's 3MF, judged there by itself."""
+    return {name: item.mesh for name in case.parts for item in read_3mf(case.file(name, "3mf")).items[:1]}
+
+
+def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
+    """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
+    from camgen.judge.assembly import COLUMNS, sweep
+
+    findings, nearest = sweep(case.file("assembly", "3mf"), case.mechanism.moved())
+    table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
+    return Outcome(findings, tables=[table] if nearest else [])
+
+
+def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
+    """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
+    from camgen.files.plates import bed_fit
+    from camgen.judge.slabs import judge_plate
+
+    mechanism, plates, written, bed = case.mechanism, _plates(case), _written(case), case.mechanism.print.bed
+    listed, sides = mechanism.printed(), lying_sides(mechanism, written)
+    laid = Counter(item.name for path in plates for item in read_3mf(path).items)
+    lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
+    fits = [bed_fit(part.name, part.count, vertices, bed, mechanism.print.bed_height)[1] for part, vertices in lying]
+    short = (Counter({part.name: part.count for part in listed}) - laid).total()
+    said = f"{laid.total()} copies laid out, {short} missing"
+    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
+    on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP))]
+    return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
+
+
+def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
+    """BED_FIT of single parts, as designed."""
+    from camgen.files.plates import bed_fit
+
+    findings, bed = [], case.mechanism.print
+    for part in case.parts.values():
+        rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
+        corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
+        findings.append(bed_fit(part.name, part.count, corners, bed.bed, bed.bed_height)[1])
+    return Outcome(findings)
+
+
+def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The list of parts, with mass and print time of all that is printed."""
+    table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
+    rows = [row for row in table.rows if row[0] == "printed"]
+    mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
+    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table])
+
+
+def _plates(case: Case) -> list[Path]:
+    """The plate files of a build, in their order."""
+    return sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"), key=lambda path: (len(path.name), path.name))
+
+
+def _machine_files(case: Case) -> list[str]:
+    """Further files of the folder to which the page links."""
+    fixed = [case.file("assembly", "3mf"), case.file("parts", "csv")]
+    return [path.name for path in (*fixed, *_plates(case)) if path.exists()]

@@ -1,0 +1,158 @@
+"""From a mechanism to its files: drawings, solids, the assembly, plates ready to print, and the list of parts."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from itertools import repeat
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen import spec as specs
+from camgen.files.export import Placed, placing, write_3mf, write_dxf, write_stl
+from camgen.machine.study import Table
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import Compensation, compensated
+from camgen.pipeline.jobs import Case, Progress, Workers
+
+if TYPE_CHECKING:
+    from camgen.files.lying import Side, Solid
+    from camgen.parts.solids import Mesh
+
+PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
+
+
+def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> None:
+    """Write the files of these kinds ("dxf", "stl", "3mf") into the case's folder, beside the spec that is there."""
+    mechanism, names = case.mechanism, list(case.parts)
+    listed = mechanism.printed()
+    meshes: dict[str, Mesh] = {}
+    sent: dict[str, Mesh] = {}
+    made = workers.map(_make_part, repeat(case, len(names)), names, repeat(only, len(names)))
+    for k, name in enumerate(names):
+        progress(f"making {name}", 0.4 * k / len(names))
+        pair = next(made)
+        if pair is not None:
+            meshes[name], sent[name] = pair
+    sides = lying_sides(mechanism, sent if "3mf" in only else {})
+    if listed or mechanism.bought():
+        write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    if "3mf" not in only:
+        return
+    progress("putting the assembly together", 0.4)
+    write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
+    if listed:
+        from camgen.files.plates import laid_out, write_plates
+
+        progress("laying out the plates", 0.42)
+        layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides)
+        write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
+
+
+def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Solid]) -> dict[str, Side]:
+    """On which side each printed part is laid whose solid, as sent to the printer, is known.
+
+    A chamfer against the elephant's foot is made at the part's own underside, which it then lies on.
+    """
+    from camgen.files.lying import lying_side, side
+
+    drawn = mechanism.print.elephant_foot > 0
+    printed = [part.name for part in mechanism.parts() if part.made == "printed" and part.name in meshes]
+    down = np.array([0.0, 0.0, -1.0])
+    return {name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed}
+
+
+def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh] | None:
+    """Write one part's files; its solid as designed and as sent to the printer, None where no file asks for one."""
+    mechanism, part = case.mechanism, case.parts[name]
+    tolerance = mechanism.accuracy.chord_tolerance
+    if "dxf" in only:
+        from camgen.files.drawing import write_drawing
+
+        centres = part.centres if mechanism.output.center_marks else ()
+        write_dxf(case.file(name, "dxf"), part.region, centres, tolerance, mechanism.output.curves)
+        write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
+    if not only & {"stl", "3mf"}:
+        return None
+    from camgen.parts.solids import solid
+
+    fit = compensation(mechanism)
+    mesh = solid(part, tolerance)
+    sent = solid(compensated(part, fit), tolerance) if fit else mesh
+    if "stl" in only:
+        write_stl(case.file(name, "stl"), sent, f"{mechanism.name}-{name}")
+    if "3mf" in only:
+        write_3mf(case.file(name, "3mf"), {name: sent}, [Placed(name, name)], _key(mechanism))
+    return mesh, sent
+
+
+def _key(mechanism: Mechanism) -> str:
+    """What the identifiers inside 3MF files are made from."""
+    return hashlib.sha256(specs.dump(mechanism).encode()).hexdigest()
+
+
+def compensation(mechanism: Mechanism) -> Compensation | None:
+    """What the spec says of the printer; None where files are sent as drawn."""
+    p = mechanism.print
+    fit = Compensation(p.hole_compensation, p.profile_compensation, p.shrinkage, p.elephant_foot, p.first_layer)
+    return fit if fit.hole or fit.profile or fit.shrinkage or fit.foot else None
+
+
+def assembled(mechanism: Mechanism) -> list[Placed]:
+    """Every copy of every part where it is at theta = 0."""
+    poses = mechanism.poses(np.zeros(1))
+    return [
+        Placed(
+            part.name,
+            f"{part.name}-{k + 1}",
+            placing(float(pose.angle[0]), complex(pose.position[0]), pose.z, part.thickness, pose.flipped),
+        )
+        for part in mechanism.parts()
+        for k, pose in enumerate(poses[part.name])
+    ]
+
+
+def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
+    """The list of parts: what is printed, with material, mass and time of all copies, then what is turned or bought.
+
+    sides: on which printed parts lie on the bed, where their solids are known.
+    """
+    from camgen.files.plates import parts_list
+
+    material = mechanism.material
+    parts = mechanism.parts()
+    printed = [part for part in parts if part.made == "printed"]
+    rows: list[tuple[object, ...]] = [
+        ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, material.density, sides)
+    ]
+    blank: tuple[object, ...] = ("",) * 5
+    rows += [(part.made, part.name, part.title, part.count, part.count * part.volume, *blank) for part in parts
+             if part not in printed]
+    for thing in mechanism.bought():
+        size = ", ".join(text for text in (thing.size, thing.standard) if text)
+        rows.append(("bought", thing.name, size, thing.count, "", *blank))
+    columns = (
+        "how", "part", "what", "count", "material, mm^3", f"mass in {material.name}, g", "print time, min", "lies",
+        "on the bed, mm^2", "overhang, mm^2",
+    )  # fmt: skip
+    return Table("Parts list", columns, rows)
+
+
+def _lying(side: Side | None) -> tuple[object, ...]:
+    """Side, contact and overhang of a part in the list, mm^2; blank where its solid is not known."""
+    return (side.name, side.contact, side.overhang) if side else ("", "", "")
+
+
+def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]) -> None:
+    """Write the list of parts as CSV."""
+    import csv
+
+    table = parts_table(mechanism, sides)
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(table.columns)
+        rows.writerows([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in table.rows)

@@ -1,0 +1,289 @@
+"""From a cam's outline, made by any tool, to the motion of its follower: roll the tip on it and report what comes out.
+
+    s      the follower's displacement, rad on an arm and mm on a slide, counted as its table says
+    v, a   derivatives of s to the cam angle, low-passed: facets and file decimals make raw ones rough
+    lash   free play of a follower with two tips, on one outline or on two that turn together
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from camgen.errors import DesignError, Fault, SpecError
+from camgen.files.folder import Staged, write_manifest
+from camgen.files.foreign import read_outline
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.rings import Floats, Ring
+from camgen.judge.contact import contact
+from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
+from camgen.machine.contacts import Pose
+from camgen.machine.study import Plot, Table
+from camgen.report.animation import Animation, Body
+from camgen.report.report import Report, write_csv, write_html, write_json
+
+HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
+_SAMPLES = 7200  # over the turn
+_STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of the motion
+_OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
+_FRAMES = 120  # of the moving picture
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "matplotlib", "scipy", "shapely")
+
+# ---- the motion ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """A follower's motion over one turn, each (n,): cam angle, displacement, low-passed derivatives to it, pressure angle.
+
+    Displacement (rad or mm) and pressure angle (rad) are nan where the tip does not rest on the outline; the derivatives
+    then are nan throughout. start: displacement from which s is counted; lever: the least way, mm per unit of s, by which
+    the follower moves off the contact's tangent.
+    """
+
+    theta: Floats
+    s: Floats
+    speed: Floats
+    acceleration: Floats
+    pressure_angle: Floats
+    start: float
+    lever: float
+
+
+def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS, samples: int = _SAMPLES) -> Recovered:
+    """Roll the tip on an outline over one turn, its end left out.
+
+    DesignError where the follower does not fit the outline: the shaft outside, the pivot inside, or nowhere in reach.
+    """
+    ring = follower.mounted(ring)
+    near, far = (float(bound(np.abs(ring.samples()))) for bound in (np.min, np.max))
+    if not ring.encloses(0j):
+        remedy = "give the shaft's place in the file as centre=X/Y, or take another contour=2"
+        raise DesignError("distance of the shaft (0, 0) from the outline", near, 0.0, "mm", "its outside", remedy)
+    if follower.motion == "oscillating" and not follower.inside and abs(follower.axle) < near:
+        remedy = "the outline runs round the follower's axle: move the pivot out"
+        raise DesignError("distance of the pivot from the shaft", abs(follower.axle), near, "mm", "the whole turn", remedy)
+    theta: Floats = np.linspace(0, math.tau, samples, endpoint=False)
+    touch = contact(ring, follower.form).touch(theta)
+    if np.isnan(touch.angle).all():
+        remedy = f"it never touches the outline, {near:.6g} to {far:.6g} mm from the shaft: check pivot, arm, leaves or offset"
+        slides = follower.motion == "translating"
+        reach = abs(follower.offset or 0.0) if slides else abs(abs(follower.axle) - (follower.arm or 0.0))
+        limit = far + (follower.radius or 0.0)
+        raise DesignError("the follower's least distance from the shaft", reach, limit, "mm", "the whole turn", remedy)
+    s = touch.angle
+    start = 0.0 if follower.anchored else float((np.nanmin if follower.sense > 0 else np.nanmax)(s))
+    speed, acceleration = (low_passed(s, order, harmonics) for order in (1, 2))
+    if follower.motion == "oscillating" and follower.shape == "flat":
+        lever = float(np.nanmin(np.abs(touch.place)))
+    else:
+        lever = (follower.arm or 1.0) * math.cos(float(np.nanmax(np.abs(touch.pressure_angle))))
+    return Recovered(theta, s - start, speed, acceleration, touch.pressure_angle, start, lever)
+
+
+def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
+    """Derivative of a periodic function over one turn, (n,) even samples, per rad, with few of the harmonics above the given.
+
+    Harmonic n counts by 1 / (1 + (n / harmonics)^4), in phase. nan throughout where a value is nan.
+    """
+    spectrum = np.fft.rfft(values)
+    n = np.arange(len(spectrum))
+    weight = 1 / (1 + (n / harmonics) ** _STEEPNESS)
+    return np.asarray(np.fft.irfft(spectrum * (1j * n) ** order * weight, len(values)))
+
+
+# ---- the report ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Request:
+    """What `camgen motion` was asked for; second: outline file of the second tip, the first one's where it is None."""
+
+    follower: str
+    second_follower: str | None = None
+    second: Path | None = None
+    height: float | None = None
+    layer: str | None = None
+    harmonics: int = HARMONICS
+
+
+def run(path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None) -> Report:
+    """Read an outline, roll the follower on it, write OUT/<file>-motion/ with report.html, report.json and motion.csv.
+
+    Raises SpecError, FileError or DesignError; where the outline is open or crosses itself, a finding says so.
+    """
+    follower = read_follower(request.follower)
+    other = read_follower(request.second_follower, "--second-follower") if request.second_follower else None
+    faults = pair_faults(follower, other) if other is not None else ()
+    if faults:
+        raise SpecError(faults, "command line")
+    if request.second is not None and other is None:
+        raise SpecError([Fault("--second", str(request.second), "--second-follower, the tip that rides on it")])
+    # what is rolled on: file and contour, one or two
+    wanted = {(path, follower.contour): None}
+    if other is not None:
+        wanted[request.second or path, other.contour] = None
+    outlines = []
+    for file, contour in wanted:
+        progress(f"reading {file.name}")
+        outlines.append(read_outline(file, request.height, request.layer, contour))
+    findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
+    rings = [outline.ring for outline in outlines if outline.ring is not None]
+    name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
+    report = Report(f"{name}-motion", "motion of an outline", findings)
+    columns: Mapping[str, Floats] = {}
+    if len(rings) == len(outlines):
+        progress("rolling")
+        found = recover(rings[0], follower, request.harmonics)
+        pair = None
+        if other is not None:
+            limit = recover(rings[-1], other, request.harmonics).s
+            if follower.motion == "translating" and follower.inside == other.inside:
+                limit = -limit  # the second tip's way out is the first one's way in
+            pair = (-1 if follower.inside else 1) * follower.sense * (limit - found.s)
+        remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in zip(wanted, outlines, strict=True)]
+        report, columns = _report(report, path, follower, rings[0], found, pair, request.harmonics, remarks)
+    with Staged(out / report.name) as folder:
+        if columns:
+            progress("writing the report")
+            from camgen.report.figures import plot_svg
+
+            write_csv(folder / "motion.csv", columns)
+            write_html(folder / "report.html", report, [plot_svg(plot) for plot in report.plots])
+        write_json(folder / "report.json", report)
+        write_manifest(folder, _PACKAGES)
+    return report
+
+
+def _report(
+    empty: Report, path: Path, follower: FollowerTable, ring: Ring, found: Recovered, play: Floats | None, harmonics: int,
+    remarks: Sequence[str],
+) -> tuple[Report, Mapping[str, Floats]]:
+    """The report on a recovered motion, and the columns of motion.csv over the turn, both ends included."""
+    lost = np.isnan(found.s)
+    where = path.name
+    if lost.any():
+        first = math.degrees(found.theta[np.flatnonzero(lost)[0]])
+        where += f", cam angle {first:.3f} deg"
+    held = 100 * float(np.mean(~lost))
+    findings = [*empty.findings, at_least(
+        "CONTACT", held, 100, "percent", where,
+        "of the turn the tip rests on the outline" + ("; no speed or acceleration is given" if lost.any() else ""),
+    )]  # fmt: skip
+    name, scale = follower.unit
+    key = "angle_deg" if name == "deg" else "displacement_mm"
+    columns = {
+        "theta_deg": np.degrees(found.theta), key: found.s * scale, f"speed_{name}_rad": found.speed * scale,
+        f"acceleration_{name}_rad2": found.acceleration * scale, "pressure_angle_deg": np.degrees(found.pressure_angle),
+    }  # fmt: skip
+    numbers = _extremes(found, ring, follower)
+    if play is not None:
+        columns[f"lash_{name}"] = play * scale
+        findings.append(_overlap(path.name, play, found, follower))
+        numbers |= {f"lash_max_{name}": float(np.nanmax(play)) * scale, f"lash_min_{name}": float(np.nanmin(play)) * scale}
+    turn = {key: np.append(value, value[0]) for key, value in columns.items()}
+    turn["theta_deg"][-1] = 360.0
+    passed = f"low-passed at {harmonics} harmonics"
+    label, theta = "cam angle, deg", turn["theta_deg"]
+    shown = [
+        ("Follower", name, key), (f"Speed, {passed}", f"{name} per rad", f"speed_{name}_rad"),
+        (f"Acceleration, {passed}", f"{name} per rad²", f"acceleration_{name}_rad2"),
+        ("Pressure angle, positive ccw of the follower's way out", "deg", "pressure_angle_deg"),
+        ("Lash of the pair", name, f"lash_{name}"),
+    ]  # fmt: skip
+    plots = [Plot(title, label, unit, [(title, theta, turn[key])]) for title, unit, key in shown if key in turn]
+    notes = [
+        *remarks,
+        f"Speed and acceleration are derivatives to the cam angle, {passed} of a turn: harmonic n counts by "
+        f"1 / (1 + (n / {harmonics})^{_STEEPNESS}). The displacement itself is not filtered.",
+        "The cam turns counter-clockwise about the shaft. " + _counted(follower, found),
+    ]
+    filled = Report(
+        empty.name, empty.mechanism, findings, numbers, (), plots, (_table(found, follower),), notes,
+        _animation(ring, follower, found), None, ("motion.csv", "report.json", "manifest.json"),
+    )  # fmt: skip
+    return filled, turn
+
+
+def _counted(follower: FollowerTable, found: Recovered) -> str:
+    """From where s is counted, in words."""
+    if follower.motion == "oscillating":
+        what = "face's normal" if follower.shape == "flat" else "arm"
+        way = f"The angle of the {what} is counter-clockwise positive, "
+        from_ = math.degrees(np.angle(follower.reference) + found.start)
+    else:
+        way = "The follower's way is positive outwards, "
+        from_ = (follower.at or 0.0) + found.start
+    kind = "" if follower.anchored else "its innermost position, "
+    return way + f"from {kind}{from_:.6g} " + ("deg" if follower.motion == "oscillating" else "mm from the shaft") + "."
+
+
+def _extremes(found: Recovered, ring: Ring, follower: FollowerTable) -> dict[str, float]:
+    edge = np.abs(follower.mounted(ring).samples())
+    name, scale = follower.unit
+    swing = "swing_deg" if name == "deg" else "stroke_mm"
+    return {
+        swing: float(np.nanmax(found.s) - np.nanmin(found.s)) * scale,
+        f"peak_speed_{name}_rad": float(np.max(np.abs(found.speed))) * scale,
+        f"peak_acceleration_{name}_rad2": float(np.max(np.abs(found.acceleration))) * scale,
+        "pressure_angle_deg": math.degrees(float(np.nanmax(np.abs(found.pressure_angle)))),
+        "radius_min_mm": float(edge.min()),
+        "radius_max_mm": float(edge.max()),
+        "outline_length_mm": ring.length,
+        "outline_area_mm2": abs(ring.area),
+    }
+
+
+def _table(found: Recovered, follower: FollowerTable) -> Table:
+    rows = []
+    name, scale = follower.unit
+    for what, unit, values, each in (
+        ("follower", name, found.s, scale), ("speed", f"{name} per rad", found.speed, scale),
+        ("acceleration", f"{name} per rad²", found.acceleration, scale),
+        ("pressure angle", "deg", found.pressure_angle, math.degrees(1)),
+    ):  # fmt: skip
+        if np.isnan(values).all():
+            continue
+        low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+        at = (math.degrees(found.theta[low]), math.degrees(found.theta[high]))
+        rows.append([what, unit, values[low] * each, at[0], values[high] * each, at[1]])
+    return Table("Extremes", ("quantity", "unit", "least", "at, deg", "greatest", "at, deg"), rows)
+
+
+def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
+    """Whether the pair leaves room for both tips everywhere, but for what facets and decimals feign."""
+    least = int(np.nanargmin(play))
+    name, scale = follower.unit
+    return at_most(
+        "INTERFERENCE", max(0.0, -play[least]) * scale, _OVERLAP / max(found.lever, 1e-9) * scale, name,
+        f"{where}, cam angle {math.degrees(found.theta[least]):.3f} deg",
+        f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
+    )  # fmt: skip
+
+
+def _animation(ring: Ring, follower: FollowerTable, found: Recovered) -> Animation:
+    """The outline turning under the follower."""
+    step = len(found.theta) // _FRAMES
+    theta, s = found.theta[::step], found.s[::step] + found.start
+    held, at = follower.mounted(ring), follower.reference
+    still = np.zeros(len(theta), complex)
+    circles = [(at, follower.radius)] if follower.radius else []
+    size = 0.6 * float(np.max(np.abs(held.points)))
+    if follower.motion == "oscillating":
+        pose, strokes = Pose(s, still + follower.axle), [np.array([0, at])]
+        if follower.shape == "flat":
+            reach = -1j * follower.sense * np.array([0, abs(follower.axle) + 1.5 * size])
+            strokes = [at * ((follower.face_offset or 0.0) + reach)]
+    else:
+        pose = Pose(np.zeros(len(theta)), np.asarray(follower.direction * s, complex))
+        strokes = [np.array([at, at + size * follower.direction])]
+        if follower.shape == "flat":
+            strokes.append(at + size * 1j * follower.direction * np.array([-1.5, 1.5]))
+    bodies = [Body("cam", [Pose(theta, still)], [(held.points, held.bulges)]), Body("follower", [pose], (), strokes, circles)]
+    name, scale = follower.unit
+    return Animation(theta, bodies, found.s[::step] * scale, "follower", name)

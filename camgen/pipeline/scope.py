@@ -1,0 +1,97 @@
+"""What is judged, and what is not: each step says which codes it gives and which kinds of files it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from camgen.findings import Finding, NotJudged
+from camgen.machine.contacts import Apart, Rolling, Traced
+from camgen.machines.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from camgen.pipeline.jobs import Case
+
+DRAWN, SOLID = ("dxf",), ("stl", "3mf")
+ANY = (*DRAWN, *SOLID)
+
+# Keys of [print] that change what is sent to a printer.
+_FITS = ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot")
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A step of judging.
+
+    codes: that it gives; what: it looks at, for people; takes: kinds of files, of which one is enough, none: it needs no
+    file; work: (case, kinds that are there) -> its outcome, None where it is done as parts are read.
+    """
+
+    codes: tuple[str, ...]
+    what: str = ""
+    takes: tuple[str, ...] = ()
+    work: Callable[[Case, Sequence[str]], Any] | None = field(default=None, compare=False)
+
+    def runs(self, kinds: Collection[str]) -> bool:
+        """Whether files of these kinds are enough."""
+        return not self.takes or any(kind in kinds for kind in self.takes)
+
+
+def reading(mechanism: Mechanism) -> list[Stage]:
+    """The steps that are done as parts are read: each file by itself, and the motion that the files give."""
+    contacts = mechanism.contacts()
+    holes = any(layer.region.holes for part in mechanism.parts() for layer in part.layers)
+    stages = [
+        Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN),
+        Stage(("WATERTIGHT", "VOLUME"), "solids", SOLID),
+        Stage(("ROUND_TRIP", *(("MIN_WALL",) if holes else ())), "contours as they are in the files", ANY),
+    ]
+    rollings = [contact for contact in contacts if isinstance(contact, Rolling)]
+    if rollings:
+        stages.append(Stage(("MOTION_ERROR", "SPEED_RIPPLE"), "the follower, rolled on the outline", ANY))
+    if len(rollings) > 1:
+        stages.append(Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", ANY))
+    if any(rolling.tip_part for rolling in rollings):
+        stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", ANY))
+    if any(rolling.reach is not None for rolling in rollings):
+        stages.append(Stage(("FACE_WIDTH",), "where the face is touched", ANY))
+    for traced in (contact for contact in contacts if isinstance(contact, Traced)):
+        codes = ("MOTION_ERROR", "PIN_GAP", "LASH", *(("STROKE_ERROR",) if traced.stroke else ()))
+        stages.append(Stage(codes, "the linkage, closed on the holes of its parts", ANY))
+    return stages
+
+
+def passing_by(mechanism: Mechanism) -> bool:
+    """Whether parts pass by each other that must not meet."""
+    return any(isinstance(contact, Apart) for contact in mechanism.contacts())
+
+
+def not_judged(
+    stages: Sequence[Stage], kinds: Collection[str], findings: Sequence[Finding], lacks: str
+) -> tuple[NotJudged, ...]:
+    """Codes that no stage could give: no file of its kinds is there (`lacks` says so), or none that could be judged."""
+    told, failing = {finding.code for finding in findings}, any(not finding.ok for finding in findings)
+    found: dict[str, NotJudged] = {}
+    for stage in stages:
+        needs = " or ".join(kind.upper() for kind in stage.takes)
+        for code in stage.codes:
+            if not stage.runs(kinds):
+                found.setdefault(code, NotJudged(code, f"no {needs} {lacks}, so not judged: {stage.what}", needs))
+            elif failing and code not in told:
+                why = f"no {needs} could be judged so far, see what fails: {stage.what}"
+                found.setdefault(code, NotJudged(code, why, "a file without the faults above"))
+    return tuple(found.values())
+
+
+def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
+    """Sentences on keys that were set and cannot act on a kind of file that is there."""
+    found = []
+    for key in _FITS if "dxf" in kinds else ():
+        value = getattr(mechanism.print, key)
+        if value:
+            found.append(f"print.{key} = {value:g} acts on STL and 3MF alone: the DXF is as drawn")
+    curves = mechanism.output.curves
+    if curves != "bulge" and "dxf" not in kinds and any(kind in kinds for kind in SOLID):
+        found.append(f'output.curves = "{curves}" acts on DXF alone, and no DXF is made')
+    return tuple(found)

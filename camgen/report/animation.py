@@ -1,0 +1,240 @@
+"""The mechanism as a moving picture: bodies and poses to SVG, for the report's page and for stills.
+
+Same bodies and poses, same bytes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from camgen.geometry.outlines import Floats, Points
+from camgen.machine.contacts import Pose
+
+Ring = tuple[Points, Floats]
+
+# A ring with more vertices than this is drawn with fewer; files keep them all.
+DRAWN_VERTICES = 4000
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of the animation, in its own frame, mm: one shape and a pose for each copy.
+
+    rings: closed outlines (points (n,) complex, bulges (n,)), drawn even-odd, so holes are rings too; bulge k is
+    tan(sweep / 4) of the arc from point k to the next, positive counter-clockwise, 0 a straight edge.
+    strokes: open polylines (n,) complex; circles: (centre, radius).
+    """
+
+    name: str
+    poses: Sequence[Pose]
+    rings: Sequence[Ring] = ()
+    strokes: Sequence[Points] = ()
+    circles: Sequence[tuple[complex, float]] = ()
+
+
+@dataclass(frozen=True)
+class Animation:
+    """One turn: `theta` (n,) rad, evenly spaced from 0, the end point left out; the poses' arrays are (n,) too.
+
+    Each angle is a frame of the page, which interpolates between: 120 (3 deg) are exact to 0.04 % of a radius.
+    output: (n,) the follower's value in `output_unit`, shown as `output_name`. A pose that is nan hides its body.
+    """
+
+    theta: Floats
+    bodies: Sequence[Body]
+    output: Floats | None = None
+    output_name: str = "output"
+    output_unit: str = ""
+
+
+def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
+    """A still picture of the mechanism at frame `frame`, as an SVG file of its own."""
+    box, drawing = _drawing(animation, frame)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="480" role="img">'
+        f"<title>{escape(title)}</title><style>{_STILL_STYLE}</style>{drawing}</svg>\n"
+    )
+
+
+_STILL_STYLE = (
+    "svg{background:#fff;font-family:sans-serif}.grid{stroke:#e6eaee}.axes{stroke:#9aa5b1}.scale{stroke:#39424e}"
+    "text{fill:#39424e}use{fill:currentColor;stroke:currentColor}.c0{color:#0b62a8}.c1{color:#b5541c}.c2{color:#2c7a4b}"
+    ".c3{color:#7a3e9d}.c4{color:#8a6d00}.c5{color:#a8326e}"
+)
+
+
+def fixed(value: float) -> str:
+    """As the page's script writes a value."""
+    return f"{value:.3f}".replace("-", "−") if math.isfinite(value) else "–"
+
+
+def _number(value: float) -> str:
+    """Shortest text of a coordinate to 0.1 um, never -0 or an exponent."""
+    text = f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _xy(z: complex) -> str:
+    return f"{_number(z.real)} {_number(z.imag)}"
+
+
+def _drawn(ring: Ring) -> Ring:
+    """The ring with few enough vertices to draw: one for each small step along it, then all edges straight."""
+    points, bulges = np.asarray(ring[0], complex), np.asarray(ring[1], float)
+    if len(points) <= DRAWN_VERTICES:
+        return points, bulges
+    along = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(points)))])
+    step = np.floor(along / along[-1] * (DRAWN_VERTICES / 2))
+    points = points[np.concatenate([[True], np.diff(step) > 0])]
+    return points, np.zeros(len(points))
+
+
+def svg_path(ring: Ring) -> str:
+    """SVG path of a ring in its own frame (y up under the drawing's mirror image, so bulges keep their sense)."""
+    points, bulges = _drawn(ring)
+    ends = np.roll(points, -1)
+    chords = np.abs(ends - points)
+    words = [f"M{_xy(points[0])}"]
+    for end, chord, bulge in zip(ends.tolist(), chords.tolist(), bulges.tolist(), strict=True):
+        if abs(bulge) * chord < 2e-5:  # an arc this flat is a line to 0.01 um, and its radius would overflow renderers
+            words.append(f"L{_xy(end)}")
+        else:
+            radius = _number(chord * (1 + bulge * bulge) / (4 * abs(bulge)))
+            words.append(f"A{radius} {radius} 0 {int(abs(bulge) > 1)} {int(bulge > 0)} {_xy(end)}")
+    return "".join(words) + "Z"
+
+
+def _spread(body: Body) -> Points:
+    """Points whose hull is the body's, to a thousandth of its size: vertices, arcs' insides, circles."""
+    groups = [np.zeros(1, complex), *(np.asarray(stroke, complex) for stroke in body.strokes)]
+    for ring in body.rings:
+        points, bulges = _drawn(ring)
+        chord = np.roll(points, -1) - points
+        sweep = 4 * np.arctan(bulges)
+        for share in np.arange(8) / 8:
+            curved = np.abs(bulges) > 1e-9
+            half = np.where(curved, np.sin(sweep / 2), 1.0)
+            along = np.where(curved, np.sin(share * sweep / 2) / half, share)
+            groups.append(points + chord * along * np.exp(-1j * (1 - share) * sweep / 2))
+    groups += [centre + radius * np.exp(2j * np.pi * np.arange(48) / 48) for centre, radius in body.circles]
+    points = np.concatenate(groups)
+    outward = np.exp(-2j * np.pi * np.arange(72) / 72)
+    return np.asarray(points[np.unique([np.argmax((points * way).real) for way in outward])])
+
+
+def _posed(pose: Pose, count: int) -> tuple[Floats, Points]:
+    """Angles, rad, and positions, mm, (count,) each, of a pose that may be constant."""
+    return np.broadcast_to(pose.angle, count), np.broadcast_to(np.asarray(pose.position, complex), count)
+
+
+def _copies(animation: Animation) -> list[tuple[int, Pose]]:
+    """(index of body, pose) of all copies, lowest first; sketches lie on top."""
+    copies = [(k, pose) for k, body in enumerate(animation.bodies) for pose in body.poses]
+    return sorted(copies, key=lambda copy: (not animation.bodies[copy[0]].rings, copy[1].z))
+
+
+def frames(animation: Animation) -> dict[str, object]:
+    """What the page's script needs: of each copy its [deg, x, y] by frame (a single one where it rests)."""
+    poses = []
+    for _, pose in _copies(animation):
+        angle, position = _posed(pose, len(animation.theta))
+        rows = np.round(np.column_stack([np.degrees(angle), position.real, position.imag]) + 0.0, 3).tolist()
+        states = [row if all(map(math.isfinite, row)) else None for row in rows]
+        poses.append(states[:1] if all(state == states[0] for state in states) else states)
+    output = [] if animation.output is None else np.asarray(animation.output, float).tolist()
+    return {
+        "frames": len(animation.theta),
+        "poses": poses,
+        "flipped": [pose.flipped for _, pose in _copies(animation)],
+        "output": [float(f"{value:.6g}") if math.isfinite(value) else None for value in output],
+    }
+
+
+def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
+    """View box and markup of the mechanism at a frame; the page's script moves the `use` elements."""
+    copies, count = _copies(animation), len(animation.theta)
+    reach = []
+    for k, pose in copies:
+        angle, position = _posed(pose, count)
+        shape = _spread(animation.bodies[k])
+        shape = -np.conj(shape) if pose.flipped else shape
+        reach.append((position[:, None] + np.exp(1j * angle[:, None]) * shape).ravel())
+    cloud = np.concatenate([np.zeros(1, complex), *reach])
+    cloud = cloud[np.isfinite(cloud)]
+    left, right, low, high = cloud.real.min(), cloud.real.max(), cloud.imag.min(), cloud.imag.max()
+    size = max(right - left, high - low, 1e-3)
+    left, right, low, high = left - 0.05 * size, right + 0.05 * size, low - 0.13 * size, high + 0.05 * size
+    power = 10.0 ** math.floor(math.log10(size / 10))
+    step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= size / 10.000001)
+    across, up = (np.arange(math.ceil(a / step), b / step) * step for a, b in ((left, right), (low, high)))
+    grid = "".join(f"M{_xy(complex(x, low))}V{_number(high)}" for x in across)
+    grid += "".join(f"M{_xy(complex(left, y))}H{_number(right)}" for y in up)
+    thin, bar = _number(size / 500), complex(left + 0.04 * size, low + 0.05 * size)
+    shapes = "".join(_shape(k, body, size / 60) for k, body in enumerate(animation.bodies))
+    dashes = f' stroke-dasharray="{_number(size / 80)} {_number(size / 160)}"'
+    uses = "".join(
+        f'<use href="#body-{k}" class="c{k % 6}"{dashes if pose.flipped else ""} {_placed(pose, frame, count)}/>'
+        for k, pose in copies
+    )
+    axes = f"M{_number(left)} 0H{_number(right)}M0 {_number(low)}V{_number(high)}"
+    text = f'<text x="{_number(bar.real)}" y="{_number(-bar.imag - size / 60)}" font-size="{_number(size / 32)}">'
+    return (
+        " ".join(map(_number, (left, -high, right - left, high - low))),
+        f'<defs>{shapes}</defs><g transform="scale(1 -1)" fill="none" stroke-width="{thin}" stroke-linejoin="round">'
+        f'<path class="grid" d="{grid}"/><path class="axes" d="{axes}" stroke-dasharray="{_number(size / 30)} '
+        f'{_number(size / 120)} {_number(size / 240)} {_number(size / 120)}"/>'
+        f'<path class="scale" stroke-width="{_number(size / 200)}" d="M{_xy(bar)}h{_number(2 * step)}"/>{uses}</g>'
+        f"{text}{2 * step:g} mm</text>",
+    )
+
+
+def _shape(k: int, body: Body, cross: float) -> str:
+    """A body as a symbol to be placed: tinted material, strokes, circles and a cross at its datum."""
+    rings = "".join(svg_path(ring) for ring in body.rings)
+    lines = "".join("M" + "L".join(_xy(z) for z in np.asarray(stroke).tolist()) for stroke in body.strokes)
+    mark = f"M-{(c := _number(cross))} 0H{c}M0 -{c}V{c}" if rings else ""
+    rounds = "".join(
+        f'<circle cx="{_number(z.real)}" cy="{_number(z.imag)}" r="{_number(radius)}" fill-opacity=".12"/>'
+        for z, radius in body.circles
+    )
+    return (
+        f'<g id="body-{k}">' + (f'<path fill-rule="evenodd" fill-opacity=".2" d="{rings}"/>' if rings else "")
+        + (f'<path fill="none" d="{lines}{mark}"/>' if lines or mark else "") + rounds + "</g>"
+    )  # fmt: skip
+
+
+def _placed(pose: Pose, frame: int, count: int) -> str:
+    angle, position = _posed(pose, count)
+    if not np.isfinite(angle[frame] + position[frame]):
+        return 'display="none"'
+    mirror = "scale(-1 1)" if pose.flipped else ""
+    return f'transform="translate({_xy(position[frame])})rotate({_number(math.degrees(angle[frame]))}){mirror}"'
+
+
+def player(animation: Animation) -> str:
+    """The drawing with its legend, play button, slider and read-out; without script a still picture."""
+    box, drawing = _drawing(animation, 0)
+    legend = []
+    for k, body in enumerate(animation.bodies):
+        for flipped in sorted({pose.flipped for pose in body.poses}):
+            number = sum(pose.flipped == flipped for pose in body.poses)
+            words = body.name + (", flipped" if flipped else "") + (f" × {number}" if number > 1 else "")
+            legend.append(f'<li class="c{k % 6}{" flipped" if flipped else ""}">{escape(words)}</li>')
+    names = ", ".join(body.name for body in animation.bodies)
+    value = "" if animation.output is None else (
+        f'<span>{escape(animation.output_name)} <output id="value">{fixed(animation.output[0])}</output> '
+        f"{escape(animation.output_unit)}</span>"
+    )  # fmt: skip
+    return (
+        f'<figure class="player"><svg id="mechanism" viewBox="{box}" role="img" aria-labelledby="drawn drawn-what">'
+        f'<title id="drawn">The mechanism in motion</title><desc id="drawn-what">Seen along the axes, y up: '
+        f"{escape(names)}.</desc>{drawing}</svg><ul>{''.join(legend)}</ul>"
+        '<div class="controls"><button type="button" id="play" hidden>Play</button>'
+        '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="cam angle, degrees" hidden>'
+        f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div></figure>'
+    )
