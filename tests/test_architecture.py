@@ -1,4 +1,4 @@
-"""The rows of the architecture, held against the imports that the code really makes, lazy ones included."""
+"""The wings, held against the imports that the code really makes, lazy ones included."""
 
 from __future__ import annotations
 
@@ -11,159 +11,78 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parent.parent / "camgen"
 
-# Imports go to lower rows only.
-ROWS = (
-    {"errors", "tolerances", "numerics"},
-    {"motion", "findings", "spec", "standards", "machine"},
-    {"program", "spring_law", "unloader", "outlines", "sampling", "arcfit", "trimming", "crossing", "distances", "rings"}
-    | {"linkages", "dynamics", "landmarks", "tips", "unpacking"},
-    {"followers", "parts", "segments", "selftest", "fits", "feed", "synthesis", "stitch", "looper_timing", "nearness"},
-    {"mechanism", "hardware", "canvas", "follower_dynamics", "looper_design", "looper_parts", "disc_parts", "sizing"}
-    | {"swing_tables"}
-    | {"contact_tips"},
-    {"solids", "readback", "contact", "contact_faces", "undoing", "closure", "mechanisms"}
-    | {"eccentric_study", "feed_study", "looper_study", "swing_machine", "swing_list", "swing_study", "indexing_study"}
-    | {"swing_room"},
-    {"export", "dxf", "sheet", "drawing", "dimensions", "packing", "lying", "verify", "rolling", "interference", "slabs"}
-    | {"sweep", "clearance", "folder", "budget", "outline_files", "follower_table"},
-    {"report", "moving", "figures", "jobs", "scope", "expectation"},
-    {"making", "judging"},
-    {"pipeline", "outline_motion", "terminal", "benchmark"},
-    {"benchmark_report"},
-    {"cli", "__main__"},
-)
-# Imports inside a row, each towards what the other is made from.
-SAME_ROW = {
-    ("sampling", "outlines"),
-    ("arcfit", "outlines"),
-    ("arcfit", "sampling"),
-    ("trimming", "outlines"),
-    ("crossing", "outlines"),
-    ("crossing", "rings"),
-    ("dynamics", "linkages"),
-    ("landmarks", "linkages"),
-    ("mechanisms", "eccentric_study"),
-    ("mechanisms", "feed_study"),
-    ("mechanisms", "swing_machine"),
-    ("mechanisms", "swing_room"),
-    ("swing_machine", "swing_room"),
-    ("mechanisms", "swing_list"),
-    ("swing_list", "swing_machine"),
-    ("mechanisms", "swing_study"),
-    ("mechanisms", "indexing_study"),
-    ("sweep", "interference"),
-    ("sweep", "slabs"),
-    ("interference", "slabs"),
-    ("mechanisms", "looper_study"),
-    ("fits", "parts"),
-    ("looper_timing", "stitch"),
-    ("packing", "export"),
-    ("packing", "lying"),
-    ("export", "dxf"),
-    ("drawing", "dxf"),
-    ("drawing", "dimensions"),
-    ("dimensions", "dxf"),
-    ("drawing", "sheet"),
-    ("sheet", "dxf"),
-    ("budget", "rolling"),
-    ("report", "moving"),
-    ("judging", "making"),
-    ("__main__", "cli"),
+# What each wing may import, besides itself and the ground; the modules at the top and those of the ground have no wing.
+WINGS = {
+    "geometry": set(),
+    "motion": set(),
+    "machine": {"geometry", "motion"},
+    "parts": {"geometry", "machine"},
+    "files": {"geometry", "parts"},
+    "machines": {"geometry", "motion", "machine", "parts"},
+    "judge": {"geometry", "machine", "files"},
+    "report": {"geometry", "machine", "files"},
+    "pipeline": {"geometry", "motion", "machine", "parts", "files", "machines", "judge", "report"},
 }
-# The judge sees files, the wanted motion and how parts touch; never what made the curve.
-JUDGES = {
-    "readback",
-    "contact",
-    "contact_tips",
-    "contact_faces",
-    "closure",
-    "clearance",
-    "verify",
-    "rolling",
-    "interference",
-    "slabs",
-    "sweep",
-    "undoing",
-    "rings",
-    "distances",
-    "unpacking",
-}
+GROUND = {"", "errors", "findings", "numerics", "spec", "tolerances"}
+TOP = {"__init__", "__main__", "cli"}
+# The judge sees files, the wanted motion and how bodies touch; never what made a curve, nor what wrote a file.
 MAKERS = {
-    "outlines", "sampling", "arcfit", "trimming", "followers", "linkages", "parts", "mechanisms", "mechanism", "solids",
-    "export", "packing", "lying", "fits", "dxf", "sheet", "drawing", "dimensions", "program", "segments", "crossing",
-    "stitch", "looper_design", "looper_parts", "looper_timing",
-    "looper_study", "tips", "sizing", "disc_parts", "swing_room", "swing_tables",
-}  # fmt: skip
-HOW_PARTS_TOUCH = {
-    ("mechanism", name)
-    for name in ("Apart", "Contact", "Eye", "Moved", "Pin", "Pose", "Poses", "Rolling", "Slide", "StandIn", "Traced")
+    "machine": {"cams", "followers", "linkages", "dynamics", "sizing", "cam_forces", "loops", "dyads", "newton"},
+    "files": {"export", "drawing", "sheet", "plates", "lying", "dimensions"},
 }
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
-LIGHT_MODULES = {"__init__", "__main__", "cli", "terminal", "errors", "findings", "folder", "tolerances"}  # no numpy, pydantic
+LIGHT = {"__init__", "__main__", "cli", "errors", "findings", "tolerances", "report.terminal", "files.folder"}
 
-MODULES = {path.relative_to(PACKAGE).with_suffix("").as_posix(): path for path in sorted(PACKAGE.rglob("*.py"))}
-
-
-def short(module: str) -> str:
-    """Name in the rows: `mechanisms` for all that is in that folder."""
-    return module.split("/")[0]
+MODULES = {
+    path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in sorted(PACKAGE.rglob("*.py"))
+}
 
 
-def imports(tree: ast.AST) -> set[tuple[str, str]]:
-    """All (module, name) that are imported anywhere, type-checking blocks aside; name "" for plain imports."""
-    found = set()
+def imports(tree: ast.AST) -> set[str]:
+    """Modules that are imported anywhere, `from a import b` as a.b, type-checking blocks aside."""
     hidden = {
         id(inner)
         for node in ast.walk(tree)
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
         for inner in ast.walk(node)
     }
-    for node in ast.walk(tree):
-        if id(node) in hidden:
-            continue
+    found = set()
+    for node in (node for node in ast.walk(tree) if id(node) not in hidden):
         if isinstance(node, ast.Import):
-            found |= {(alias.name, "") for alias in node.names}
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, "relative imports hide the row"
-            found |= {(node.module or "", alias.name) for alias in node.names}
+            assert node.level == 0, "relative imports hide the wing"
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
 
 def ours(tree: ast.AST) -> set[tuple[str, str]]:
-    """The (module of camgen, name) that are imported; `from camgen import x` is module x."""
-    found = set()
-    for module, name in imports(tree):
-        if module == "camgen" and name in {short(each) for each in MODULES} - {"__init__"}:
-            found.add((name, ""))
-        elif module.startswith("camgen."):
-            found.add((module.split(".")[1], name))
-    return found
+    """(wing, module) of what is imported of camgen; the wing is "" for `from camgen import __version__`."""
+    found = {tuple(name.split(".")[1:3]) for name in imports(tree) if name.startswith("camgen.")}
+    return {(*parts, "")[:2] if parts[0] in {*WINGS, *GROUND, *TOP} else ("", parts[0]) for parts in found}  # type: ignore[misc]
 
 
-def crossings(module: str, tree: ast.AST) -> list[str]:
+def upward(module: str, tree: ast.AST) -> list[str]:
     """Imports that do not go down."""
-    row = {name: k for k, names in enumerate(ROWS) for name in names}
-    here = short(module)
-    return [
-        f"{module} (row {row[here]}) imports {there} (row {row[there]})"
-        for there, _ in sorted(ours(tree))
-        if not (row[there] < row[here] or (here, there) in SAME_ROW or (here == there == "machine"))
-    ]
+    here = module.split(".")[0]
+    if here in TOP:
+        return []
+    allowed = GROUND | {here} | WINGS.get(here, set())
+    return [f"{module} imports {wing}" for wing, _ in sorted(ours(tree)) if wing not in allowed]
 
 
 def bribes(module: str, tree: ast.AST) -> list[str]:
     """What a judge imports of the makers."""
-    if short(module) not in JUDGES:
+    if not module.startswith("judge."):
         return []
-    return [f"{module} imports {there}" for there, name in sorted(ours(tree))
-            if there in MAKERS and (there, name) not in HOW_PARTS_TOUCH]  # fmt: skip
+    return [f"{module} imports {wing}.{name}" for wing, name in sorted(ours(tree)) if name in MAKERS.get(wing, set())]
 
 
 def heavy_at_top(module: str, tree: ast.Module) -> list[str]:
     """Heavy packages that importing the module would load."""
     top = ast.Module([node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)], [])
-    forbidden = HEAVY | ({"numpy", "pydantic"} if module in LIGHT_MODULES else set())
-    return [f"{module} imports {name}" for name, _ in sorted(imports(top)) if name.split(".")[0] in forbidden]
+    forbidden = HEAVY | ({"numpy", "pydantic"} if module in LIGHT else set())
+    return [f"{module} imports {name}" for name in sorted(imports(top)) if name.split(".")[0] in forbidden]
 
 
 def undocumented(module: str, tree: ast.Module) -> list[str]:
@@ -178,49 +97,38 @@ def undocumented(module: str, tree: ast.Module) -> list[str]:
     return found
 
 
-def tree_of(module: str) -> ast.Module:
-    return ast.parse(MODULES[module].read_text(encoding="utf-8"))
+@pytest.mark.parametrize("rule", [upward, bribes, heavy_at_top, undocumented])
+def test_every_module_keeps_the_rule(rule: object) -> None:
+    trees = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
+    assert [line for module, tree in trees.items() for line in rule(module, tree)] == []  # type: ignore[operator]
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_module_keeps_the_rules(module: str) -> None:
-    tree = tree_of(module)
-    assert module == "__init__" or any(short(module) in row for row in ROWS), "a module without a row"
-    assert (crossings(module, tree) if module != "__init__" else []) == []
-    assert bribes(module, tree) == []
-    assert heavy_at_top(module, tree) == []
-    assert undocumented(module, tree) == []
-    assert len(MODULES[module].read_text(encoding="utf-8").splitlines()) <= 500, "two ideas in one module"
+def test_wings_are_all_that_there_is() -> None:
+    assert {module.split(".")[0] for module in MODULES} == {*WINGS, *TOP, *(GROUND - {""})}
+    long = {module: len(path.read_text(encoding="utf-8").splitlines()) for module, path in MODULES.items()}
+    assert {module: lines for module, lines in long.items() if lines > 500} == {}, "two ideas in one file"
 
 
 def test_only_figures_imports_matplotlib() -> None:
-    packages = {module: {name.split(".")[0] for name, _ in imports(tree_of(module))} for module in MODULES}
-    assert {module for module in MODULES if "matplotlib" in packages[module]} <= {"figures"}
-
-
-def test_modules_stand_in_one_row_and_exceptions_are_used() -> None:
-    names = [name for row in ROWS for name in row]
-    assert len(names) == len(set(names))
-    used = {(short(module), there) for module in MODULES for there, _ in ours(tree_of(module))}
-    written = {short(module) for module in MODULES}
-    assert {pair for pair in SAME_ROW - used if set(pair) <= written} == set()
-    assert set(names) - written == set(), "rows name modules that do not exist"
+    users = {m for m, path in MODULES.items() if "import matplotlib" in path.read_text() or "from matplotlib" in path.read_text()}
+    assert users == {"report.figures"}
 
 
 @pytest.mark.parametrize(
     "rule, module, text",
     [
-        (crossings, "motion", "from camgen.geometry.outlines import Line"),
-        (crossings, "motion", "def f():\n    import camgen.pipeline.build"),
-        (crossings, "findings", "from camgen import spec"),
-        (crossings, "mechanism", "def f():\n    from camgen.machines.uniform_swing.mechanism import UniformSwing"),
-        (bribes, "verify", "def f():\n    from camgen.machine.cams import DiscCam"),
-        (bribes, "readback", "from camgen import arcfit"),
-        (bribes, "contact", "from camgen.machines.mechanism import Mechanism"),
-        (bribes, "closure", "from camgen.machine.linkages import RRR"),
-        (heavy_at_top, "export", "import trimesh.util"),
+        (upward, "geometry.arcs", "from camgen.parts.part import Part"),
+        (upward, "motion.laws", "def f():\n    import camgen.pipeline.build"),
+        (upward, "findings", "from camgen.geometry import rings"),
+        (upward, "machine.model", "def f():\n    from camgen.machines.disc_cam import DiscCam"),
+        (upward, "judge.contact", "from camgen.parts import fits"),
+        (upward, "judge.contact", "from camgen.machines.mechanism import Mechanism"),
+        (bribes, "judge.round_trip", "def f():\n    from camgen.machine.cams import DiscCam"),
+        (bribes, "judge.linkage", "from camgen.machine import linkages"),
+        (bribes, "judge.linkage", "from camgen.files.export import write_stl"),
+        (heavy_at_top, "files.export", "import trimesh.util"),
         (heavy_at_top, "cli", "import numpy as np"),
-        (undocumented, "parts", '"""Parts."""\nclass A:\n    """A."""\n    def b(self): ...'),
+        (undocumented, "parts.part", '"""Parts."""\nclass A:\n    """A."""\n    def b(self): ...'),
     ],
 )
 def test_each_rule_is_seen_to_fail(rule: object, module: str, text: str) -> None:

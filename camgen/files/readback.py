@@ -1,7 +1,7 @@
 """Files back to shapes: what the judge sees of a part, read without knowing how it was made.
 
 A DXF becomes rings by layer, an STL or 3MF meshes (vertices, unique by exact bits in an STL, and triangles that index
-them), a slice of a mesh a list of rings. Rings, shapes and circles are those of `rings`, offered here as well.
+them), a slice of a mesh a list of rings.
 """
 
 from __future__ import annotations
@@ -18,16 +18,7 @@ from numpy.typing import NDArray
 
 from camgen.errors import FileError
 from camgen.files.unpacking import refuse_bomb
-from camgen.geometry.rings import Circle as Circle
-from camgen.geometry.rings import Floats as Floats
-from camgen.geometry.rings import Ints as Ints
-from camgen.geometry.rings import Points as Points
-from camgen.geometry.rings import Ring as Ring
-from camgen.geometry.rings import Shape as Shape
-from camgen.geometry.rings import bore_circle as bore_circle
-from camgen.geometry.rings import fit_circle as fit_circle
-from camgen.geometry.rings import hole_circles as hole_circles
-from camgen.geometry.rings import shape_of as shape_of
+from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from camgen.files.readback import Ring, Shape
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.deviation import outline_error
 from camgen.geometry.outlines import Contour, Floats
+from camgen.geometry.rings import Ring, Shape
 from camgen.judge.rolling import Motion, judged_angles, mounted
 from camgen.machine.contacts import Rolling
 from camgen.machine.study import Table

@@ -23,8 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import tolerances
-from camgen.files.readback import Floats, Points, read_3mf, read_dxf, read_stl, slice_mesh
+from camgen.files.readback import read_3mf, read_dxf, read_stl, slice_mesh
 from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.rings import Floats, Points
 from camgen.machine.contacts import Apart, Pose
 
 if TYPE_CHECKING:

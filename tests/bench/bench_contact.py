@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from camgen.files.export import write_stl
-from camgen.files.readback import Ring, mesh_faults, read_stl, slice_mesh
+from camgen.files.readback import mesh_faults, read_stl, slice_mesh
+from camgen.geometry.rings import Ring
 from camgen.judge.contact import rolling_contact
 from camgen.parts.solids import Mesh
 

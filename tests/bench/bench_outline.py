@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2])]
+sys.path[:0] = [str(Path(__file__).parents[1] / "geometry"), str(Path(__file__).parents[2])]
 
-from test_sampling import blunt_pieces, knife_cam, largest_distance  # noqa: E402
+from test_facets import blunt_pieces, knife_cam, largest_distance  # noqa: E402
 
 from camgen.geometry.arcs import _fit_smooth, theoretical_arcs  # noqa: E402
 from camgen.geometry.facets import facet, theoretical_vertices  # noqa: E402

@@ -32,7 +32,7 @@ from typing import Any
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-sys.path[:0] = [str(HERE), str(HERE.parent), str(ROOT)]
+sys.path[:0] = [str(HERE), str(HERE.parent / "geometry"), str(ROOT)]
 PATIENCE = 60.0  # s
 BEGIN, END = "<!-- peers: python tests/bench/peers.py --readme -->", "<!-- end of peers -->"
 
@@ -242,7 +242,7 @@ def offsets(rounds: int) -> Iterator[Row]:
     """10,000 points of the knife-edge cam's curve set inwards by 3 mm; error: the vertices' distance from it, less 3."""
     import numpy as np
     import shapely
-    from test_sampling import FIRST, SECOND, blunt_pieces, half_turn
+    from test_facets import FIRST, SECOND, blunt_pieces, half_turn
 
     from camgen.machine.followers import SwingingArm
     from camgen.motion.laws import UNIFORM
@@ -276,7 +276,7 @@ def offsets(rounds: int) -> Iterator[Row]:
 def nearest(z: Any, *halves: tuple[float, float]) -> Any:
     """Distance of each z from the reference curve: the least over its halves, from a dense table refined by Newton."""
     import numpy as np
-    from test_sampling import half_turn
+    from test_facets import half_turn
 
     found = []
     for k, half in enumerate(halves):
@@ -296,7 +296,7 @@ def nearest(z: Any, *halves: tuple[float, float]) -> Any:
 def counts() -> Iterator[Row]:
     """Vertices against equal angles, arcs against the theory; pieces as in bench_outline.py."""
     from bench_outline import _alone, uniform
-    from test_sampling import blunt_pieces, knife_cam
+    from test_facets import blunt_pieces, knife_cam
 
     from camgen.geometry.arcs import _fit_smooth, theoretical_arcs
     from camgen.geometry.facets import facet
@@ -363,7 +363,7 @@ def measured(command: list[str]) -> tuple[float, float]:
 def outlines(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     """The knife-edge cam's exact outline to STL here, the straight outline through the same vertices there."""
     import numpy as np
-    from test_sampling import knife_cam
+    from test_facets import knife_cam
 
     from camgen.files.export import write_stl
     from camgen.geometry.outlines import Region

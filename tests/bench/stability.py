@@ -27,7 +27,8 @@ import mpmath
 import numpy as np
 
 from camgen.errors import CamgenError
-from camgen.files.readback import Ring, read_dxf, read_stl, shape_of, slice_mesh
+from camgen.files.readback import read_dxf, read_stl, slice_mesh
+from camgen.geometry.rings import Ring, shape_of
 from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parent.parent.parent / "specs"

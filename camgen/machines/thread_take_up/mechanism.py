@@ -349,8 +349,6 @@ class ThreadTakeUp(Mechanism):
             ),
         )  # fmt: skip
 
-    # ---- checks and study --------------------------------------------------------------------------------------------
-
     def limits(self) -> Sequence[Finding]:
         """Fold, transmission angle, gaps between what moves and what stands, excess thread, and the wishes."""
         g, t = self.geometry, self.take_up

@@ -329,8 +329,6 @@ class UniformSwing(Mechanism):
             return (first,)
         return (first, replace(first, name="second tip", arm=first.arm.conjugate(), leaves=-first.leaves, flipped=True))
 
-    # ---- checks and study -------------------------------------------------------------------------------------------
-
     @cached_property
     def _pressure(self) -> tuple[float, float, float]:
         """Largest pressure angle over the turn, and over each half turn less the undercut, deg."""

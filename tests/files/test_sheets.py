@@ -1,0 +1,233 @@
+"""Every sheet of every machine against the body that is made, and its words against LibreCAD's font."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import ezdxf
+import ezdxf.path
+import numpy as np
+import pytest
+import shapely
+from ezdxf.layouts import Modelspace
+
+from camgen.files.dimensions import holes_of
+from camgen.files.drawing import write_drawing
+from camgen.files.export import write_stl
+from camgen.files.readback import Mesh, read_stl
+from camgen.files.sheet import LAYERS
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.parts.part import Layer, Part
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+NAMES = sorted(path.stem for path in SPECS.glob("*.toml"))
+FACETS = 0.02  # mm, of the solids and of what is read from the sheets
+# Widths of LibreCAD's standard.lff in ninths of the height of capitals, each with its letter spacing of 3; the space has 6.75.
+CAD_WIDTHS = {
+    3.0: "!.:Ii|", 3.5: ",;", 4.0: "'l()[]`", 5.0: "1j{}", 6.0: "Jcfrt°^", 6.5: 's"', 6.75: " ",
+    7.0: "02356789abdeghknopquvxyzCEFL-+=/<>~±×", 7.5: "B", 8.0: "4DGHKNOPRSTUZ", 9.0: "mwAMQVXYØ#&*", 11.0: "W%@", 14.0: "_",
+}  # fmt: skip
+NINTHS = {character: width for width, characters in CAD_WIDTHS.items() for character in characters}
+
+
+def cad_width(text: str, height: float) -> float:
+    plain = text.replace("%%c", "Ø").replace("%%d", "°").replace("%%p", "±")
+    return sum(NINTHS[character] for character in plain) / 9 * height
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A part, its sheet read back, and where that is on paper: mm of paper for a mm of the part, corners of the frame."""
+
+    part: Part
+    space: Modelspace
+    scale: float
+    low: complex
+    high: complex
+
+    @property
+    def texts(self) -> list[ezdxf.entities.Text]:
+        return list(self.space.query("TEXT"))
+
+
+def drawn(part: Part, folder: Path, tolerance: float = FACETS / 4) -> Drawn:
+    path, _ = write_drawing(folder, "x", part, tolerance, {"Mechanism": "m", "Material": "PLA"})
+    space = ezdxf.readfile(path).modelspace()
+    frames = [np.array(e.get_points("xy")) @ [1, 1j] for e in space.query("LWPOLYLINE[layer=='TEXT']") if len(e) == 4]
+    frame = max(frames, key=lambda z: np.ptp(z.real))
+    texts = [e.dxf.text for e in space.query("TEXT")]
+    wide = {"A4": 297, "A3": 420}[texts[texts.index("Sheet") + 1]] - 30
+    low, high = complex(min(frame.real), min(frame.imag)), complex(max(frame.real), max(frame.imag))
+    return Drawn(part, space, wide / (high - low).real, low, high)
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def sheets(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> list[Drawn]:
+    folder = tmp_path_factory.mktemp(request.param)
+    return [drawn(part, folder) for part in pipeline.read_mechanism(SPECS / f"{request.param}.toml", []).parts()]
+
+
+# ---- views ------------------------------------------------------------------------------------------------------------
+
+
+def views(sheet: Drawn) -> tuple[list[shapely.Polygon], list[shapely.Polygon], list[shapely.Polygon]]:
+    """Closed contours of the view along z, of that from the left and of that from above."""
+    found: tuple[list[shapely.Polygon], ...] = ([], [], [])
+    boxes = [sheet_box(layer.region) for layer in sheet.part.layers]
+    right, low = max(box[2] for box in boxes), min(box[1] for box in boxes)
+    for entity in sheet.space.query("LWPOLYLINE CIRCLE"):
+        if entity.dxf.layer not in ("CUT", "VIEW", "HIDDEN"):
+            continue
+        line = ezdxf.path.make_path(entity).flattening(5e-4)
+        ring = shapely.Polygon([(v.x, v.y) for v in line]).buffer(0)
+        found[1 if ring.bounds[0] > right + 1e-6 else 2 if ring.bounds[3] < low - 1e-6 else 0].append(ring)
+    return found  # type: ignore[return-value]
+
+
+def sheet_box(region: Region) -> tuple[float, float, float, float]:
+    z = facet_contour(region.outer, FACETS / 4)
+    return float(z.real.min()), float(z.imag.min()), float(z.real.max()), float(z.imag.max())
+
+
+def shadow(mesh: Mesh, along: int, across: tuple[int, int], sign: int = 1) -> shapely.Geometry:
+    """What the body covers, seen along an axis."""
+    corners = mesh.vertices[mesh.faces][:, :, across] * (1, sign)
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    triangles = shapely.polygons(corners[doubled > 1e-9])
+    return filled(shapely.union_all(shapely.buffer(triangles, 1e-4, quad_segs=1)))  # a hair wider, so that none has gaps
+
+
+def filled(shape: shapely.Geometry) -> shapely.Geometry:
+    pieces = [piece for piece in shapely.get_parts(shape) if piece.area > 0]
+    return shapely.union_all([shapely.Polygon(piece.exterior) for piece in pieces])
+
+
+def unlike(one: shapely.Geometry, two: shapely.Geometry) -> float:
+    """Mean distance between two outlines, mm."""
+    return one.symmetric_difference(two).area / two.length
+
+
+def moved_to(shape: shapely.Geometry, like: shapely.Geometry) -> shapely.Geometry:
+    (x0, y0, *_), (x1, y1, *_) = shape.bounds, like.bounds
+    return shapely.transform(shape, lambda points: points + (x1 - x0, y1 - y0))
+
+
+def body(part: Part, folder: Path, facets: float = FACETS) -> Mesh:
+    write_stl(folder / f"{part.name}.stl", solid(part, facets), part.name)
+    return read_stl(folder / f"{part.name}.stl")
+
+
+def test_views_are_the_shadows_of_the_body_that_is_made(sheets: list[Drawn], tmp_path: Path) -> None:
+    for sheet in sheets:
+        name, mesh = sheet.part.name, body(sheet.part, tmp_path)
+        plan, side, above = views(sheet)
+        assert unlike(filled(shapely.union_all(plan)), shadow(mesh, 2, (0, 1))) < FACETS, name
+        seen = shadow(mesh, 0, (2, 1), 1)
+        drawn_side = shapely.transform(filled(shapely.union_all(side)), lambda points: points)
+        assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
+        # heights stand beside each other: the view from the left is not moved up or down, the one from above not sideways
+        assert drawn_side.bounds[1::2] == pytest.approx(seen.bounds[1::2], abs=FACETS), name
+        assert (len(above) > 0) == (sheet.part.crossed is not None), name
+        if above:
+            seen = shadow(mesh, 1, (0, 2), -1)
+            drawn_above = filled(shapely.union_all(above))
+            assert unlike(moved_to(drawn_above, seen), seen) < FACETS, name
+            assert drawn_above.bounds[::2] == pytest.approx(seen.bounds[::2], abs=FACETS), name
+
+
+def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> None:
+    """Outlines along z and from above that begin at the same x are those of one layer; rounded edges take under 0.5 %."""
+    for part in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts():
+        if part.crossed is None:
+            continue
+        plan, _, above = views(drawn(part, tmp_path, 5e-4))
+        holes = [ring for ring in plan if any(other.contains(ring) and ring.length < 9 for other in plan if other is not ring)]
+        pits = [ring for ring in above if any(other.contains(ring) for other in above if other is not ring)]
+        total = 0.0
+        fronts = [ring for ring in plan if ring not in holes]
+        tops = [ring for ring in above if ring not in pits]
+        assert len(fronts) == len(tops) == len(part.layers), part.name
+        for front in fronts:
+            top = min(tops, key=lambda ring: abs(ring.bounds[0] - front.bounds[0]) + abs(ring.bounds[2] - front.bounds[2]))
+            one = front.difference(shapely.union_all([ring for ring in holes if front.contains(ring)]))
+            two = top.difference(shapely.union_all([ring for ring in pits if top.contains(ring)]))
+            x = np.linspace(front.bounds[0], front.bounds[2], 4001)
+            x = (x[1:] + x[:-1]) / 2
+            lines = shapely.linestrings(np.stack([np.repeat(x[:, None], 2, 1), np.tile([-1e3, 1e3], (len(x), 1))], axis=-1))
+            chords = [shapely.length(shapely.intersection(shape, lines)) for shape in (one, two)]
+            total += float(np.mean(chords[0] * chords[1])) * (front.bounds[2] - front.bounds[0])
+        mesh = body(part, tmp_path, 0.001)
+        a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+        made = float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+        assert total == pytest.approx(made, rel=5e-3), part.name
+
+
+def test_what_lies_behind_material_is_dashed(tmp_path: Path) -> None:
+    (upper,) = [p for p in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts() if p.name == "upper-spreader"]
+    sheet = drawn(upper, tmp_path)
+    (hidden,) = sheet.space.query("*[layer=='HIDDEN']")
+    assert hidden.dxf.linetype == "HIDDEN2" and "HIDDEN" in LAYERS
+
+
+# ---- words ------------------------------------------------------------------------------------------------------------
+
+
+def test_notes_end_before_the_title_block_in_librecad(sheets: list[Drawn]) -> None:
+    for sheet in sheets:
+        left = sheet.high.real - 170 / sheet.scale
+        notes = [e for e in sheet.texts if e.dxf.insert.x < sheet.low.real + 3.1 / sheet.scale]
+        assert notes, sheet.part.name
+        for note in notes:
+            end = note.dxf.insert.x + cad_width(note.dxf.text, note.dxf.height)
+            assert end < left, (sheet.part.name, note.dxf.text)
+
+
+@pytest.mark.parametrize("word", ["a-word-without-any-space-in-it-that-is-longer-than-the-room-for-notes.dxf", "mw " * 30])
+def test_no_note_is_too_long(word: str, tmp_path: Path) -> None:
+    part = Part("disc", "Disc", (Layer(Region(circle(0, 9), (circle(0, 2),)), 0, 4),), notes=(word,))
+    sheet = drawn(part, tmp_path)
+    notes = [e for e in sheet.texts if e.dxf.insert.x < sheet.low.real + 3.1 / sheet.scale]
+    found = [e for e in notes if e.dxf.text and e.dxf.text in word]
+    left = sheet.high.real - 170 / sheet.scale
+    assert found and all(e.dxf.insert.x + cad_width(e.dxf.text, e.dxf.height) < left for e in found)
+
+
+def test_each_label_is_beside_its_own_hole_or_points_at_it(sheets: list[Drawn]) -> None:
+    for sheet in sheets:
+        each_label_has_its_hole(sheet)
+
+
+def each_label_has_its_hole(sheet: Drawn) -> None:
+    named = holes_of(sheet.part.region.holes)
+    rims = {}
+    for contour in sheet.part.region.holes:
+        ((_, hole),) = holes_of([contour])
+        z = facet_contour(contour, 1e-3)
+        rims[hole] = shapely.LinearRing(np.column_stack([z.real, z.imag]))
+    for name, own in named:
+        (label,) = [e for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.text == name]
+        place = complex(label.dxf.align_point.x, label.dxf.align_point.y) + 1.25j / sheet.scale
+        to_middle = {hole: abs(hole.middle - place) for _, hole in named}
+        to_rim = {hole: rims[hole].distance(shapely.Point(place.real, place.imag)) for _, hole in named}
+        if all(away[own] <= min(away.values()) for away in (to_middle, to_rim)):
+            continue
+        ends = [
+            (complex(e.dxf.start.x, e.dxf.start.y), complex(e.dxf.end.x, e.dxf.end.y))
+            for e in sheet.space.query("LINE[layer=='DIM']")
+        ]
+        near = [tip for start, tip in ends if abs(start - place) * sheet.scale < 3]
+        tips = [min(abs(tip - own.middle), rims[own].distance(shapely.Point(tip.real, tip.imag))) for tip in near]
+        assert tips and min(tips) * sheet.scale < 0.1, (sheet.part.name, name)
+
+
+def test_labels_of_crowded_holes(tmp_path: Path) -> None:
+    """Small holes so near to each other that beside none there is room for a label of its own."""
+    holes = tuple(circle(complex(1.2 * x, 1.2 * y), 0.5) for x in range(-3, 4) for y in range(-3, 4))
+    part = Part("sieve", "Sieve", (Layer(Region(polygon([-40 - 40j, 40 - 40j, 40 + 40j, -40 + 40j]), holes), 0, 2),))
+    sheet = drawn(part, tmp_path)
+    each_label_has_its_hole(sheet)

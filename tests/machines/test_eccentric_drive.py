@@ -1,0 +1,340 @@
+"""The eccentric drive: the paper's numbers and its errata, parts that fit, designs that do not exist, faulty specs."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import manifold3d
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgen.cli import main
+from camgen.errors import DesignError, SpecError
+from camgen.machines.eccentric_drive.mechanism import EccentricDrive
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.making import assembled
+from camgen.spec import validate
+
+SPEC = Path(__file__).resolve().parents[2] / "specs" / "eccentric-drive.toml"
+BASE: dict[str, Any] = {
+    "mechanism": "eccentric-drive",
+    "name": "drive",
+    "geometry": {"eccentricity": 1.5, "rod": 48.0, "eccentric_diameter": 9.0, "shaft_diameter": 2.0},
+    "motor": {"speed_rpm": 13000.0},
+}
+
+
+def design(**keys: Any) -> EccentricDrive:
+    """Default machine with changed keys, given as table__key."""
+    spec = {key: dict(value) if isinstance(value, dict) else value for key, value in BASE.items()}
+    for path, value in keys.items():
+        table, key = path.split("__")
+        spec.setdefault(table, {})[key] = value
+    return validate(EccentricDrive, spec)
+
+
+# ---- the paper, /reference: values re-computed there from its lengths ------------------------------------------------
+
+RADIANS = np.radians([30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330, 360])
+EXACT_SPEED = np.array([17.4087788378, 29.8171521010, 33.9, 28.8993702756, 16.4912211622, 0])  # mm/s at 22.6 rad/s
+EXACT_TRAVEL = np.array([0.206821627, 0.767581345, 1.523443225, 2.267581340, 2.804897840])
+
+
+def test_travel_and_speed_of_the_paper() -> None:
+    m = design()
+    np.testing.assert_allclose(m.motion(RADIANS[:5]), EXACT_TRAVEL, atol=5e-10)
+    np.testing.assert_allclose(m.motion(RADIANS[:6], 1) * 22.6, EXACT_SPEED, atol=6e-11)
+    np.testing.assert_allclose(m.motion(RADIANS[6:], 1) * 22.6, np.append(-EXACT_SPEED[4::-1], 0), atol=6e-11)
+    np.testing.assert_allclose(m.motion(np.array([0, math.pi])), [0, 3], atol=1e-12)
+    ends = m.motion(np.array([0, math.pi]), 2)
+    assert ends[0] / ends[1] == pytest.approx(-33 / 31, rel=1e-12)
+
+
+def test_numbers_of_the_report() -> None:
+    numbers = design().study().numbers
+    assert numbers["stroke_mm"] == pytest.approx(3, abs=1e-12)
+    assert numbers["peak_speed_angle_deg"] == pytest.approx(88.2118328149848, abs=1e-11)
+    assert numbers["peak_speed_over_e_w"] == pytest.approx(1.00048816256341, abs=1e-13)
+    assert numbers["paper_peak_speed_mm_s"] == pytest.approx(33.916549, abs=5e-7)
+    assert numbers["motor_speed_rad_s"] == pytest.approx(1361.357, abs=5e-4)
+    assert numbers["strokes_per_second"] == pytest.approx(216.67, abs=5e-3)
+    assert numbers["second_harmonic_share"] == pytest.approx(1 / 64, rel=1e-3)  # Lambda / 2 to the first order
+
+
+def test_peak_angle_solves_the_cubic() -> None:
+    """x = sin^2 p solves L^4 x^3 - L^2 x^2 - x + 1 = 0."""
+    for rod in (10.0, 20.0, 200.0):
+        ratio = 1.5 / rod
+        x = math.sin(math.radians(design(geometry__rod=rod, geometry__eccentric_diameter=6.6, parts__strap_wall=0.8,
+                                         parts__pin_diameter=1.0, parts__slider_width=3.0, parts__wire_diameter=0.5)
+                                  .study().numbers["peak_speed_angle_deg"])) ** 2  # fmt: skip
+        assert ratio**4 * x**3 - ratio**2 * x**2 - x + 1 == pytest.approx(0, abs=1e-13)
+
+
+def test_the_published_table_stands_beside_the_exact_one() -> None:
+    study = design().study()
+    (table,) = (table for table in study.tables if "Published" in table.title)
+    rows = np.array(table.rows, float)
+    np.testing.assert_allclose(rows[:, 2], np.concatenate([EXACT_SPEED, -EXACT_SPEED[4::-1], [0]]), atol=6e-11)
+    off = dict(zip(rows[:, 0], rows[:, 3], strict=True))
+    assert [off[30], off[330]] == pytest.approx([-5.28] * 2, abs=6e-3)
+    assert [off[60], off[300]] == pytest.approx([-3.08] * 2, abs=6e-3)
+    assert abs(off[150]) < 0.01 and abs(off[120]) < 0.01
+    np.testing.assert_allclose(rows[:, 4], -rows[:, 5], atol=0.01)  # phi2 without its minus sign
+    np.testing.assert_allclose(np.abs(rows[:, 6]), np.abs(rows[:, 7]), atol=0.01)
+    assert sum(note.startswith("Erratum") for note in study.notes) == 6
+    other = design(geometry__rod=50.0).study()
+    assert not any("Published" in table.title for table in other.tables) and not other.notes
+
+
+@settings(max_examples=30)
+@given(st.floats(0.2, 4), st.floats(60, 120), st.floats(-15, 15))
+def test_motion_is_the_plain_formula(eccentricity: float, rod: float, offset: float) -> None:
+    m = design(geometry__eccentricity=eccentricity, geometry__rod=rod, geometry__offset=offset)
+    theta = np.linspace(0, 7, 50)
+    x = eccentricity * np.cos(theta) + np.sqrt(rod**2 - (eccentricity * np.sin(theta) - offset) ** 2)
+    np.testing.assert_allclose(m.motion(theta), math.sqrt((rod + eccentricity) ** 2 - offset**2) - x, atol=1e-12 * rod)
+    assert m.motion(np.linspace(0, math.tau, 2001)).min() > -1e-12 * rod
+
+
+# ---- parts and assembly ----------------------------------------------------------------------------------------------
+
+MACHINES: list[dict[str, Any]] = [
+    {},
+    {"geometry__offset": 4.0},
+    {"geometry__offset": -6.0, "geometry__eccentricity": 2.5, "geometry__eccentric_diameter": 12.0},
+    {"geometry__rod": 30.0, "geometry__eccentricity": 4.0, "geometry__eccentric_diameter": 14.0, "print__slide_clearance": 0.3},
+    {"parts__pin_diameter": 2.0, "parts__slider_width": 12.0, "parts__rail_width": 4.0, "print__press_clearance": 0.05},
+]
+
+
+@pytest.mark.parametrize("keys", MACHINES)
+def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
+    """Every pair of bodies in the assembly, cut with each other as solids."""
+    m = design(**keys)
+    meshes = {part.name: solid(part, 0.01) for part in m.parts()}
+    poses = m.poses
+    for angle in np.radians([0, 75, 180, 270]):
+        object.__setattr__(m, "poses", lambda theta, angle=angle: poses(np.asarray(theta) + angle))
+        bodies = []
+        for placed in assembled(m):
+            mesh = meshes[placed.object]
+            raw = manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64))
+            bodies.append((placed.object, manifold3d.Manifold(raw).transform(np.asarray(placed.transform)[:3, :4])))
+        for (a, first), (b, second) in combinations(bodies, 2):
+            assert (first ^ second).volume() < 1e-3, (a, b, math.degrees(angle))
+
+
+@pytest.mark.parametrize("keys", MACHINES)
+def test_other_machines_build_and_move_as_asked(keys: dict[str, Any], tmp_path: Path) -> None:
+    overrides = [f"{path.replace('__', '.')}={value}" for path, value in keys.items()]
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), overrides)
+    assert [f for f in report.findings if not f.ok] == []
+
+
+def test_forces_of_a_slider_alone_are_its_mass_times_acceleration() -> None:
+    masses = {"rod_g": 1e-9, "rod_centre": 0.0, "rod_inertia_g_mm2": 0.0, "slider_g": 1.5}
+    numbers = design(**{f"masses__{key}": value for key, value in masses.items()}).study().numbers
+    speed = 13000 * math.tau / 60
+    # at theta = 0, where rod and guide are in line and the acceleration is greatest: m e w^2 (1 + Lambda)
+    assert numbers["peak_force_p_n"] == pytest.approx(1.5e-3 * 1.5e-3 * speed**2 * (1 + 1 / 32), rel=1e-6)
+    assert numbers["peak_torque_n_m"] > 0 and not any(key.endswith(("_N", "_N_m")) for key in numbers)
+    assert "peak_force_p_n" not in design().study().numbers
+
+
+# ---- designs that do not exist ---------------------------------------------------------------------------------------
+
+
+def test_the_papers_disc_has_no_wall() -> None:
+    with pytest.raises(DesignError) as caught:
+        design(geometry__eccentric_diameter=5.0).parts()
+    assert (caught.value.value, caught.value.limit) == (pytest.approx(0, abs=1e-12), 0.8)
+    assert "MIN_WALL" in str(caught.value) and "eccentric_diameter of 6.6 mm or more works" in str(caught.value)
+    assert design(geometry__eccentric_diameter=6.6).parts()
+
+
+@settings(max_examples=30)
+@given(st.floats(0.1, 5), st.floats(0.5, 8), st.floats(0.4, 3))
+def test_the_diameter_that_is_said_to_work_works(eccentricity: float, shaft: float, wall: float) -> None:
+    keys = {"geometry__eccentricity": eccentricity, "geometry__shaft_diameter": shaft, "limits__min_wall": wall}
+    # room for such a shaft and such walls in the other parts
+    keys |= {"motor__boss_diameter": 9.0, "parts__rail_width": 12.0, "parts__cover_length": 12.0, "parts__slider_width": 12.0}
+    keys |= {"parts__strap_wall": 3.0}
+    with pytest.raises(DesignError) as caught:
+        design(**keys, geometry__eccentric_diameter=0.5).parts()
+    works = float(caught.value.remedy.split("eccentric_diameter of ")[1].split(" mm")[0])
+    assert design(**keys, geometry__eccentric_diameter=works * (1 + 1e-5), geometry__rod=120.0).parts()
+
+
+def test_no_wall_exits_with_3_and_writes_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as done:
+        main(["build", str(SPEC), "--set", "geometry.eccentric_diameter=5", "-o", str(tmp_path / "out")])
+    assert done.value.code == 3
+    assert "6.6 mm or more works" in "".join(capfd.readouterr())
+    assert not (tmp_path / "out" / "eccentric-drive").exists()
+
+
+@pytest.mark.parametrize(
+    ("keys", "gap", "said"),
+    [
+        ({"geometry__rod": 1.0}, 0.5, "closes or opens at"),
+        ({"geometry__rod": 48.0, "geometry__offset": 47.0}, 0.5, "closes or opens at"),
+        ({"geometry__offset": 60.0}, 13.5, "never closes"),
+    ],
+)
+def test_a_rod_that_does_not_reach_says_where_and_by_how_much(keys: dict[str, Any], gap: float, said: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        design(**keys).parts()
+    assert caught.value.value == pytest.approx(gap, abs=1e-9)
+    assert said in str(caught.value) and "crank angle" in str(caught.value)
+    if keys == {"geometry__rod": 1.0}:  # |sin p| <= 1 / Lambda: asin(2/3) = 41.8103 deg
+        assert all(edge in str(caught.value) for edge in ("41.8103", "138.19", "221.81", "318.19"))
+
+
+@pytest.mark.parametrize("keys", [{"geometry__rod": 1.5}, {"geometry__offset": 46.5}, {"geometry__offset": -46.5}])
+def test_a_change_point_is_told(keys: dict[str, Any]) -> None:
+    with pytest.raises(DesignError, match="change point"):
+        design(**keys).parts()
+
+
+def test_a_disc_that_meets_the_slider_is_refused_and_the_rod_that_is_said_works() -> None:
+    with pytest.raises(DesignError, match="flange would meet the slider") as caught:
+        design(geometry__rod=10.0).parts()
+    assert design(geometry__rod=caught.value.limit + 1e-6).parts()
+
+
+def test_a_poor_transmission_angle_fails() -> None:
+    (finding,) = design(geometry__rod=60.0, geometry__offset=50.0).limits()
+    assert (finding.code, finding.ok) == ("TRANSMISSION_ANGLE", False)
+    assert finding.measured == pytest.approx(math.degrees(math.acos(51.5 / 60)), rel=1e-12)
+
+
+# ---- faulty specs ----------------------------------------------------------------------------------------------------
+
+KEYS = [
+    f"{table}.{key}"
+    for table, record in (("geometry", "geometry"), ("motor", "motor"), ("parts", "making"), ("limits", "allowed"))
+    for key in type(getattr(design(), record)).model_fields
+]
+MASSES = {"rod_g": 1.0, "rod_centre": 1.0, "rod_inertia_g_mm2": 1.0, "slider_g": 1.0}
+
+
+def faults(**keys: Any) -> list[str]:
+    with pytest.raises(SpecError) as caught:
+        design(**keys)
+    return [fault.path for fault in caught.value.faults]
+
+
+@pytest.mark.parametrize("path", KEYS)
+@pytest.mark.parametrize("value", ["text", math.nan, math.inf, -1.0, True, [1.0]])
+def test_each_key_says_what_is_wrong_with_it(path: str, value: object) -> None:
+    if (path, value) not in (("geometry.offset", -1.0), ("motor.speed_rpm", -1.0)):
+        assert faults(**{path.replace(".", "__"): value}) == [path]
+
+
+@pytest.mark.parametrize("key", MASSES)
+def test_each_mass_says_what_is_wrong_with_it(key: str) -> None:
+    given_ = {f"masses__{name}": value for name, value in MASSES.items()}
+    assert faults(**given_ | {f"masses__{key}": "heavy"}) == [f"masses.{key}"]
+    del given_[f"masses__{key}"]
+    assert faults(**given_) == [f"masses.{key}"]
+
+
+@pytest.mark.parametrize("path", ["geometry.eccentricity", "geometry.rod", "geometry.eccentric_diameter", "motor.speed_rpm"])
+def test_what_only_the_designer_knows_is_asked_for(path: str) -> None:
+    table, key = path.split(".")
+    spec = BASE | {table: {name: value for name, value in BASE[table].items() if name != key}}
+    with pytest.raises(SpecError) as caught:
+        validate(EccentricDrive, spec)
+    assert [fault.path for fault in caught.value.faults] == [path]
+
+
+@pytest.mark.parametrize(
+    ("keys", "path"),
+    [
+        ({"limits__min_wall": 0.3}, "limits.min_wall"),
+        ({"parts__strap_wall": 0.3}, "parts.strap_wall"),
+        ({"parts__flange": 4.3}, "parts.flange"),
+        ({"parts__wire_diameter": 4.0}, "parts.wire_diameter"),
+        ({"parts__pin_diameter": 8.0}, "parts.pin_diameter"),
+        ({"parts__screw": "M6"}, "parts.rail_width"),
+        ({"parts__rail_width": 2.0}, "parts.rail_width"),
+        ({"parts__cover_length": 2.0}, "parts.cover_length"),
+        ({"parts__flange": 0.3}, "parts.flange"),
+        ({"parts__body_thickness": 0.001}, "parts.body_thickness"),
+        ({"parts__rod_thickness": 0.001}, "parts.rod_thickness"),
+        ({"parts__slider_thickness": 1.8}, "parts.wire_diameter"),
+        ({"motor__boss_diameter": 2.0}, "motor.boss_diameter"),
+        ({"motor__diameter": 6.0}, "motor.diameter"),
+    ],
+)
+def test_keys_that_do_not_go_together(keys: dict[str, Any], path: str) -> None:
+    assert faults(**keys) == [path]
+
+
+# Values that are right by themselves: a design or a refusal, never another exception.
+EXTREMES = [1e-3, 0.01, 0.3, 110.0, 1e3, 1e6]
+SWEPT = [path for path in KEYS if path != "parts.screw"]
+
+
+@pytest.mark.parametrize("path", SWEPT)
+def test_extreme_values_make_a_design_or_are_refused(path: str) -> None:
+    for value in EXTREMES:
+        try:
+            m = design(**{path.replace(".", "__"): value})
+            m.parts(), m.limits(), m.bought()
+            assert all(math.isfinite(number) for number in m.study().numbers.values())
+        except (SpecError, DesignError) as error:
+            assert str(error)
+
+
+def test_a_collar_that_would_swallow_the_guide_is_refused() -> None:
+    with pytest.raises(DesignError, match="motor's seat and the guide"):
+        design(motor__boss_diameter=110.0, motor__diameter=120.0).parts()
+    assert faults(motor__boss_diameter=1.5) == ["motor.boss_diameter"]
+
+
+def test_the_motor_shaft_is_told_and_judged() -> None:
+    """5 of the body, 4 of the slider, 3 of the rod, 1 of the washer, three plays of 0.2."""
+    m = design(motor__shaft_length=13.5)
+    assert m.study().numbers["motor_shaft_length_mm"] == pytest.approx(13.6, abs=1e-12)
+    assert {f.code for f in m.limits() if not f.ok} == {"SHAFT_LENGTH"}
+    assert all(f.ok for f in design(motor__shaft_length=13.7).limits())
+    lines = {line.name: line for line in m.bought()}
+    assert "shaft 2 x 13.6 over its face" in lines["motor"].size
+    # 5 + 4.2 + 3 and a nut of 2; 2 * 5 + 25 and 2; 4 + 3 and 2
+    sizes = [lines[f"screw of the {what}"].size for what in ("cover", "motor", "wire clamp")]
+    assert sizes == ["M2 x 16", "M2 x 40", "M2 x 10"] and lines["nut"].count == 6
+
+
+def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
+    m = design()
+    parts = {part.name: part for part in m.parts()}
+    head, top = parts["slider"].layers[1], parts["slider"].thickness
+    assert head.z1 == pytest.approx(top - 1.5 / 4) and head.z0 == pytest.approx(top - 1.5)  # the wire stands out by a quarter
+    poses = m.poses(np.array([math.pi]))
+    edge = poses["clamp"][0].position[0].real - 3.2
+    body = max(z.real for z in parts["body"].region.outer.pieces[0].at(np.linspace(0, 1, 9)))
+    assert edge > body and poses["clamp"][0].z == pytest.approx(poses["slider"][0].z + top)
+
+
+@pytest.mark.parametrize("limit", [1.0, 0.4, 5.0])
+def test_play_is_judged_by_the_designers_limit(limit: float, tmp_path: Path) -> None:
+    """0.2 mm of play in strap and pin each; no limit bears more than half of the stroke of 3 mm."""
+    settings = [] if limit == 1 else [f"limits.lash={limit}"]
+    (lash,) = [f for f in pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), settings).findings if f.code == "LASH"]
+    assert lash.measured == pytest.approx(0.4, rel=0.02) and lash.ok is (lash.measured <= limit)
+    assert lash.limit == pytest.approx(min(limit, 1.5), abs=1e-6)
+
+
+def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), ["print.slide_clearance=0.8", "geometry.eccentricity=0.4"])
+    lash = next(f for f in report.findings if f.code == "LASH")
+    # by hand: strap and pin 0.4 each way, the guide's share under 1 %; half of the stroke of 0.8
+    assert not lash.ok and lash.measured == pytest.approx(1.6, rel=0.01) and lash.limit == pytest.approx(0.4, abs=1e-6)

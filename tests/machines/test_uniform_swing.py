@@ -1,0 +1,250 @@
+"""The uniform-swing mechanism: its part, the turned twin, walls, faults and designs that do not exist."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from shapely import affinity
+
+from camgen.errors import DesignError
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour
+from camgen.machines.uniform_swing.mechanism import UniformSwing
+
+SHAFTS = ["plain", "keyway", "d-flat"]
+
+
+def design(**keys: Any) -> UniformSwing:
+    """Default machine with changed keys, given as table__key."""
+    spec: dict[str, Any] = {
+        "mechanism": "uniform-swing",
+        "name": "cam",
+        "geometry": {"pivot_distance": 60.0, "arm_offset": 30.0, "swing_deg": 30.0, "tip_radius": 3.0},
+    }
+    for path, value in keys.items():
+        table, key = path.split("__")
+        spec.setdefault(table, {})[key] = value
+    return UniformSwing.model_validate(spec)
+
+
+def polygon(contour: Contour, tolerance: float = 1e-4) -> shapely.Polygon:
+    z = facet_contour(contour, tolerance)
+    return shapely.Polygon(np.c_[z.real, z.imag])
+
+
+def walls(m: UniformSwing) -> tuple[float, list[float]]:
+    """Smallest wall between bore, pin holes, windows; and that of each hole to the rim, measured by shapely."""
+    region = m.parts()[0].region
+    rim, holes = polygon(region.outer), [polygon(h) for h in region.holes]
+    assert rim.is_valid and all(h.is_valid and rim.contains(h) for h in holes)
+    between = [a.distance(b) for k, a in enumerate(holes) for b in holes[k + 1 :]]
+    return min(between, default=math.inf), [h.distance(rim.exterior) for h in holes]
+
+
+@pytest.mark.parametrize("shaft", SHAFTS)
+@pytest.mark.parametrize("wall", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("count", [0, 1, 3, 5, 12])
+def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
+    m = design(parts__shaft=shaft, parts__wall=wall, parts__windows=count, parts__pin_diameter=2.0, parts__bore=6.0)
+    region = m.parts()[0].region
+    between, edges = walls(m)
+    made = len(region.holes) - 3
+    assert 0 <= made <= count
+    if wall < 3 and count > 1:
+        assert made
+    assert between >= wall - 2e-4
+    assert all(edge >= wall - 2e-4 for edge in edges[3:])
+
+
+@pytest.mark.parametrize("shaft", SHAFTS)
+def test_area_is_that_of_its_polygons(shaft: str) -> None:
+    region = design(parts__shaft=shaft).parts()[0].region
+    expected = polygon(region.outer).area - sum(polygon(h).area for h in region.holes)
+    assert region.area == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("shaft", SHAFTS)
+def test_turned_over_it_fits_itself(shaft: str) -> None:
+    """Turned about Oy, bore and pin holes come to lie on themselves; the rim does not."""
+    region = design(parts__shaft=shaft).parts()[0].region
+    fixed = shapely.union_all([polygon(h, 1e-5) for h in region.holes[:3]])
+    turned = affinity.scale(fixed, -1, 1, origin=(0, 0))
+    assert fixed.symmetric_difference(turned).area < 1.1e-5 * fixed.length
+    assert fixed.symmetric_difference(affinity.rotate(turned, 0.01, origin=(0, 0))).area > 2e-5 * fixed.length
+    rim = polygon(region.outer)
+    assert rim.symmetric_difference(affinity.scale(rim, -1, 1, origin=(0, 0))).area > 10
+
+
+@pytest.mark.parametrize(
+    ("shaft", "area", "top"),
+    [
+        ("plain", math.pi * 16, 4.0),
+        # a keyway of 2 x (5 - 4) mm above the circle, counted from the chord of its width
+        ("keyway", math.pi * 16 + 2 * 5 - (math.sqrt(15) + 16 * math.asin(0.25)), 5.0),
+        # a segment of height 0.5 taken off
+        ("d-flat", math.pi * 16 - (16 * math.acos(3.5 / 4) - 3.5 * math.sqrt(16 - 3.5**2)), 3.5),
+    ],
+)
+def test_bores(shaft: str, area: float, top: float) -> None:
+    bore = design(parts__shaft=shaft).parts()[0].region.holes[0]
+    assert abs(bore.area) == pytest.approx(area, rel=1e-9)
+    assert polygon(bore, 1e-6).bounds[3] == pytest.approx(top, abs=1e-6)
+
+
+def test_copies_and_layers() -> None:
+    for closure, copies in (("conjugate", 2), ("force", 1)):
+        m = design(geometry__closure=closure)
+        (part,) = m.parts()
+        poses = m.poses(np.linspace(0, 6, 7))["cam"]
+        assert part.count == len(poses) == len(m.contacts()) == copies
+        assert [p.flipped for p in poses] == [False, True][:copies]
+        assert part.bore == 8.0 and part.layers[0].z1 == part.thickness == 6.0
+        for engraved in part.engraved:
+            assert (engraved.z0, engraved.z1) == (pytest.approx(5.6), 6.0)
+            mark = polygon(engraved.region.outer)
+            body = polygon(part.region.outer) - shapely.union_all([polygon(h) for h in part.region.holes])
+            assert body.contains(mark)
+
+
+def test_second_tip_rides_on_the_turned_cam() -> None:
+    """Where contacts() puts the second tip it touches the turned rim, at every angle."""
+    m = design(geometry__reversal_blend_deg=20.0)
+    rim = polygon(m.parts()[0].region.outer, 1e-5)
+    theta = np.linspace(0, 2 * math.pi, 181) + 0.01
+    for tip in m.contacts():
+        centre = (tip.pivot + tip.arm * np.exp(1j * m.reachable(theta))) * np.exp(-1j * theta)
+        z = -np.conj(centre) if tip.flipped else centre
+        gap = shapely.distance(shapely.points(z.real, z.imag), rim) - tip.tip_radius
+        assert np.max(np.abs(gap)) < 1.1e-5
+
+
+@pytest.mark.parametrize(
+    ("keys", "quantity", "limit"),
+    [
+        ({"parts__bore": 30.0}, "parts.bore", 23.241),
+        ({"parts__bore": 1000.0}, "parts.bore", 23.241),
+        ({"parts__bore": 23.0, "parts__shaft": "keyway"}, "parts.bore", 23.241),
+        ({"parts__pin_diameter": 20.0}, "wall", 0.8),
+        ({"geometry__tip_radius": 15.0}, "tip_radius", 14.6078),
+        ({"geometry__tip_radius": 1e6}, "tip_radius", 14.6078),
+        ({"geometry__swing_deg": 53.2}, "geometry.swing_deg", 53.1301),
+        ({"geometry__swing_deg": 179.0}, "geometry.swing_deg", 53.1301),
+        ({"geometry__arm_offset": 0.001}, "geometry.swing_deg", 1.90986e-3),
+    ],
+)
+def test_no_such_mechanism(keys: dict[str, Any], quantity: str, limit: float) -> None:
+    with pytest.raises(DesignError) as caught:
+        design(**keys).parts()
+    error = caught.value
+    assert error.exit_code == 3
+    assert error.quantity == quantity and error.limit == pytest.approx(limit, rel=1e-3)
+    assert error.where and error.remedy and error.unit in ("mm", "deg")
+    assert not math.isnan(error.value)
+
+
+def test_a_wall_that_has_no_room_gives_way() -> None:
+    """The pins go where the cam is deep: it reaches 43 mm above its shaft and 27 mm beside it."""
+    m = design(parts__wall=20.0)
+    between, edges = walls(m)
+    assert min(between, *edges) > 5
+    assert min(hole.centroid.imag for hole in m.parts()[0].region.holes[1:3]) > 5
+
+
+def test_sharp_bore_limit() -> None:
+    """The bore's limit is the cam's nearest side: just under it the cam is only thin, just over it it is none."""
+    with pytest.raises(DesignError) as caught:
+        design(parts__bore=100.0, parts__pin_diameter=0.0).parts()
+    limit = caught.value.limit
+    rim = polygon(design().parts()[0].region.outer, 1e-5)
+    assert limit == pytest.approx(2 * rim.exterior.distance(shapely.Point(0, 0)), abs=0.021)
+    assert min(walls(design(parts__bore=limit - 0.2, parts__pin_diameter=0.0))[1]) == pytest.approx(0.1, abs=0.02)
+    with pytest.raises(DesignError, match="parts.bore"):
+        design(parts__bore=limit + 0.05, parts__pin_diameter=0.0).parts()
+
+
+@pytest.mark.parametrize(
+    ("keys", "path"),
+    [
+        ({"parts__wall": 0.3}, "parts.wall"),
+        ({"limits__min_wall": 0.3}, "limits.min_wall"),
+        ({"parts__mark_depth": 6.0}, "parts.mark_depth"),
+        ({"parts__shaft": "d-flat", "parts__flat_depth": 8.0}, "parts.flat_depth"),
+        ({"parts__shaft": "keyway", "parts__key_width": 8.0}, "parts.key_width"),
+        ({"geometry__reversal_blend_deg": 0.001}, "geometry.reversal_blend_deg"),
+        ({"geometry__reversal_blend_deg": 179.9999}, "geometry.reversal_blend_deg"),
+    ],
+)
+def test_cross_key_faults(keys: dict[str, Any], path: str) -> None:
+    (fault,) = design(**keys).faults()
+    assert fault.path == path and fault.value and fault.expected
+
+
+def test_faults_come_all_at_once() -> None:
+    assert not design().faults()
+    bad = design(parts__wall=0.1, parts__mark_depth=9.0, limits__min_wall=0.2, geometry__reversal_blend_deg=1e-6)
+    assert len(bad.faults()) == 4
+    # a key's depth does not matter on a plain shaft
+    assert not design(parts__key_width=50.0, parts__flat_depth=50.0).faults()
+
+
+@pytest.mark.parametrize("blend_deg", [0.0, 0.01, 17.0, 179.99, 180.0])
+@pytest.mark.parametrize("rho", [0.0, 3.0, 11.0])
+def test_findings_and_study(blend_deg: float, rho: float) -> None:
+    geometry = {"geometry__reversal_blend_deg": blend_deg, "geometry__tip_radius": rho}
+    m = design(**geometry, parts__bore=4.0, parts__pin_diameter=0.0)
+    pressure, undercut, room = m.limits()
+    assert room.ok
+    numbers = m.study().numbers
+    assert all(math.isfinite(v) for v in numbers.values())
+    assert (undercut.measured > 0) == bool(m.cam.undercuts) == (numbers["undercut_deg"] > 0)
+    if blend_deg == 0 and rho == 3:
+        # cited, tests/reference/uniform_swing.toml
+        assert undercut.measured == pytest.approx(0.0728319409614635, abs=1e-10) and undercut.ok
+        assert pressure.measured == pytest.approx(58.3, abs=0.05)
+        assert numbers["pitch_curvature_radius_min_mm"] == pytest.approx(10.52, abs=0.005)
+    theta = np.linspace(0, 2 * math.pi, 3001)
+    worst = math.degrees(float(np.max(np.abs(m.motion(theta) - m.reachable(theta)))))
+    assert worst <= undercut.measured + 1e-12
+    assert float(np.degrees(np.max(m.cam.pressure_angle(theta)))) <= pressure.measured + 1e-6
+    assert float(np.ptp(np.degrees(m.motion(theta)))) == pytest.approx(30.0, abs=1e-5)
+
+
+def test_a_cam_that_sweeps_over_the_followers_axle_is_told() -> None:
+    """With H = L = 60 and 30 deg the tip stands farthest out where L and R enclose 45 + 15 deg: 75.56 mm, past the pivot."""
+    room = design(geometry__arm_offset=60.0).limits()[2]
+    assert room.code == "INTERFERENCE" and not room.ok
+    far = math.sqrt(60**2 + 7200 - 2 * 60 * math.sqrt(7200) * math.cos(math.radians(60)))
+    assert room.measured == pytest.approx(60 - (far - 3), abs=0.1)  # the tip's radius acts along a slightly slanted normal
+
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
+from bench_hard_cases import USUAL, outcome  # noqa: E402
+
+
+@pytest.mark.parametrize(
+    ("changes", "ends"),
+    [
+        ({"swing": 0.01}, "kept"),
+        ({"swing": 53.0}, "kept"),
+        ({"swing": 80.0}, "refused"),
+        ({"H/L": 0.0}, "refused"),
+        ({"H/L": 3.0}, "kept"),
+        ({"tip/L": 0.0}, "kept"),
+        ({"tip/L": 0.2}, "kept"),
+        ({"tip/L": 0.25}, "refused: tip_radius"),
+        ({"L": 0.1, "tolerance": 2e-6}, "kept"),
+        ({"L": 10_000.0, "tolerance": 0.1}, "kept"),
+        ({"tolerance": 1e-6}, "kept"),
+        ({"tolerance": 0.1}, "kept"),
+    ],
+)
+def test_hard_cases_keep_their_tolerance_or_are_refused(tmp_path: Path, changes: dict[str, float], ends: str) -> None:
+    fine, said = outcome(USUAL | changes, tmp_path)
+    assert fine and said.startswith(ends)
+    assert ("told: INTERFERENCE" in said) == (changes.get("H/L") == 3.0)  # the cam sweeps over the follower's axle

@@ -1,0 +1,120 @@
+"""Work shared out to several cores: the same results, the same bytes, the same errors; and nothing that nobody asked for."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.build import build, check
+from camgen.pipeline.jobs import Case, Workers, read_mechanism
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+CAMS = ["parts.make='cams'", "parts.bore=8"]
+ERRORS = [
+    SpecError([Fault("geometry.rod", "-1", "more than 0", None)], "a.toml"),
+    DesignError("swing", 60.0, 53.1, "deg", where="the inner end", remedy="use less"),
+    FileError("x.dxf", "lost"),
+]
+
+
+def identify(number: int) -> tuple[int, int]:
+    return number, os.getpid()
+
+
+def fail(number: int) -> None:
+    raise ERRORS[number]
+
+
+def test_several_cores_give_results_in_order_from_other_processes() -> None:
+    with Workers(2) as workers:
+        several = list(workers.map(identify, range(8)))
+    with Workers(1) as workers:
+        alone = list(workers.map(identify, range(8)))
+    assert [number for number, _ in several] == [number for number, _ in alone] == list(range(8))
+    assert os.getpid() not in {pid for _, pid in several} and {pid for _, pid in alone} == {os.getpid()}
+
+
+@pytest.mark.parametrize("number", range(len(ERRORS)))
+def test_an_error_arrives_with_all_its_facts(number: int) -> None:
+    with pytest.raises(type(ERRORS[number])) as raised, Workers(2) as workers:
+        workers.start(fail, number)()
+    assert isinstance(raised.value, CamgenError)
+    told = {name: value for name, value in vars(raised.value).items() if not name.startswith("__")}
+    assert str(raised.value) == str(ERRORS[number]) and told == vars(ERRORS[number])
+
+
+def test_a_case_is_reopened_from_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "spec.toml").write_bytes((SPECS / "uniform-swing.toml").read_bytes())
+    case = Case(read_mechanism(tmp_path / "spec.toml"), tmp_path)
+    again = pickle.loads(pickle.dumps(case))
+    assert again.folder == tmp_path and list(again.parts) == list(case.parts)
+    assert again.file("cam", "dxf") == tmp_path / "uniform-swing-cam.dxf"
+
+
+@pytest.mark.parametrize("name, changes", [("uniform-swing", CAMS), ("chain-stitch-looper", []), ("eccentric-drive", [])])
+def test_same_bytes_with_several_cores(tmp_path: Path, name: str, changes: list[str]) -> None:
+    folders = []
+    told: list[float] = []
+    for jobs in (1, 2):
+        out = tmp_path / str(jobs)
+        told.clear()
+        report = build(
+            SPECS / f"{name}.toml", out, frozenset(pipeline.KINDS), changes, lambda _, done=None: told.append(done), jobs
+        )  # fmt: skip
+        assert report.ok and report.as_dict() == check(out / name, jobs=jobs).as_dict()
+        assert told == sorted(told) and told[0] == 0 and told[-1] < 1, "the bar never runs back"
+        folders.append({path.name: path.read_bytes() for path in (out / name).iterdir()})
+    assert folders[0] == folders[1]
+
+
+def test_a_fault_in_a_part_leaves_nothing_behind(tmp_path: Path) -> None:
+    with pytest.raises(CamgenError):
+        build(SPECS / "uniform-swing.toml", tmp_path, frozenset({"dxf"}), ["geometry.swing_deg=179"], jobs=2)
+    assert list(tmp_path.iterdir()) == []
+
+
+# What runs only where an output asks for it: (function, kinds of files that ask for it).
+STAGES = {
+    "camgen.parts.solids.solid": "stl",
+    "camgen.files.export.write_dxf": "dxf",
+    "camgen.files.drawing.write_drawing": "dxf",
+    "camgen.judge.budget.error_budget": "report",
+    "camgen.report.figures.plot_svg": "report",
+    "camgen.pipeline.build.animation": "report",
+    "camgen.files.plates.laid_out": "3mf",
+    "camgen.judge.assembly.sweep": "3mf",
+}
+
+
+@pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
+def test_no_stage_runs_that_no_output_asks_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, only: str) -> None:
+    ran: set[str] = set()
+
+    def spied(target: str, function: Callable[..., object]) -> Callable[..., object]:
+        def spy(*arguments: object) -> object:
+            ran.add(target)
+            return function(*arguments)
+
+        return spy
+
+    for target in STAGES:
+        module, _, name = target.rpartition(".")
+        spy = spied(target, getattr(import_module(module), name))
+        monkeypatch.setattr(target, spy)
+        for user in ("camgen.pipeline.making", "camgen.pipeline.judging"):
+            if hasattr(import_module(user), name):
+                monkeypatch.setattr(f"{user}.{name}", spy)
+    build(SPECS / "uniform-swing.toml", tmp_path, frozenset({only}), [] if only == "3mf" else CAMS)
+    wanted = {target for target, kind in STAGES.items() if kind == only}
+    if only == "3mf":
+        wanted |= {"camgen.parts.solids.solid"}
+    if only == "report":
+        wanted -= {"camgen.judge.budget.error_budget"}  # no part was read, so nothing has an error
+    assert ran == wanted

@@ -1,0 +1,147 @@
+"""The whole chain: what a build writes, that it writes the same bytes again, and that README's picture is of today."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import gallery
+import numpy as np
+import pytest
+
+from camgen.pipeline import build as pipeline
+
+TOP = Path(__file__).resolve().parents[2]
+SPEC = TOP / "specs" / "uniform-swing.toml"
+ALL = frozenset(pipeline.KINDS)
+CAMS = ["parts.make='cams'", "parts.bore=8"]  # the cam alone; the whole machine is in test_swing_machine
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("out")
+    assert pipeline.build(SPEC, out, ALL, CAMS).ok
+    return out / "uniform-swing"
+
+
+def test_the_files_of_the_contract_are_there(made: Path) -> None:
+    part = "uniform-swing-cam"
+    assert set(contents(made)) == {
+        "spec.toml", "motion.csv", "report.json", "report.html", "manifest.json", "uniform-swing-assembly.3mf",
+        f"{part}.dxf", f"{part}.stl", f"{part}.3mf", f"{part}-drawing.dxf", f"{part}-drawing.pdf",
+    }  # fmt: skip
+
+
+def test_report_json_is_the_report(made: Path) -> None:
+    report = json.loads((made / "report.json").read_text())
+    assert report["name"] == report["mechanism"] == "uniform-swing" and report["ok"] is True
+    for finding in report["findings"]:
+        assert set(finding) == {"code", "ok", "measured", "limit", "unit", "where", "message"}
+    codes = [finding["code"] for finding in report["findings"]]
+    assert codes.count("MOTION_ERROR") == 3  # once for each kind of file
+    assert set(codes) >= {
+        "SPEED_RIPPLE", "UNDERCUT", "PRESSURE_ANGLE", "MIN_WALL", "WATERTIGHT", "VOLUME", "DXF_CLOSED", "DXF_UNITS",
+        "ROUND_TRIP", "LASH", "INTERFERENCE",
+    }  # fmt: skip
+    assert report["numbers"]["swing_deg"] == 30
+    assert [part["count"] for part in report["parts"]] == [2]
+    stages = [row[0] for table in report["tables"] if table["title"].startswith("Error budget") for row in table["rows"]]
+    assert len(stages) >= 4
+
+
+def test_the_loss_at_the_reversal_is_the_exact_undercut(made: Path) -> None:
+    """0.07283194 deg at 180 deg, by mpmath at 40 digits; recovered between the judged angles next to it."""
+    findings = json.loads((made / "report.json").read_text())["findings"]
+    exact, *recovered = [f["measured"] for f in findings if f["code"] == "UNDERCUT"]
+    assert exact == pytest.approx(0.0728319409614635, abs=1e-9)
+    assert len(recovered) == 3
+    slope = 0.16 * 0.05  # deg of loss a deg of cam angle beside the reversal, and the widest step between judged angles
+    assert all(exact - slope - 1.8e-3 <= loss <= exact + 1.8e-3 for loss in recovered)
+
+
+def test_motion_csv_holds_wanted_and_recovered(made: Path) -> None:
+    rows = np.genfromtxt(made / "motion.csv", delimiter=",", names=True)
+    assert len(rows) == 1441
+    half = rows["theta_deg"] <= 180
+    wanted = np.where(half, -15 + rows["theta_deg"] / 6, 45 - rows["theta_deg"] / 6)
+    assert np.abs(rows["wanted_deg"] - wanted).max() < 1e-9
+    away = np.abs(rows["theta_deg"] - 180) > 1.5
+    for kind in ("dxf", "stl", "3mf"):
+        assert np.abs(rows[f"recovered_{kind}_deg"] - wanted)[away].max() < 1.73e-3
+
+
+def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(made: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONHASHSEED": "4711", "TZ": "Asia/Tokyo"}
+    command = [sys.executable, "-m", "camgen", "build", str(made / "spec.toml"), "-o", str(tmp_path)]
+    subprocess.run(command, check=True, capture_output=True, env=environment, cwd=tmp_path)
+    assert contents(tmp_path / "uniform-swing") == contents(made)
+
+
+def test_check_says_what_the_build_said(made: Path) -> None:
+    before = contents(made)
+    findings = json.loads((made / "report.json").read_text())["findings"]
+    assert pipeline.check(made).as_dict()["findings"] == findings
+    assert contents(made) == before
+
+
+@pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
+def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
+    assert pipeline.build(SPEC, tmp_path, frozenset({only}), CAMS).ok
+    endings = {name.rsplit(".", 1)[1] for name in contents(tmp_path / "uniform-swing")}
+    always = {"toml", "json"}
+    motion = set() if only == "report" else {"csv"}
+    own = {"dxf": {"dxf", "pdf"}, "stl": {"stl"}, "3mf": {"3mf"}, "report": {"html"}}[only]
+    assert endings == always | motion | own
+    assert pipeline.check(tmp_path / "uniform-swing").ok
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "geometry.tip_radius=0",
+        "geometry.reversal_blend_deg=20",
+        "geometry.reversal_blend_deg=180",
+        "geometry.closure='force'",
+        "geometry.swing_deg=1",
+        "parts.shaft='keyway'",
+        "parts.shaft='d-flat'",
+        "parts.windows=0",
+        "parts.mark_depth=0",
+        "parts.pin_diameter=0",
+        "accuracy.chord_tolerance=1e-5",
+        "output.curves='lines'",
+    ],
+)
+def test_other_specs_move_as_asked_too(tmp_path: Path, setting: str) -> None:
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*CAMS, setting, "limits.speed_ripple=0.1"])
+    assert [f for f in report.findings if not f.ok] == []
+
+
+@pytest.mark.parametrize("scale", [0.01, 100])
+def test_any_size(tmp_path: Path, scale: float) -> None:
+    """The same machine in other units: all lengths scaled, tolerance too."""
+    lengths = {
+        "geometry.pivot_distance": 60, "geometry.arm_offset": 30, "geometry.tip_radius": 3, "parts.thickness": 6,
+        "parts.bore": 8, "parts.pin_diameter": 3, "parts.wall": 3, "parts.mark_depth": 0.4, "limits.min_wall": 0.8,
+        "accuracy.chord_tolerance": 0.001,
+    }  # fmt: skip
+    settings = [f"{key}={value * scale:.12g}" for key, value in lengths.items()] + [
+        "print.nozzle=0.004",
+        "print.bed=[1e5, 1e5]",
+        "print.bed_height=1e5",
+        CAMS[0],
+    ]
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), settings)
+    assert [f for f in report.findings if not f.ok] == []
+
+
+@pytest.mark.parametrize("name", gallery.FRAMES)
+def test_the_pictures_in_the_readme_are_of_today(name: str) -> None:
+    assert gallery.path(name).read_text(encoding="utf-8") == gallery.picture(name)

@@ -1,0 +1,197 @@
+"""What verdicts say: the limit that was written, what was not judged, what a key does not act on, what was found."""
+
+from __future__ import annotations
+
+import json
+import re
+import struct
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgen.pipeline.build import KINDS, build, check
+from camgen.pipeline.jobs import read_mechanism
+from camgen.report.report import Report
+from camgen.report.terminal import print_report
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+ALL = frozenset(KINDS)
+Make = Callable[..., Report]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    """Builds a starter spec: name, kinds of files, settings."""
+
+    def call(name: str, kinds: str, *settings: str) -> Report:
+        return build(SPECS / f"{name}.toml", tmp_path, frozenset(kinds.split(",")), settings)
+
+    return call
+
+
+def test_wall_is_shown_with_the_limit_that_was_written(make: Make) -> None:
+    # 6.6 mm is the least disc: 6.6 / 2 - 1.5 - 2 / 2 = 0.8 mm of wall
+    report = make("eccentric-drive", "dxf,stl", "geometry.eccentric_diameter=6.6", "accuracy.chord_tolerance=0.01")
+    walls = [finding for finding in report.findings if finding.code == "MIN_WALL"]
+    assert {finding.limit for finding in walls} == {0.8} and all(finding.ok for finding in walls)
+    thinnest = min(walls, key=lambda finding: finding.measured)
+    assert 0.78 <= thinnest.measured < 0.8 and "0.02 mm" in thinnest.message  # two contours, each 0.01 mm off at most
+
+
+def test_units_are_counted_faults(make: Make, tmp_path: Path) -> None:
+    assert {(f.measured, f.limit) for f in make("disc-cam", "dxf").findings if f.code == "DXF_UNITS"} == {(0, 0)}
+    drawing = tmp_path / "disc-cam" / "disc-cam-cam.dxf"
+    drawing.write_text(drawing.read_text().replace("$INSUNITS\n 70\n4", "$INSUNITS\n 70\n1"))
+    (told,) = (f for f in check(tmp_path / "disc-cam").findings if f.code == "DXF_UNITS")
+    assert (told.ok, told.measured, told.limit) == (False, 1, 0) and "millimetres" in told.message
+
+
+# ---- what was not judged ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("settings", [
+    ("timing.lag_deg=6",), ("geometry.p6_setback=1.5", "limits.clearance=0.3", "parts.running_gap=0.2"),
+])  # fmt: skip
+def test_drawings_of_the_looper_clear_as_its_solids_do(make: Make, settings: tuple[str, ...]) -> None:
+    # by another route: the STL's sections are cut from triangles, a drawing is an outline
+    report = make("chain-stitch-looper", "dxf,stl", *settings)
+    numbers = {name: value for name, value in report.numbers.items() if name.startswith("clearance_")}
+    for pair in ("n1_p1", "n2_p1", "n2_p2", "n1_p2", "p1_p2"):
+        assert numbers[f"clearance_{pair}_dxf_mm"] == pytest.approx(numbers[f"clearance_{pair}_stl_mm"], abs=2e-3)
+    clear = [finding for finding in report.findings if finding.code == "CLEARANCE"]
+    assert len(clear) == 10 and [f.ok for f in clear[:5]] == [f.ok for f in clear[5:]]
+    assert {f.limit for f in clear} <= {0.0, 0.1, 0.2, 0.3}
+
+
+def test_drawings_alone_show_that_a_needle_strikes(make: Make) -> None:
+    report = make("chain-stitch-looper", "dxf", "timing.lag_deg=6")
+    assert not report.ok and {f.code for f in report.findings if not f.ok} == {"CLEARANCE"}
+    assert {each.code for each in report.not_judged} == {"WATERTIGHT", "VOLUME", "BED_FIT"}
+
+
+@pytest.mark.parametrize(
+    "name, kinds, settings, left_out",
+    [
+        ("disc-cam", "dxf", (), {"WATERTIGHT", "VOLUME", "BED_FIT"}),
+        ("disc-cam", "stl", (), {"DXF_CLOSED", "DXF_UNITS"}),
+        ("disc-cam", "dxf,3mf", (), set()),
+        ("disc-cam", "report", ("geometry.closure='groove'", "parts.hub_height=0"), {
+            "DXF_CLOSED", "DXF_UNITS", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "MOTION_ERROR", "SPEED_RIPPLE", "LASH",
+            "INTERFERENCE", "BED_FIT",
+        }),
+        ("eccentric-drive", "report", (), {
+            "DXF_CLOSED", "DXF_UNITS", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "MOTION_ERROR", "STROKE_ERROR", "LASH",
+            "PIN_GAP", "BED_FIT",
+        }),
+        ("uniform-swing", "dxf", (), {"WATERTIGHT", "VOLUME", "BED_FIT", "INTERFERENCE"}),  # nothing is moved past anything
+    ],
+)  # fmt: skip
+def test_what_kinds_of_files_leave_unjudged_is_named(
+    make: Make, tmp_path: Path, name: str, kinds: str, settings: tuple[str, ...], left_out: set[str]
+) -> None:
+    report = make(name, kinds, *settings)
+    assert report.ok and {each.code for each in report.not_judged} == left_out
+    assert all("was made (--only)" in each.why for each in report.not_judged)
+    again = check(tmp_path / name)
+    assert {each.code for each in again.not_judged} == left_out and all("in the folder" in e.why for e in again.not_judged)
+
+
+@pytest.mark.parametrize("name, settings", [("disc-cam", ("geometry.closure='conjugate'",)), ("disc-cam", (
+    "geometry.follower={motion='translating', shape='flat', face_width=60}", "limits.least_radius=0")),
+    ("indexing-cam", ()), ("eccentric-drive", ()), ("thread-take-up", ())])  # fmt: skip
+def test_every_code_that_is_announced_is_given(make: Make, name: str, settings: tuple[str, ...]) -> None:
+    """A stage that announced a code which no file gives would name it among those left out, once something else fails."""
+    report = make(name, "dxf,stl", "print.bed=[1, 1]", *settings)
+    assert not report.ok and report.not_judged == ()
+
+
+def test_what_a_broken_file_leaves_unjudged_is_named(make: Make, tmp_path: Path) -> None:
+    make("disc-cam", "stl")
+    mesh = tmp_path / "disc-cam" / "disc-cam-cam.stl"
+    data = bytearray(mesh.read_bytes())
+    data[96:100] = struct.pack("<f", 99)  # a corner of the first triangle
+    mesh.write_bytes(data)
+    report = check(tmp_path / "disc-cam")
+    assert {f.code for f in report.findings if not f.ok} == {"WATERTIGHT"}
+    assert {"MOTION_ERROR", "VOLUME", "ROUND_TRIP"} <= {each.code for each in report.not_judged}
+
+
+def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
+    make: Make, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    report = make("uniform-swing", "dxf,report")
+    print_report(report)
+    told = capsys.readouterr().out
+    assert re.search(r"^INTERFERENCE .* not judged *$", told, re.M)  # in the table
+    last = told.splitlines()[-1]
+    assert last == f"{len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
+        "BED_FIT, WATERTIGHT, VOLUME (need STL or 3MF)"
+    )
+    data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text())
+    assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
+    assert any("no 3MF was made (--only)" in each["why"] for each in data["not_judged"])
+    page = (tmp_path / "uniform-swing" / "report.html").read_text()
+    assert '<p class="verdict bad">' in page and "NOT JUDGED: INTERFERENCE" in page
+    assert page.count('<tr class="bad"><td class="mark"><b>NOT JUDGED</b>') == 4
+
+
+@pytest.mark.parametrize(
+    "kinds, setting, told",
+    [
+        ("dxf,stl", "print.profile_compensation=0.1", "print.profile_compensation = 0.1 acts on STL and 3MF alone"),
+        ("dxf", "print.elephant_foot=0.2", "print.elephant_foot = 0.2"),
+        ("stl", "print.profile_compensation=0.1", ""),
+        ("stl", "output.curves='lines'", "acts on DXF alone"),
+        ("dxf,stl", "output.curves='lines'", ""),
+    ],
+)
+def test_key_that_cannot_act_on_a_file_is_told(
+    make: Make, capsys: pytest.CaptureFixture[str], kinds: str, setting: str, told: str
+) -> None:
+    report = make("disc-cam", kinds, setting, "parts.hub_height=0")
+    print_report(report)
+    assert told in " ".join(report.warnings) and len(report.warnings) == bool(told)
+    assert ("note: " in capsys.readouterr().out) is bool(told)
+
+
+# ---- what was found --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name, settings, found",
+    [
+        ("disc-cam", (), {"geometry.base_radius", "material.density"}),
+        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, "
+                      "pivot_distance=70, arm=60}",), {"geometry.base_radius", "material.density"}),
+        ("indexing-cam", ("motor.speed_rpm=45",), {
+            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "material.density"}),
+        ("thread-take-up", (), {
+            "masses.coupler_centre", "masses.output_crank_centre", "material.density"}),
+        ("chain-stitch-looper", (), {"timing.needle_stroke", "material.density"}),
+    ],
+)  # fmt: skip
+def test_resolved_spec_holds_what_was_found_and_builds_the_same_bytes(
+    tmp_path: Path, name: str, settings: tuple[str, ...], found: set[str]
+) -> None:
+    kinds = frozenset({"dxf", "stl", "3mf"} if name == "disc-cam" and not settings else {"dxf"})
+    text = (SPECS / f"{name}.toml").read_text("utf-8")
+    spec = tmp_path / "left-open.toml"
+    open_keys = "base_radius" if name == "disc-cam" else "coupler_centre|output_crank_centre"
+    spec.write_text(re.sub(rf"(?m)^({open_keys}) = .*$", "", text), "utf-8")
+    build(spec, tmp_path, kinds, settings)
+    first = {path.name: path.read_bytes() for path in (tmp_path / name).iterdir()}
+    written = tomllib.loads(first["spec.toml"].decode())
+    given = read_mechanism(spec, settings)
+    assert {key for key, value in given.found().items() if at(written, key) == pytest.approx(value, abs=0)} == found
+    (tmp_path / "again.toml").write_bytes(first["spec.toml"])
+    build(tmp_path / "again.toml", tmp_path / "b", kinds)
+    assert {path.name: path.read_bytes() for path in (tmp_path / "b" / name).iterdir()} == first
+
+
+def at(data: dict[str, Any], key: str) -> Any:
+    for step in key.split("."):
+        data = data[step]
+    return data
