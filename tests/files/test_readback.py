@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from camgen.errors import FileError
 from camgen.files import readback
 from camgen.files.readback import Mesh, mesh_faults, read_dxf, read_stl, slice_mesh
-from camgen.geometry.rings import Ring, bore_circle, fit_circle, shape_of
+from camgen.geometry.rings import Ring, bore_circle, fit_circle, hole_circles, shape_of
 
 SQUARE = np.array([0, 10, 10 + 10j, 10j], complex)
 
