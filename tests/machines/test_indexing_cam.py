@@ -73,7 +73,7 @@ def test_the_link_turns_by_180_deg_and_rests() -> None:
     cam = design()
     rise, dwell, back = (math.radians(x) for x in (120, 60, 120))
     theta = np.linspace(rise + 1e-9, rise + dwell - 1e-9, 50)
-    link = np.degrees(cam.geometry.gear_ratio * cam.motion(theta))
+    link = np.degrees(cam.motion(theta))
     assert link == pytest.approx(REFERENCE["dwell"]["index_deg"], abs=1e-9)
     rest = np.linspace(rise + dwell + back + 1e-9, math.tau - 1e-9, 50)
     assert cam.motion(rest) == pytest.approx(0, abs=1e-12) and cam.motion(rest, 1) == pytest.approx(0, abs=1e-12)
@@ -110,6 +110,25 @@ def test_bare_torque_is_inertia_times_acceleration() -> None:
     # power: |b c| of the page, at the cam shaft by its speed of 1 turn in 2 s
     shaft = 8.0491 * 0.05 * math.pi**2 / period**3 / math.pi
     assert numbers["shaft_torque_peak_without_n_m"] == pytest.approx(shaft, rel=1e-5)
+
+
+@pytest.mark.parametrize(("rise", "back"), [(120, 88), (88, 120)])
+def test_peaks_are_those_of_the_faster_way(rise: float, back: float) -> None:
+    """Speed, acceleration and energy of the link from its angles by differences, over the whole turn of the cam."""
+    cam = design(geometry__rise_deg=rise, geometry__return_deg=back)
+    theta = np.linspace(0, math.tau, 72_001)
+    angle = cam.geometry.gear_ratio * cam.motion(theta) * 180 / math.pi
+    step = (theta[1] - theta[0]) / (30 * math.tau / 60)
+    speed = np.max(np.abs(np.diff(angle))) / step
+    inside = np.abs(np.diff(angle, 2)) / step**2
+    numbers = cam.study().numbers
+    assert numbers["link_peak_speed_deg_s"] == pytest.approx(speed, rel=1e-4)
+    assert numbers["link_peak_acceleration_deg_s2"] == pytest.approx(np.max(inside), rel=1e-3)
+    assert numbers["kinetic_energy_j"] == pytest.approx(0.05 * math.radians(speed) ** 2 / 2, rel=1e-3)
+
+
+def test_an_impact_has_no_greatest_acceleration() -> None:
+    assert design(geometry__law="uniform").study().numbers["link_peak_acceleration_deg_s2"] == math.inf
 
 
 def test_the_starter_has_a_spring_that_can_be_built() -> None:

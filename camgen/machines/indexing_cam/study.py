@@ -165,12 +165,13 @@ class IndexingStudy:
         _, turning, found = self._fine
         rise, back = self._spans
         stroke, still = self.load.ratio * self.swing, ~turning
-        fastest = stroke / rise * abs(self.omega) * self.law.c_v
+        fastest, hardest = (self.load.ratio * abs(self.omega) ** order * self.program.peak(order) for order in (1, 2))
         numbers = {
             "turn_period_s": rise / abs(self.omega),
+            "return_period_s": back / abs(self.omega),
             "turn_to_dwell_ratio": (rise + back) / (math.tau - rise - back) if still.any() else math.inf,
             "link_peak_speed_deg_s": math.degrees(fastest),
-            "link_peak_acceleration_deg_s2": math.degrees(stroke * self.law.c_a * (self.omega / rise) ** 2),
+            "link_peak_acceleration_deg_s2": math.degrees(hardest),
             "kinetic_energy_j": self.load.inertia * fastest**2 / 2,
             "inertia_torque_peak_n_m": peak(found.inertia, turning),
             "follower_torque_peak_without_n_m": peak(found.follower_bare, turning),
