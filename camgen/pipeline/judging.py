@@ -297,7 +297,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages = []
     if passing_by(mechanism):
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
-    stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
+    if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
+        stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     laid_out = mechanism.printed() and "3mf" in kinds
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))

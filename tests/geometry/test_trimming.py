@@ -78,7 +78,9 @@ def check(length: float, offset: float, swing_deg: float, rho: float, blend: flo
         assert error.limit == pytest.approx(np.min(np.abs(polygon)), rel=1e-6)
         assert truth is None or rho > 0.998 * np.min(np.abs(polygon))
         return made
-    assert truth is not None
+    if truth is None:  # a cam that is next to nothing: its facets leave none
+        assert rho > 0.998 * np.min(np.abs(polygon))
+        return made
     mine = shapely.Polygon(np.c_[z.real, z.imag])
     assert mine.is_valid and mine.contains(shapely.Point(0, 0))
     facets = 5e-5 * size

@@ -19,6 +19,11 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.solids import Mesh, solid
 from camgen.pipeline import build as pipeline
 
+# The stitch whose needles slide along the spreaders.
+SLIDING = (
+    "geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34", "geometry.p6_setback=0",
+    "limits.clearance=0",
+)  # fmt: skip
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 
 
@@ -66,7 +71,8 @@ def test_free_as_designed(tmp_path: Path, name: str) -> None:
     ("indexing-cam", "return_cam_1", 1, "return-cam-1 and tip on return-cam-1"),
 ])  # fmt: skip
 def test_a_part_out_of_its_place_is_named(tmp_path: Path, name: str, shifted: str, by: complex, pair: str) -> None:
-    failed = [f for f in swept(tmp_path / "x.3mf", name, **{shifted: by}) if not f.ok]
+    close = SLIDING if name == "chain-stitch-looper" else ()
+    failed = [f for f in swept(tmp_path / "x.3mf", name, *close, **{shifted: by}) if not f.ok]
     assert {f.code for f in failed} == {"INTERFERENCE"}
     assert any(f.where.startswith(f"{pair}: ") and "cam angle" in f.where for f in failed), [f.where for f in failed]
 

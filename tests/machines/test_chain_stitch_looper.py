@@ -574,8 +574,8 @@ def test_search_is_for_laws_in_step() -> None:
 
 def test_spreaders_lie_on_their_undersides(tmp_path: Path) -> None:
     """173 mm^2 on the bed: the shank's 22 x 6 mm and more; as drawn 49 carry it and 119 overhang."""
-    path = Path(__file__).resolve().parents[2] / "specs" / "chain-stitch-looper.toml"
-    report = pipeline.build(path, tmp_path, frozenset({"3mf"}), ["accuracy.chord_tolerance=0.01"])
+    changes = [f"{path}={value}" for path, value in {**SLIDING, "accuracy.chord_tolerance": 0.01}.items()]
+    report = pipeline.build(STARTER, tmp_path, frozenset({"3mf"}), changes)
     assert [f for f in report.findings if not f.ok and f.code in ("BED_FIT", "ROUND_TRIP")] == []
     folder = tmp_path / "chain-stitch-looper"
     with open(folder / "chain-stitch-looper-parts.csv", encoding="utf-8", newline="") as file:

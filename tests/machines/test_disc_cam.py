@@ -269,7 +269,7 @@ def test_it_can_be_shown(tmp_path: Path, kind: str) -> None:
     assert report.ok, failing(report)
     titles = {plot.title for plot in report.plots}
     assert {"Displacement", "Velocity", "Acceleration", "Jerk", "Pressure angle", "Profile, by pressure angle"} <= titles
-    page = (tmp_path / "c" / "report.html").read_text()
+    page = (tmp_path / "c" / "report.html").read_text("utf-8")
     assert "Radius of curvature" in page and "nan" not in page.split("<script")[0].lower().replace("nanmax", "")
 
 
@@ -533,7 +533,7 @@ def test_a_law_from_a_file(tmp_path: Path) -> None:
     u = np.linspace(0, 1, 41)
     rows = [f"{90 * x},{4 * (x - np.sin(2 * np.pi * x) / (2 * np.pi))}" for x in u]
     (tmp_path / "rise.csv").write_text("\n".join(["deg,mm", *rows]))
-    text = SPEC.read_text().replace('law = "modified-sine" ', 'law = { name = "table", file = "rise.csv" } ')
+    text = SPEC.read_text("utf-8").replace('law = "modified-sine" ', 'law = { name = "table", file = "rise.csv" } ')
     (tmp_path / "t.toml").write_text(text)
     report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}))
     assert not [f for f in report.findings if not f.ok and f.code != "MOTION_JUMP"]
@@ -551,7 +551,7 @@ def test_same_spec_same_bytes(tmp_path: Path) -> None:
 
 
 def test_the_starter_describes_every_key() -> None:
-    text = SPEC.read_text()
+    text = SPEC.read_text("utf-8")
     tables = specs.schema(DiscCamDrive)["$defs"]
     own = {"FollowerTable", "Geometry", "Limits", "Motor", "Parts", "SegmentTable", "LawChoice"}
     assert {key for table in own for key in tables[table]["properties"] if key not in text} == set()
@@ -582,7 +582,7 @@ def test_a_table_of_2000_points_costs_no_more_than_a_law(tmp_path: Path) -> None
     """Processor time and memory of a build in a process of its own."""
     (tmp_path / "spec.toml").write_text(specs.dump(mechanism(segments=table_of(2000))))
     code = (
-        "import resource, sys, time\nfrom pathlib import Path\nfrom camgen import pipeline\n"
+        "import resource, sys, time\nfrom pathlib import Path\nfrom camgen.pipeline import build as pipeline\n"
         "report = pipeline.build(Path(sys.argv[1]) / 'spec.toml', Path(sys.argv[1]), frozenset(['dxf']))\n"
         "print(report.ok, time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     )

@@ -385,8 +385,8 @@ def test_files_and_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[s
     code, report, _ = run(capsys, path, "--follower", LEVER, "-o", tmp_path / "out")
     folder = tmp_path / "out" / "my-disc-motion"
     assert code == 0 and {p.name for p in folder.iterdir()} == {"motion.csv", "report.html", "report.json", "manifest.json"}
-    assert json.loads((folder / "report.json").read_text()) == report
-    page = (folder / "report.html").read_text()
+    assert json.loads((folder / "report.json").read_text("utf-8")) == report
+    page = (folder / "report.html").read_text("utf-8")
     assert page.count("<svg") >= 5 and "low-passed at 36 harmonics" in page
     with open(folder / "motion.csv") as file:
         rows = list(csv.DictReader(file))
