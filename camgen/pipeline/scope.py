@@ -77,9 +77,9 @@ def not_judged(
         needs = " or ".join(kind.upper() for kind in stage.takes)
         for code in stage.codes:
             if not stage.runs(kinds):
-                found.setdefault(code, NotJudged(code, f"no {needs} {lacks}, so not judged: {stage.what}", needs))
+                found.setdefault(code, NotJudged(code, f"no {needs} {lacks}; it looks at {stage.what}", needs))
             elif failing and code not in told:
-                why = f"no {needs} could be judged so far, see what fails: {stage.what}"
+                why = f"no {needs} could be judged so far, see what fails; it looks at {stage.what}"
                 found.setdefault(code, NotJudged(code, why, "a file without the faults above"))
     return tuple(found.values())
 
