@@ -6,11 +6,13 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 # However long examples take, for a machine may be busy; on a build server the same ones each time, so that a red run can be
 # run again, elsewhere new ones.
-settings.register_profile("camgen", derandomize=bool(os.environ.get("CI")), deadline=None)
+settings.register_profile(
+    "camgen", derandomize=bool(os.environ.get("CI")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("camgen")
 
 ROOT = Path(__file__).resolve().parent.parent

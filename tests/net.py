@@ -21,8 +21,8 @@ SHARE = 1e-9  # of a number, or of a millimetre: rounding of another order of su
 VARIANTS = {
     "uniform-swing": ["", "geometry.pivot_distance=80 geometry.arm_offset=40 geometry.swing_deg=24 parts.make='cams'",
                       "geometry.closure='force' frame.tip='MR63' spring.preload=0.1 spring.rate=0.2"],
-    "eccentric-drive": ["", "geometry.eccentricity=2 geometry.rod=60 geometry.eccentric_diameter=11",
-                        "geometry.offset=0.4 masses.rod_g=1.6 masses.rod_centre=16 masses.rod_inertia_g_mm2=450 masses.slider_g=1.5"],
+    "eccentric-drive": ["", "geometry.eccentricity=2 geometry.rod=60 geometry.eccentric_diameter=11", "geometry.offset=0.4 "
+                        "masses.rod_g=1.6 masses.rod_centre=16 masses.rod_inertia_g_mm2=450 masses.slider_g=1.5"],
     "thread-take-up": ["", "geometry.coupler=30 geometry.output_crank=19 geometry.guides=[[60,15],[-80,160]]",
                        "geometry.frame_angle_deg=30 print.hole_compensation=0.05"],
     "chain-stitch-looper": ["", "geometry.mode='published'", "geometry.needle_diameter=0.8"],
@@ -43,7 +43,8 @@ def build(top: Path, out: Path) -> None:
             command = [sys.executable, "-m", "camgen", "build", f"specs/{spec}.toml", "-o", str(out / f"{spec}-{k}"), *words]
             done = subprocess.run(command, cwd=top, capture_output=True, text=True, env={"PYTHONPATH": str(top), "PATH": ""})
             (out / f"{spec}-{k}").mkdir(parents=True, exist_ok=True)
-            (out / f"{spec}-{k}" / "verdict.txt").write_text(f"exit {done.returncode}\n{done.stderr[-500:] if done.returncode > 1 else ''}")
+            said = done.stderr[-500:] if done.returncode > 1 else ""
+            (out / f"{spec}-{k}" / "verdict.txt").write_text(f"exit {done.returncode}\n{said}")
 
 
 def texts(path: Path) -> dict[str, str]:

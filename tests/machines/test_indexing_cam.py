@@ -315,19 +315,11 @@ def test_the_law_for_a_spring_becomes_a_spec() -> None:
 @pytest.mark.parametrize(
     "path, value",
     [
-        ("geometry.base_radius", 0), ("geometry.base_radius", None), ("geometry.law", "mr13"), ("geometry.law", "matched"),
-        ("geometry.law", 3), ("geometry.rise_deg", 0), ("geometry.rise_deg", 360), ("geometry.dwell_deg", -1),
-        ("geometry.dwell_deg", 121), ("geometry.return_deg", 0.5), ("geometry.index_deg", 0), ("geometry.gear_ratio", 0),
-        ("geometry.gear_ratio", None), ("geometry.closure", "groove"), ("geometry.follower", 7),
-        ("geometry.follower.arm", -1), ("geometry.follower.pivot_distance", math.inf),
-        ("geometry.follower.roller_radius", math.nan), ("geometry.follower.roler_radius", 1), ("motor.speed_rpm", 0),
-        ("load.inertia_kg_m2", 0), ("load.inertia_kg_m2", "heavy"), ("load.friction_n_m", -1),
-        ("load.follower_inertia_kg_m2", -1), ("load.dwell_torque_n_m", -1), ("load.closing_n_m", 1),
-        ("unloader.torque", "spring"), ("unloader.balance", 0), ("unloader.design_rpm", 0), ("unloader.points", [[0, 1]]),
-        ("unloader.stiffness_n_mm", 1), ("unloader.crank", 1), ("unloader.guide", 1), ("unloader.stretch", 1),
-        ("unloader.lead_deg", 18), ("synthesis.weights", []), ("parts.bore", 0), ("parts.key_width", 12.0),
-        ("parts.thickness", -8), ("parts.shaft", "square"), ("parts.wall", 0.1), ("limits.min_wall", 0.1),
-        ("limits.pressure_angle_deg", 91), ("limits.residual", -1), ("limits.acceleration_jump", -1),
+        ("geometry.law", "mr13"), ("geometry.law", "matched"), ("geometry.dwell_deg", 121), ("geometry.return_deg", 0.5),
+        ("geometry.closure", "groove"), ("geometry.follower.roler_radius", 1), ("load.closing_n_m", 1),
+        ("unloader.torque", "spring"), ("unloader.points", [[0, 1]]), ("unloader.stiffness_n_mm", 1), ("unloader.crank", 1),
+        ("unloader.guide", 1), ("unloader.stretch", 1), ("unloader.lead_deg", 18), ("synthesis.weights", []),
+        ("parts.key_width", 12.0), ("parts.wall", 0.1), ("limits.min_wall", 0.1),
     ],
 )  # fmt: skip
 def test_each_wrong_key_is_named(path: str, value: object) -> None:
