@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -259,19 +261,19 @@ def test_pressure_angle_and_undercut_are_seen_to_fail() -> None:
 # ---- files -----------------------------------------------------------------------------------------------------------
 
 
-def test_files_move_as_asked(tmp_path: Path) -> None:
-    report = pipeline.build(STARTER, tmp_path, frozenset({"dxf", "stl", "3mf"}), ["accuracy.chord_tolerance=0.005"])
+def test_files_move_as_asked(built: Callable[..., Path]) -> None:
+    folder = built("indexing-cam")
+    report = pipeline.check(folder)
     assert report.ok, [f for f in report.findings if not f.ok]
     moved = [f.where for f in report.findings if f.code == "MOTION_ERROR"]
     assert len(moved) == 6 and sum("return-cam" in where for where in moved) == 3
     for kind in ("dxf", "stl", "3mf"):
         assert report.numbers[f"index_recovered_{kind}_deg"] == pytest.approx(180, abs=0.05)
-    again = pipeline.check(tmp_path / "indexing-cam")
-    assert again.as_dict()["findings"] == json.loads((tmp_path / "indexing-cam" / "report.json").read_text())["findings"]
+    assert report.as_dict()["findings"] == json.loads((folder / "report.json").read_text())["findings"]
 
 
-def test_swapped_cams_do_not_move_as_asked(tmp_path: Path) -> None:
-    pipeline.build(STARTER, tmp_path, frozenset({"dxf"}))
+def test_swapped_cams_do_not_move_as_asked(built: Callable[..., Path], tmp_path: Path) -> None:
+    shutil.copytree(built("indexing-cam"), tmp_path / "indexing-cam")
     one, other = (tmp_path / "indexing-cam" / f"indexing-cam-{name}.dxf" for name in ("cam", "return-cam"))
     a, b = one.read_bytes(), other.read_bytes()
     one.write_bytes(b)
