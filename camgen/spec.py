@@ -18,6 +18,7 @@ import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import deepcopy
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
@@ -277,9 +278,15 @@ def _tuples(value: Any) -> Any:
     return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
 
 
+@lru_cache
+def _json_schema(cls: type[Spec]) -> Data:
+    """The class's schema, to look things up in."""
+    return cls.model_json_schema()
+
+
 def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
     """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
-    root = cls.model_json_schema()
+    root = _json_schema(cls)
     found: dict[str, Fault] = {}
     for item in error.errors(include_url=False):
         path, node, table = _locate(item["loc"], data, root)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import fcntl
+import hashlib
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 # However long examples take, for a machine may be busy; on a build server the same ones each time, so that a red run can be
 # run again, elsewhere new ones.
-settings.register_profile("camgen", derandomize=bool(os.environ.get("CI")), deadline=None)
+settings.register_profile(
+    "camgen", derandomize=bool(os.environ.get("CI")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("camgen")
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -24,3 +29,30 @@ def root() -> Path:
 @pytest.fixture
 def starter() -> Path:
     return ROOT / "specs" / "uniform-swing.toml"
+
+
+Built = Callable[..., Path]
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+    """built("disc-cam", *settings): the folder of a sound build of a starter spec, all kinds of files.
+
+    Each is made once for all tests, in whatever process they run: to be read, and copied where it is to be damaged.
+    """
+    own = tmp_path_factory.getbasetemp()
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+    def folder(spec: str, *settings: str) -> Path:
+        from camgen.pipeline.build import KINDS, build
+
+        out = shared / f"built-{hashlib.sha256(repr((spec, settings)).encode()).hexdigest()[:12]}"
+        with open(f"{out}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not out.exists():
+                report = build(ROOT / "specs" / f"{spec}.toml", out, frozenset(KINDS), settings)
+                assert report.ok, [finding for finding in report.findings if not finding.ok]
+        (made,) = out.iterdir()
+        return made
+
+    return folder

@@ -20,7 +20,7 @@ SET_UP = "python3 -m venv .venv && .venv/bin/pip install -q"
 def test_first_two_commands_set_up_then_build_and_test() -> None:
     build, test = COMMANDS[:2]
     assert build == f"{SET_UP} . && .venv/bin/camgen build specs/uniform-swing.toml"
-    assert test == f"{SET_UP} -e '.[test]' && .venv/bin/pytest -q"
+    assert test == f"{SET_UP} -e '.[test]' && .venv/bin/pytest -q -n auto --dist loadfile"
 
 
 def test_ci_runs_exactly_these_two() -> None:

@@ -286,23 +286,6 @@ def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: 
             assert set(table) <= set(described["$defs"][name]["properties"])
 
 
-@pytest.mark.parametrize(
-    "setting",
-    [
-        "geometry.pivot_distance=0", "geometry.pivot_distance=-60", "geometry.arm_offset=nan",
-        "geometry.arm_offset=inf", "geometry.swing_deg=0", "geometry.swing_deg=180", "geometry.swing_deg=400",
-        "geometry.tip_radius=-1", "geometry.closure=spring", "geometry.pivot_distance=sixty", "parts.wall=0.1",
-        "limits.min_wall=0.1", "parts.bore=0", "accuracy.chord_tolerance=0", "print.bed=[0, 220]", "name=a/b",
-        "name=a.b", "name=..",
-    ],
-)  # fmt: skip
-def test_bad_values_of_the_uniform_swing_cam(starter: Path, setting: str) -> None:
-    with pytest.raises(SpecError) as caught:
-        validate(load("uniform-swing"), override(read(starter), setting))
-    path = setting.partition("=")[0]
-    assert all(fault.path.startswith(path) and fault.value and fault.expected for fault in caught.value.faults)
-
-
 # ---- files and tables that no spec has -------------------------------------------------------------------------------
 
 

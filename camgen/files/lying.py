@@ -64,8 +64,9 @@ def lying_side(mesh: Solid) -> Side:
     areas = _areas(mesh)
     areas = areas[np.any(areas != 0, axis=1)]
     sizes = np.linalg.norm(areas, axis=1)
-    normals, index = np.unique(np.round(areas / sizes[:, None], 3) + 0.0, axis=0, return_inverse=True)
-    whole = np.bincount(index.ravel(), sizes)
+    steps = np.rint(areas / sizes[:, None] * 1000).astype(np.int64) + 1000  # 0 to 2000, each normal one number of three digits
+    _, first, index = np.unique(steps @ np.array([2001**2, 2001, 1]), return_index=True, return_inverse=True)
+    normals, whole = (steps[first] - 1000) / 1000, np.bincount(index, sizes)
     largest = np.argsort(-whole, kind="stable")[:_TRIED]
     flat = normals[largest[whole[largest] > own.worth]]  # of a smaller one no more than its area can lie on the bed
     downs = [*np.eye(3), *-np.eye(3)[:2], *(n / np.linalg.norm(n) for n in flat)]

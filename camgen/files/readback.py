@@ -10,6 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -292,18 +293,24 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
 
     FileError when it is refused, in a unit that there is not, or places far too much.
     """
+    try:
+        return _package(str(path), Path(path).read_bytes(), strict)
+    except OSError as error:
+        raise FileError(path, error.strerror or str(error)) from None
+
+
+@lru_cache(maxsize=16)  # several checks look at each file of a folder
+def _package(path: str, data: bytes, strict: bool) -> Package:
     import lib3mf
 
+    if not data.startswith(b"PK"):
+        raise FileError(path, "not a 3MF file: it is no zip archive")
+    refuse_bomb(path)
     try:
-        if not Path(path).read_bytes().startswith(b"PK"):
-            raise FileError(path, "not a 3MF file: it is no zip archive")
-        refuse_bomb(path)
         model = lib3mf.get_wrapper().CreateModel()
         reader = model.QueryReader("3mf")
         reader.SetStrictModeActive(strict)
-        reader.ReadFromFile(str(path))
-    except OSError as error:
-        raise FileError(path, error.strerror or str(error)) from None
+        reader.ReadFromFile(path)
     except lib3mf.ELib3MFException as error:
         raise FileError(path, f"not a valid 3MF file: {error}") from None
     told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]

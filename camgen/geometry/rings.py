@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,18 +37,21 @@ class Ring:
     @property
     def ends(self) -> Points:
         """Last point of each edge, (n,)."""
-        return np.roll(self.points, -1)
+        return np.concatenate([self.points[1:], self.points[:1]])
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Signed area, mm^2, positive when counter-clockwise; arcs counted exactly."""
         a, b = self.points - self.points[0], self.ends - self.points[0]
         return float(np.sum(np.imag(np.conj(a) * b) / 2 + self._caps()))
 
-    @property
+    @cached_property
     def centroid(self) -> complex:
         """Centre of the enclosed area, mm; arcs counted exactly."""
         a, b = self.points - self.points[0], self.ends - self.points[0]
+        if not self.bulges.any():
+            triangles = np.imag(np.conj(a) * b) / 2
+            return complex(self.points[0] + np.sum(triangles * (a + b) / 3) / np.sum(triangles))
         half = 2 * np.arctan(self.bulges)
         flat = np.abs(half) < 0.02
         safe = np.where(flat, 1.0, half)
@@ -61,6 +65,8 @@ class Ring:
     def _caps(self) -> Floats:
         """Signed area between each edge's arc and its chord, mm^2, (n,)."""
         t = self.bulges
+        if not t.any():
+            return np.zeros(t.shape)
         straight = np.abs(t) < 0.01
         safe = np.where(straight, 1.0, t)
         # Per chord^2; the series serves where the closed form would cancel.
@@ -68,7 +74,7 @@ class Ring:
         cap = np.where(straight, t / 3 + t**3 / 15 - t**5 / 105, closed)
         return np.asarray(cap * np.abs(self.ends - self.points) ** 2)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length, mm."""
         return float(np.sum(np.abs(self.ends - self.points) / np.sinc(2 * np.arctan(self.bulges) / np.pi)))
@@ -108,6 +114,8 @@ class Ring:
 
         OverflowError where that takes millions of chords.
         """
+        if not self.bulges.any():
+            return self.points
         sweep = 4 * np.arctan(self.bulges)
         chord = self.ends - self.points
         radius = np.abs(chord) / np.where(sweep == 0, 1, 2 * np.abs(np.sin(sweep / 2)))

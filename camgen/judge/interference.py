@@ -26,16 +26,13 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.rings import Floats, Points
+from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
-
-if TYPE_CHECKING:
-    pass
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -248,6 +245,20 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
 
     floor, ease = -approach.allowed, approach.facets + approach.pad
     share = _TOUCHING if approach.allowed else _SHARE
+
+    def spare() -> float:
+        return _spare(best.gap, needed, resolution, share)
+
+    def reach(half: float) -> float:
+        """How near the guest as it is placed must come for a gap to be lower than `best` by what is to spare."""
+        return best.gap - spare() + approach.allowed + ease + half
+
+    def within(placed: Any, some: Ints, distance: float) -> Ints:
+        """Those that come as near as that."""
+        if not (math.isfinite(distance) and len(some)):  # the first time there is nothing to compare with
+            return some
+        return some[shapely.dwithin(approach.home, placed[some], distance)] if distance > 0 else some[:0]
+
     span = float(approach.path[-1])
     half = span / 2 / _START
     middle: Floats = np.linspace(half, span - half, _START)
@@ -263,20 +274,23 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
             theta = approach.theta(places)
             placed = approach.placed(theta)
             best.evaluations += len(theta)
-            rivals = np.arange(len(theta))
-            while len(rivals) and best.gap > floor:  # each round measures one, and keeps those that are nearer still
-                k = int(rivals[len(rivals) // 2])
+            # What is not even near now cannot lower `best` either, for it only falls.
+            near = within(placed, np.arange(len(theta)), max(reach(half), reach(spare() / 2)))
+            rivals, k, before = near, len(theta) // 2, best.gap
+            while True:  # each round measures one, and keeps those that are nearer still
                 apart = float(shapely.distance(approach.home, placed[k])) - approach.pad
                 gap = max(apart, 0.0) - approach.allowed - approach.facets
                 if gap < best.gap:
                     best.gap, best.theta = gap, float(theta[k])
-                nearer = best.gap - _spare(best.gap, needed, resolution, share) / 2 + approach.allowed + ease
-                rivals = rivals[rivals != k]
-                rivals = rivals[shapely.dwithin(approach.home, placed[rivals], nearer)] if nearer > 0 else rivals[:0]
-            if best.gap <= floor:
-                return True
-            reach = best.gap - _spare(best.gap, needed, resolution, share) + approach.allowed + ease + half
-            kept.append(places[shapely.dwithin(approach.home, placed, reach)] if reach > 0 else places[:0])
+                if best.gap <= floor:
+                    return True
+                rivals = within(placed, rivals[rivals != k], reach(spare() / 2))
+                if not len(rivals):
+                    break
+                k = int(rivals[len(rivals) // 2])
+            if best.gap < before or half < spare() / 2:
+                near = within(placed, near, reach(half))
+            kept.append(places[near])
         middle, half = np.concatenate(kept), half / 2
         middle = np.sort(np.concatenate([middle - half, middle + half])) if span >= _AT_REST else middle[:0]
     return True

@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -345,9 +346,15 @@ def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
     """How far a contour is from the one meant, mm: the largest distance either way of points along their edges, and the
     difference of their areas over the length. Arcs are facetted within the tolerance, mm.
     """
-    one, other = found.facetted(tolerance), meant.facetted(tolerance)
     area = abs(abs(found.area) - abs(meant.area)) / meant.length
-    return max(area, *(float(np.max(point_to_ring(_along(a), b))) for a, b in ((one, other), (other, one))))
+    return max(area, _deviation(found.facetted(tolerance).tobytes(), meant.facetted(tolerance).tobytes()))
+
+
+@lru_cache(maxsize=128)  # one contour stands at several heights, in STL and 3MF alike
+def _deviation(one: bytes, other: bytes) -> float:
+    """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
+    a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
+    return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
 
 
 def _along(ring: Points) -> Points:

@@ -174,7 +174,7 @@ class Mount:
 
     def pose(self, angle: Floats) -> Pose:
         """The same over the turn, in the ground's frame, by the drive's angle, (n,) rad."""
-        place = self.drive.centre + np.exp(1j * angle) * self.at
+        place = self.drive.centre + (np.exp(1j * angle) * self.at if self.at else np.zeros(angle.shape))
         return Pose(angle + self.turned, np.asarray(place, complex), self.flipped, self.z)
 
 

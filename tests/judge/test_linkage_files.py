@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+import json
 import math
 import shutil
 from collections.abc import Callable
@@ -26,24 +27,23 @@ Change = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(built: Callable[..., Path]) -> Path:
     """A sound build, never changed."""
-    out = tmp_path_factory.mktemp("sound")
-    report = pipeline.build(SPEC, out, frozenset({"dxf", "stl", "3mf"}), ["name='drive'"])
-    assert report.ok
+    folder = built("eccentric-drive")
+    numbers = json.loads((folder / "report.json").read_text())["numbers"]
     for kind in ("dxf", "stl", "3mf"):
-        assert report.numbers[f"stroke_recovered_{kind}_mm"] == pytest.approx(3.0, abs=1e-6)
-        assert report.numbers[f"motion_error_{kind}_mm"] < 1e-6
+        assert numbers[f"stroke_recovered_{kind}_mm"] == pytest.approx(3.0, abs=1e-6)
+        assert numbers[f"motion_error_{kind}_mm"] < 1e-6
         # 0.2 mm of play in strap, pin and guide; at 90 deg the rod leans by asin(1/32)
         band = (0.1 + 0.1) / math.cos(math.asin(1 / 32)) + 0.1 * math.tan(math.asin(1 / 32))
-        assert report.numbers[f"clearance_band_{kind}_mm"] == pytest.approx(band, abs=2e-5)
-    return out / "drive"
+        assert numbers[f"clearance_band_{kind}_mm"] == pytest.approx(band, abs=2e-5)
+    return folder
 
 
 @pytest.fixture
 def folder(made: Path, tmp_path: Path) -> Path:
     """A copy of it to be damaged."""
-    return Path(shutil.copytree(made, tmp_path / "drive"))
+    return Path(shutil.copytree(made, tmp_path / "eccentric-drive"))
 
 
 def failing(folder: Path) -> set[tuple[str, str]]:
@@ -56,8 +56,8 @@ def test_a_sound_build_passes_and_is_the_same_when_checked_again(folder: Path) -
 
 
 def test_the_same_spec_gives_the_same_bytes(made: Path, tmp_path: Path) -> None:
-    pipeline.build(made / "spec.toml", tmp_path, frozenset({"dxf", "stl", "3mf"}))
-    assert (tmp_path / "drive" / "manifest.json").read_bytes() == (made / "manifest.json").read_bytes()
+    pipeline.build(made / "spec.toml", tmp_path, frozenset(pipeline.KINDS))
+    assert (tmp_path / "eccentric-drive" / "manifest.json").read_bytes() == (made / "manifest.json").read_bytes()
 
 
 def test_one_kind_of_file_alone_is_judged(tmp_path: Path) -> None:
@@ -72,7 +72,7 @@ def test_one_kind_of_file_alone_is_judged(tmp_path: Path) -> None:
 
 def edit_stl(folder: Path, part: str, change: Change) -> None:
     """Map the corners' plane points (complex), whose heights are given too."""
-    path = folder / f"drive-{part}.stl"
+    path = folder / f"eccentric-drive-{part}.stl"
     data = path.read_bytes()
     triangles = np.frombuffer(data[84:], TRIANGLE).copy()
     corners = triangles["corners"].astype(float)
@@ -172,7 +172,7 @@ def lost(drawing: ezdxf.document.Drawing) -> None:
     ],
 )
 def test_dxf(folder: Path, part: str, edit: Callable[[ezdxf.document.Drawing], None], codes: set[str]) -> None:
-    path = folder / f"drive-{part}.dxf"
+    path = folder / f"eccentric-drive-{part}.dxf"
     drawing = ezdxf.readfile(path)
     edit(drawing)
     drawing.saveas(path)
@@ -220,18 +220,16 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
 def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
     """The disc's bore 0.2 mm wider and the collar's seat 0.2 mm narrower: the sum of both plays is as meant."""
     for part, radius, by in (("disc", 1.0, 0.1), ("body", 3.0, -0.1)):
-        path = folder / f"drive-{part}.dxf"
+        path = folder / f"eccentric-drive-{part}.dxf"
         drawing = ezdxf.readfile(path)
         swollen(radius, by)(drawing)
         drawing.saveas(path)
     assert ("PIN_GAP", "dxf") in failing(folder)
 
 
-def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(tmp_path: Path) -> None:
+def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(built: Callable[..., Path], tmp_path: Path) -> None:
     """The take-up's frame lets the shaft through to the pivot: a millimetre off, and it does not."""
-    spec = SPEC.with_name("thread-take-up.toml")
-    assert pipeline.build(spec, tmp_path, frozenset({"dxf"})).ok
-    folder = tmp_path / "thread-take-up"
+    folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
     path = folder / "thread-take-up-frame.dxf"
     drawing = ezdxf.readfile(path)
     (hole,) = (c for c in drawing.modelspace().query("CIRCLE") if abs(complex(c.dxf.center.x, c.dxf.center.y)) < 1e-9)
@@ -245,10 +243,9 @@ def test_a_bed_too_small_is_told(tmp_path: Path) -> None:
     assert {f.code for f in report.findings if not f.ok} == {"BED_FIT"}
 
 
-def test_the_feed_is_taken_from_the_guides_in_the_file(tmp_path: Path) -> None:
+def test_the_feed_is_taken_from_the_guides_in_the_file(built: Callable[..., Path], tmp_path: Path) -> None:
     """A guide's hole 0.1 mm off along the thread changes the feed, and the stroke with it."""
-    assert pipeline.build(SPEC.with_name("thread-take-up.toml"), tmp_path, frozenset({"dxf"})).ok
-    folder = tmp_path / "thread-take-up"
+    folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
     path = folder / "thread-take-up-frame.dxf"
     drawing = ezdxf.readfile(path)
     circles = drawing.modelspace().query("CIRCLE")

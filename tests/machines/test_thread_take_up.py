@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import shutil
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -330,13 +332,12 @@ def test_parts_fit_their_pins_and_stack() -> None:
     assert top["finger"] == EXACT(top["guide"])
 
 
-def test_shipped_spec_builds_and_checks(tmp_path: Path) -> None:
-    report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf", "stl", "report"}))
-    assert report.ok, [finding for finding in report.findings if not finding.ok]
+def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
+    report = pipeline.check(folder)
     codes = [finding.code for finding in report.findings]
     assert {"PIN_GAP", "MOTION_ERROR", "STROKE_ERROR", "TRANSMISSION_ANGLE", "GAP", "MIN_WALL"} <= set(codes)
-    folder = tmp_path / "thread-take-up"
-    assert pipeline.check(folder).ok
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
     text = (folder / "spec.toml").read_text()
     assert "coupler = 19.0\n" in text
     (folder / "spec.toml").write_text(text.replace("coupler = 19.0\n", "coupler = 19.02\n"))
@@ -403,25 +404,7 @@ def test_hull_of_two_equal_discs_is_a_slot() -> None:
     assert rod("pin", "Pin", 4.0, 10.0).volume == EXACT(40 * math.pi)
 
 
-# Bad input: every key
-
-
-NUMBERS = [
-    *(f"geometry.{key}" for key in ("input_crank", "coupler", "output_crank", "frame", "eye_distance")),
-    *(f"masses.{key}" for key in ("coupler_g", "output_crank_g", "coupler_kg_m2", "output_crank_kg_m2")),
-    "masses.coupler_weight_radius", "masses.output_crank_weight_radius",
-    *(f"parts.{key}" for key in ("thickness", "wall", "shaft_diameter", "shaft_length", "pin_diameter")),
-    "parts.finger_diameter", "parts.guide_diameter", "parts.thread_height", "limits.min_wall",
-    *(f"wanted.{key}" for key in ("feed_range", "let_down_ratio", "dwell_deg", "dwell_radius", "tolerance")),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("key", NUMBERS)
-@pytest.mark.parametrize("value", ["0", "-3", "nan", "inf", "'long'", "true", "1e9", "[1]"])
-def test_numbers_over_zero(key: str, value: str) -> None:
-    with pytest.raises(SpecError) as refused:
-        made(f"{key}={value}")
-    assert key in [fault.path for fault in refused.value.faults]
+# Bad input
 
 
 @pytest.mark.parametrize(
@@ -455,16 +438,6 @@ def test_other_keys(key: str, value: str, expected: str | None) -> None:
     assert expected is None or expected in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    "key", ["input_crank", "coupler", "output_crank", "frame", "eye_distance", "eye_angle_deg", "branch", "guides"]
-)
-def test_missing_keys_are_asked_for(key: str) -> None:
-    data = tomllib.loads(SHIPPED.read_text())
-    del data["geometry"][key]
-    with pytest.raises(SpecError, match=rf"geometry\.{key}"):
-        spec.validate(ThreadTakeUp, data)
-
-
 def test_masses_without_a_speed() -> None:
     data = tomllib.loads(SHIPPED.read_text())
     del data["motor"]
@@ -480,20 +453,6 @@ def test_steep_transmission_fails() -> None:
 def test_crank_that_cannot_turn_is_refused_with_angles() -> None:
     with pytest.raises(DesignError, match=r"gap at joint B is .* mm at crank angle .* deg \(closes or opens at .* deg\)"):
         made("geometry.frame=40").parts()
-
-
-# Values that are right by themselves: a design or a refusal, never another exception.
-SWEPT = [key for key in NUMBERS if not key.startswith("wanted")]
-
-
-@pytest.mark.parametrize("key", [*SWEPT, "parts.shaft_flat", "parts.mount_diameter", "geometry.eye_angle_deg"])
-def test_extreme_values_make_a_design_or_are_refused(key: str) -> None:
-    for value in (1e-3, 0.3, 170, 1e3, 1e6):
-        try:
-            found = made(f"{key}={value}")
-            found.parts(), found.limits(), found.bought()
-        except (SpecError, DesignError) as error:
-            assert str(error)
 
 
 def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:

@@ -59,19 +59,15 @@ def test_a_case_is_reopened_from_its_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name, changes", [("uniform-swing", CAMS), ("chain-stitch-looper", []), ("eccentric-drive", [])])
-def test_same_bytes_with_several_cores(tmp_path: Path, name: str, changes: list[str]) -> None:
-    folders = []
+def test_same_bytes_with_several_cores(built: Callable[..., Path], tmp_path: Path, name: str, changes: list[str]) -> None:
     told: list[float] = []
-    for jobs in (1, 2):
-        out = tmp_path / str(jobs)
-        told.clear()
-        report = build(
-            SPECS / f"{name}.toml", out, frozenset(pipeline.KINDS), changes, lambda _, done=None: told.append(done), jobs
-        )  # fmt: skip
-        assert report.ok and report.as_dict() == check(out / name, jobs=jobs).as_dict()
-        assert told == sorted(told) and told[0] == 0 and told[-1] < 1, "the bar never runs back"
-        folders.append({path.name: path.read_bytes() for path in (out / name).iterdir()})
-    assert folders[0] == folders[1]
+    report = build(
+        SPECS / f"{name}.toml", tmp_path, frozenset(pipeline.KINDS), changes, lambda _, done=None: told.append(done), 2
+    )  # fmt: skip
+    assert report.ok and report.as_dict() == check(tmp_path / name, jobs=2).as_dict()
+    assert told == sorted(told) and told[0] == 0 and told[-1] < 1, "the bar never runs back"
+    one, other = ({path.name: path.read_bytes() for path in each.iterdir()} for each in (tmp_path / name, built(name, *changes)))
+    assert one == other
 
 
 def test_a_fault_in_a_part_leaves_nothing_behind(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import gallery
@@ -25,10 +26,8 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("out")
-    assert pipeline.build(SPEC, out, ALL, CAMS).ok
-    return out / "uniform-swing"
+def made(built: Callable[..., Path]) -> Path:
+    return built("uniform-swing", *CAMS)
 
 
 def test_the_files_of_the_contract_are_there(made: Path) -> None:

@@ -188,6 +188,10 @@ class UniformSwing(Mechanism):
 
     def assembly(self) -> Assembly | None:
         """The whole machine, if it is to be made."""
+        return self._assembly
+
+    @cached_property
+    def _assembly(self) -> Assembly | None:
         return self._machine.assembly(self.reachable) if self.making.make == "machine" else None
 
     def bought(self) -> Sequence[Bought]:
