@@ -61,7 +61,7 @@ def cli() -> None:
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: geometry.swing_deg=24, segment.1.lift=8; KEY= removes it.")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
 @_jobs
 @_as_json
 def build(

@@ -175,20 +175,17 @@ def _moved(
     if drive is None:
         return Outcome(), {}, Study()
     theta, (unit, scale) = np.linspace(0, 2 * math.pi, _ROWS), drive.unit
-    columns = {
-        "theta_deg": np.degrees(theta),
-        f"wanted_{unit}": scale * mechanism.motion(theta),
-        "wanted_speed": mechanism.motion(theta, 1),
-        f"reachable_{unit}": scale * mechanism.reachable(theta),
-    }
-    recovered = {}
+    degrees, wanted, output = np.degrees(theta), scale * mechanism.motion(theta), f"{drive.output}_{unit}"
+    recovered, shown = {}, {}
     for kind, shape in read[drive.part].shapes.items():
         try:
             recovered[kind] = mounted(shape, drive).angle(theta)
         except ValueError:  # told by MOTION_ERROR
             recovered[kind] = np.full(theta.shape, np.nan)
-        columns[f"recovered_{kind}_{unit}"] = scale * recovered[kind]
-    return Outcome(plots=motion_plots(columns, unit)), columns, mechanism.recovered(theta, recovered)
+        shown[kind] = scale * recovered[kind]
+    columns = {"theta_deg": degrees, output: wanted} | {f"{output}_{kind}": s for kind, s in shown.items()}
+    plots = motion_plots(degrees, wanted, scale * mechanism.reachable(theta), shown, drive.output, unit)
+    return Outcome(plots=plots), columns, mechanism.recovered(theta, recovered)
 
 
 def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
@@ -206,7 +203,7 @@ def _linkage(
     theta, fit = np.linspace(0, 2 * math.pi, _ROWS), compensation(mechanism)
     wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
     degrees, label = np.degrees(theta), "crank angle, deg"
-    columns = {"theta_deg": degrees, "wanted_mm": wanted, "wanted_mm_rad": speed}
+    columns = {"theta_deg": degrees, f"{traced.name}_mm": wanted}
     travel, speeds = [("wanted", degrees, wanted)], [("wanted", degrees, speed)]
     errors, bands = [], []
     findings: list[Finding] = []
@@ -224,11 +221,11 @@ def _linkage(
         if verdict.chain is None:
             continue
         closed, source = verdict.chain.close(theta), f"from {kind.upper()}"
-        columns[f"recovered_{kind}_mm"], columns[f"band_{kind}_mm"] = closed.output, verdict.band(closed)
+        columns[f"{traced.name}_mm_{kind}"] = closed.output
         travel.append((source, degrees, closed.output))
         speeds.append((source, degrees, closed.slope))
         errors.append((source, degrees, closed.output - wanted))
-        bands.append((f"+- {source}", degrees, columns[f"band_{kind}_mm"]))
+        bands.append((f"+- {source}", degrees, verdict.band(closed)))
     plots = [Plot(traced.name.capitalize(), label, "mm", travel), Plot("Speed", label, "mm/rad", speeds)]
     if errors:
         plots += [Plot("Motion error", label, "mm", errors), Plot("Worst case of the joints' play", label, "mm", bands)]
@@ -321,7 +318,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
         findings += cleared.findings
         numbers |= cleared.numbers
         plots.append(Plot(f"Distance, from {kind.upper()}", "shaft angle, deg", "mm, below 0 overlap", cleared.curves))
-        columns |= {f"distance_{name.lower().replace('/', '_')}_{kind}_mm": apart for name, _, apart in cleared.curves}
+        columns |= {f"distance_{name.lower().replace('/', '_')}_mm_{kind}": apart for name, _, apart in cleared.curves}
     return Outcome(findings, numbers, plots, columns=columns)
 
 

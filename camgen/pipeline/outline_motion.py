@@ -176,7 +176,7 @@ def _report(
         "of the turn the tip rests on the outline" + ("; no speed or acceleration is given" if lost.any() else ""),
     )]  # fmt: skip
     name, scale = follower.unit
-    key = "angle_deg" if name == "deg" else "displacement_mm"
+    key = "swing_deg" if name == "deg" else "lift_mm"
     columns = {
         "theta_deg": np.degrees(found.theta), key: found.s * scale, f"speed_{name}_rad": found.speed * scale,
         f"acceleration_{name}_rad2": found.acceleration * scale, "pressure_angle_deg": np.degrees(found.pressure_angle),

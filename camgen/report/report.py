@@ -37,7 +37,8 @@ _FOLDED_FROM = 40
 
 # Units as suffixes of a number's name, the longest first.
 _UNITS = {
-    "n_rad_s": "N rad/s", "n_m": "N m", "g_mm": "g mm", "n": "N",
+    "n_rad_s": "N rad/s", "n_m_s": "N m s", "n_m": "N m", "g_mm": "g mm", "kg_m2": "kg m²", "n": "N", "j": "J", "h": "h",
+    "deg_rad2": "deg/rad²", "mm_rad2": "mm/rad²", "deg_rad": "deg/rad", "mm_rad": "mm/rad",
     "mm_s2": "mm/s²", "mm_s": "mm/s", "deg_s2": "deg/s²", "deg_s": "deg/s", "rad_s": "rad/s",
     "mm3": "mm³", "mm2": "mm²", "mm": "mm", "deg": "deg", "rpm": "rpm", "percent": "%", "g": "g", "s": "s",
 }  # fmt: skip
@@ -100,11 +101,11 @@ class Report:
         return plain
 
 
-def motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
-    """Motion, speed and error over the cam angle, wanted and recovered."""
-    theta, label = columns["theta_deg"], "cam angle, deg"
-    kinds = [name.split("_")[1] for name in columns if name.startswith("recovered_")]
-    recovered = {kind: columns[f"recovered_{kind}_{unit}"] for kind in kinds}
+def motion_plots(
+    theta: Floats, wanted: Floats, reachable: Floats, recovered: Mapping[str, Floats], name: str, unit: str
+) -> list[Plot]:
+    """Motion, speed and error over the cam angle theta, deg, wanted and recovered from each kind of file, all (n,)."""
+    label = "cam angle, deg"
     step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(theta) - 1) / 360))
 
     def speed(s: Floats) -> Floats:
@@ -115,9 +116,8 @@ def motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
     def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
         return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
 
-    wanted, reachable = columns[f"wanted_{unit}"], columns[f"reachable_{unit}"]
     return [
-        Plot("Swing" if unit == "deg" else "Stroke", label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
+        Plot(name.capitalize(), label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
         Plot(
             "Speed",
             label,

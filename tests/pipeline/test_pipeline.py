@@ -68,13 +68,14 @@ def test_the_loss_at_the_reversal_is_the_exact_undercut(made: Path) -> None:
 
 def test_motion_csv_holds_wanted_and_recovered(made: Path) -> None:
     rows = np.genfromtxt(made / "motion.csv", delimiter=",", names=True)
-    assert len(rows) == 1441
+    assert rows.dtype.names == ("theta_deg", "swing_deg", "swing_deg_dxf", "swing_deg_stl", "swing_deg_3mf")
+    assert rows["theta_deg"] == pytest.approx(np.arange(1441) / 4)
     half = rows["theta_deg"] <= 180
     wanted = np.where(half, -15 + rows["theta_deg"] / 6, 45 - rows["theta_deg"] / 6)
-    assert np.abs(rows["wanted_deg"] - wanted).max() < 1e-9
+    assert np.abs(rows["swing_deg"] - wanted).max() < 1e-9
     away = np.abs(rows["theta_deg"] - 180) > 1.5
     for kind in ("dxf", "stl", "3mf"):
-        assert np.abs(rows[f"recovered_{kind}_deg"] - wanted)[away].max() < 1.73e-3
+        assert np.abs(rows[f"swing_deg_{kind}"] - wanted)[away].max() < 1.73e-3
 
 
 def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(made: Path, tmp_path: Path) -> None:
