@@ -154,8 +154,15 @@ def read(path: Path) -> Data:
     if not data:
         expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
         raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
-    if _depth(data) > _DEEPEST:
-        raise SpecError([Fault("TOML", f"nested {_depth(data)} deep", _SHALLOWER)], str(path))
+    return tables(data, str(path))
+
+
+def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
+    """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec."""
+    data = dict(given)
+    deep = _depth(data)
+    if deep > _DEEPEST:
+        raise SpecError([Fault("spec", f"nested {deep} deep", _SHALLOWER)], source)
     return data
 
 
@@ -177,7 +184,7 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
 def _depth(value: Any) -> int:
     """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
     deepest, level = 0, [value]
-    while level := [item for item in level if isinstance(item, dict | list)]:
+    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * _DEEPEST:
         deepest += 1
         level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
     return deepest
