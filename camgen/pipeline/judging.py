@@ -296,11 +296,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
     stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
-    laid_out = mechanism.printed() and "3mf" in kinds
-    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))
-    if mechanism.printed() or mechanism.bought():
-        stages.append(Stage((), work=list_parts))
-    return [*stages, *reading(mechanism)]
+    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
+    return [*stages, Stage((), work=list_parts), *reading(mechanism)]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -355,13 +352,16 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.slabs import judge_plate
 
     mechanism, plates, written, bed = case.mechanism, _plates(case), _written(case), case.mechanism.print.bed
+    if not plates:  # no part fits, or an older build laid none out; one that is lost is missed by the manifest
+        return fit_bed(case, kinds)
     listed, sides = mechanism.printed(), lying_sides(mechanism, written)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
     lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
     fits = [bed_fit(part.name, part.count, vertices, bed, mechanism.print.bed_height)[1] for part, vertices in lying]
     short = (Counter({part.name: part.count for part in listed}) - laid).total()
-    said = f"{laid.total()} copies laid out, {short} missing"
-    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
+    said = f"{laid.total()} {'copy' if laid.total() == 1 else 'copies'} laid out, {short} missing"
+    where = f"{len(plates)} plate{'' if len(plates) == 1 else 's'}"
+    missing = at_most("BED_FIT", short, 0, "copies", where, said)
     on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP))]
     return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
@@ -379,11 +379,11 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The list of parts, with mass and print time of all that is printed."""
+    """The list of parts, with mass and print time of all that is printed, and the steps of assembly."""
     table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table])
+    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table, case.mechanism.steps()])
 
 
 def _plates(case: Case) -> list[Path]:

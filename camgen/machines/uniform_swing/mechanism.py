@@ -463,10 +463,14 @@ class UniformSwing(Mechanism):
                     [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
                 ),
             ),
-            tables=(*((undercut,) if cam.undercuts else ()), *((steps(self._machine),) if self.making.make == "machine" else ())),
+            tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),
         )
+
+    def steps(self) -> Table:
+        """In which order the machine goes together, or the cams alone."""
+        return steps(self._machine) if self.making.make == "machine" else super().steps()
 
     def _sketches(self) -> tuple[Sketch, Sketch]:
         arm, rho = self.cam.follower.arm, self.cam.follower.tip_radius
