@@ -31,7 +31,9 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Mechanism:
     """The mechanism that a spec describes: a TOML file by its path, or its tables as a dict.
 
     It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
-    (rad or mm) or a derivative to theta, (n,). Raises SpecError with all faults at once, FileError where a file cannot be read.
+    (rad or mm) or a derivative to theta, (n,). `solve(theta)` runs its model: a Run with `run["output"]`, (n,) rad or mm (a path:
+    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`.
+    Raises SpecError with all faults at once, FileError where a file cannot be read.
     """
     from camgen.pipeline.jobs import read_mechanism
 

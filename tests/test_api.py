@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import pickle
+import re
 import subprocess
 import sys
 import tomllib
@@ -17,7 +18,8 @@ import pytest
 import camgen
 from camgen.cli import main
 from camgen.findings import Finding, NotJudged
-from camgen.report.report import Report
+from camgen.machines.mechanism import Mechanism
+from camgen.report.report import _UNITS, Report
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"
 DISC = SPECS / "disc-cam.toml"
@@ -119,6 +121,26 @@ def test_import_is_light_and_the_wing_of_motion_leaves_the_function_be() -> None
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (Path(camgen.__file__).parent / "py.typed").is_file()
+
+
+SPEC_NAMES = sorted(path.stem for path in SPECS.glob("*.toml"))
+BARE = ("_ratio", "_share", "_crossings", "_rate_min", "_rate_max", "velocity_ratio_min", "velocity_ratio_max", "_per_s")
+
+
+@pytest.mark.parametrize("name", SPEC_NAMES)
+def test_figures_have_plain_names_that_end_in_their_unit(name: str) -> None:
+    numbers = camgen.load(SPECS / f"{name}.toml").study().numbers
+    assert [key for key in numbers if not re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)+", key)] == []
+    units = tuple(f"_{unit}" for unit in _UNITS)
+    assert [key for key in numbers if not key.endswith((*units, *BARE))] == []
+
+
+@pytest.mark.skipif(not hasattr(Mechanism, "solve"), reason="mechanisms without their model")
+@pytest.mark.parametrize("name", SPEC_NAMES)
+def test_a_machine_is_solved_at_any_angles(name: str) -> None:
+    run = camgen.load(SPECS / f"{name}.toml").solve(theta := np.linspace(0.3, 5, 7))  # type: ignore[attr-defined]
+    outputs = list(run.velocity)
+    assert outputs and all(np.shape(run[output]) == theta.shape == np.shape(run.acceleration[output]) for output in outputs)
 
 
 def test_errors_travel_between_processes() -> None:
