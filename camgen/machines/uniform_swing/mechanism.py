@@ -456,12 +456,7 @@ class UniformSwing(Mechanism):
             numbers | dict(loaded.numbers),
             plots=(
                 *loaded.plots,
-                Plot(
-                    "Pressure angle",
-                    "cam angle, deg",
-                    "deg",
-                    [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
-                ),
+                Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))]),
             ),
             tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
