@@ -452,12 +452,10 @@ class UniformSwing(Mechanism):
                 for u in cam.undercuts
             ],
         )
+        pressure = np.degrees(cam.pressure_angle(theta))
         return Study(
             numbers | dict(loaded.numbers),
-            plots=(
-                *loaded.plots,
-                Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))]),
-            ),
+            plots=(*loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, pressure)])),
             tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),
