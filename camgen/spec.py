@@ -250,15 +250,14 @@ def override(data: Data, setting: str) -> Data:
 
 def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
     """A step of --set's path as a key of the table, or an index of the list, that stands at the steps above it."""
-    where = ".".join(above)
     if isinstance(holder, dict):
         return name
+    where = ".".join(above)
     if not isinstance(holder, list):
-        raise SpecError([Fault(f"--set {path}", _shown(holder), f"{where} is a value and has no keys")])
+        raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
     if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
-        count = len(holder)
-        has = f"{where} has {count} item{'' if count == 1 else 's'}"
-        raise SpecError([Fault(f"--set {path}", name, f"{has}, {f'counted from 0 to {count - 1}' if count else 'none to set'}")])
+        has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
+        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {_shortened(name)}")])
     return int(name)
 
 

@@ -239,12 +239,13 @@ def test_override_of_a_list_and_removal(setting: str, path: tuple[str | int, ...
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
-        ("segment.2.lift=1", "--set segment.2.lift: 2 - expected segment has 2 items, counted from 0 to 1"),
+        ("segment.2.lift=1", "--set segment.2.lift - segment has 2 items, 0 to 1: there is no 2"),
         ("segment.-1.lift=1", "segment has 2 items"),
         ("segment.²=1", "segment has 2 items"),
         (f"segment.{'9' * 5000}=1", "segment has 2 items"),
-        ("segment.lift=1", "segment has 2 items, counted from 0 to 1"),
+        ("segment.lift=1", "segment has 2 items, 0 to 1: there is no lift"),
         ("segment.7=", "segment has 2 items"),
+        ("shape.points.1.0=2", "shape.points has one item, 0: there is no 1"),
         ("shape.widht=", "--set shape.widht= - nothing to remove: there is no widht in shape (did you mean 'width'?)"),
         ("shapes.width=", "there is no shapes (did you mean 'shape'?)"),
         ("zzz=", "nothing to remove: there is no zzz"),
