@@ -1,3 +1,99 @@
-"""camgen: cam and linkage CAD geometry from a text spec, with the motion proved from the written files."""
+"""camgen: cam and linkage CAD geometry from a text spec, with the motion proved from the written files.
+
+    load     spec -> Mechanism: its motion, parts, poses, limits and study as data
+    build    spec -> files in OUT/<name>/, read back and judged -> Report
+    check    folder of an earlier build -> Report, from its files alone
+    motion   an outline in any drawing or mesh, a follower -> the follower's motion
+
+Lengths are millimetres and angles radians; keys and figures that end in `_deg` are degrees. Nothing is printed. What a user
+can get wrong is a CamgenError: SpecError, DesignError or FileError. Only what a call needs is imported, when it is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from camgen import motion as _wing  # noqa: F401  loaded first: later on it would take the place of the function of its name
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+    from camgen.pipeline.outline_motion import Recovered
+    from camgen.report.report import Report
 
 __version__ = "0.1.0"
+__all__ = ["CamgenError", "DesignError", "Fault", "FileError", "SpecError", "build", "check", "load", "motion"]
+
+
+def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Mechanism:
+    """The mechanism that a spec describes: a TOML file by its path, or its tables as a dict.
+
+    It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
+    (rad or mm) or a derivative to theta, (n,). `solve(theta)` runs its model: a Run with `run["output"]`, (n,) rad or mm (a path:
+    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`.
+    Raises SpecError with all faults at once, FileError where a file cannot be read.
+    """
+    from camgen.pipeline.jobs import read_mechanism
+
+    with file_errors():
+        return read_mechanism(spec)
+
+
+def build(
+    spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
+    out: str | PathLike[str] = "out",
+    only: str | Iterable[str] | None = None,
+    jobs: int = 1,
+) -> Report:
+    """Make, read back and judge a machine; its folder out/<name>/ appears, whole, only when all is done.
+
+    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf" and "report" (all); jobs: cores
+    to use. The report has `ok`, `findings`, `numbers` (each in the unit that its name ends in), `parts`, `tables`, `plots`,
+    and `as_dict()`, which is report.json; a notebook shows it. A finding that fails does not raise.
+    Raises SpecError, DesignError where no such mechanism exists, FileError where a file cannot be written.
+    """
+    from pathlib import Path
+
+    from camgen.pipeline import build as pipeline
+
+    kinds = only.split(",") if isinstance(only, str) else pipeline.KINDS if only is None else only
+    with file_errors():
+        return pipeline.build(spec, Path(out), frozenset(kinds), jobs=jobs)
+
+
+def check(folder: str | PathLike[str], jobs: int = 1) -> Report:
+    """Judge the files of an earlier build again, from the folder's files and the spec.toml beside them; writes nothing.
+
+    Raises SpecError where that spec is wrong, FileError where it or a listed file cannot be read.
+    """
+    from pathlib import Path
+
+    from camgen.pipeline import build as pipeline
+
+    with file_errors():
+        return pipeline.check(Path(folder), jobs=jobs)
+
+
+def motion(
+    file: str | PathLike[str],
+    follower: str | PathLike[str] | Mapping[str, Any],
+    height: float | None = None,
+    layer: str | None = None,
+    harmonics: int = 36,
+) -> Recovered:
+    """Motion of a follower on the outline in a DXF, STL or 3MF of any maker, over one turn of the cam, its end left out.
+
+    follower: as `camgen motion --help` says, on one line, "translating,radius=6", as a dict or as a path to a TOML file;
+    height: of a mesh's section, mm (half way up); layer: of a DXF (all); harmonics: of a turn, low-pass of the derivatives.
+    All (n,): `theta` rad; `s` displacement, rad on an arm and mm on a slide, nan where nothing is touched; `speed` and
+    `acceleration`, its low-passed derivatives to theta; `pressure_angle` rad.
+    Raises SpecError for the follower, FileError for the file, DesignError where the follower does not reach the outline.
+    """
+    from pathlib import Path
+
+    from camgen.pipeline.outline_motion import roll
+
+    with file_errors():
+        return roll(Path(file), follower, height, layer, harmonics)

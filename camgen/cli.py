@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from camgen import __version__
-from camgen.errors import CamgenError, Fault, FileError, SpecError, printable
+from camgen.errors import CamgenError, Fault, FileError, SpecError, explained, printable
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
@@ -61,7 +61,7 @@ def cli() -> None:
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: geometry.swing_deg=24.")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
 @_jobs
 @_as_json
 def build(
@@ -299,7 +299,7 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
                     else:
                         report = work(path, progress=progress, jobs=jobs)
             except (CamgenError, OSError) as error:
-                failure = _explained(error)
+                failure = explained(error)
                 worst = max(worst, failure.exit_code)
                 _complain(failure)
                 records.append(_failure_record(path, failure))
@@ -314,13 +314,6 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
         text = json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False)
         click.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
     raise click.exceptions.Exit(worst)
-
-
-def _explained(error: CamgenError | OSError) -> CamgenError:
-    """The error itself, or the FileError that stands for an OSError."""
-    if isinstance(error, CamgenError):
-        return error
-    return FileError(error.filename or "file", error.strerror or str(error))
 
 
 def _complain(error: CamgenError) -> None:
@@ -349,7 +342,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nobody reads on: let the last flush go nowhere
         code = PIPE_CLOSED
     except OSError as error:
-        _complain(_explained(error))
+        _complain(explained(error))
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         code = FileError.exit_code
     sys.exit(code)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,3 +83,19 @@ class FileError(CamgenError):
     def __init__(self, path: object, reason: str) -> None:
         self.path, self.reason = str(path), reason
         super().__init__(f"{path}: {reason}")
+
+
+def explained(error: CamgenError | OSError) -> CamgenError:
+    """The error itself, or the FileError that stands for an OSError."""
+    if isinstance(error, CamgenError):
+        return error
+    return FileError(error.filename or "file", error.strerror or str(error))
+
+
+@contextmanager
+def file_errors() -> Iterator[None]:
+    """`with file_errors():` raises the FileError that stands for an OSError."""
+    try:
+        yield
+    except OSError as error:
+        raise explained(error) from error

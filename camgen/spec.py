@@ -1,7 +1,7 @@
 """Spec files: the tables that all mechanisms share, and the way from TOML to a checked record and back.
 
 read      file -> data (plain tables, lists, numbers, text)
-override  data, "geometry.swing_deg=24" -> data
+override  data, "geometry.swing_deg=24" -> data; "segment.1.lift=80" goes into a list, "wanted.feed_range=" removes
 choose    data -> name of the mechanism
 validate  data -> record of a mechanism's class, or SpecError with every fault
 dump      record -> TOML with every default filled in
@@ -155,8 +155,15 @@ def read(path: Path) -> Data:
     if not data:
         expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
         raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
-    if _depth(data) > _DEEPEST:
-        raise SpecError([Fault("TOML", f"nested {_depth(data)} deep", _SHALLOWER)], str(path))
+    return tables(data, str(path))
+
+
+def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
+    """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec."""
+    data = dict(given)
+    deep = _depth(data)
+    if deep > _DEEPEST:
+        raise SpecError([Fault("spec", f"nested {deep} deep", _SHALLOWER)], source)
     return data
 
 
@@ -178,7 +185,7 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
 def _depth(value: Any) -> int:
     """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
     deepest, level = 0, [value]
-    while level := [item for item in level if isinstance(item, dict | list)]:
+    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * _DEEPEST:
         deepest += 1
         level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
     return deepest
@@ -205,31 +212,54 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
 
 
 def override(data: Data, setting: str) -> Data:
-    """Copy of the tables with one value set, "geometry.swing_deg=24"; the value is TOML, or else text.
+    """Copy of the tables with one value set, "geometry.swing_deg=24", or removed, "wanted.feed_range="; the value is TOML, or
+    else text. A list goes by its index from 0, as faults tell it: "segment.1.lift=80".
 
-    A key that no spec has is left for `validate` to find; SpecError where the setting is not of this form.
+    A key that no spec has is left for `validate` to find; SpecError where the setting is not of this form, where a list is
+    shorter, and where there is nothing to remove.
     """
     path, equals, text = setting.partition("=")
-    *tables, key = keys = [key.strip() for key in path.split(".")]
+    keys = [key.strip() for key in path.split(".")]
     if not equals or not all(keys):
         raise SpecError([Fault("--set", _shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
+    removed = not text.strip()
     try:
         parsed = tomllib.loads(f"value = {text}")
         value = parsed["value"] if len(parsed) == 1 else text
     except (ValueError, RecursionError):
         value = text.strip()
-    deep = len(tables) + 1 + _depth(value)
+    deep = len(keys) + _depth(value)
     if deep > _DEEPEST:
         raise SpecError([Fault("--set", f"nested {deep} deep", _SHALLOWER)])
     changed = deepcopy(data)
-    table = changed
-    for depth, name in enumerate(tables, 1):
-        table = table.setdefault(name, {})
-        if not isinstance(table, dict):
-            where = ".".join(tables[:depth])
-            raise SpecError([Fault(f"--set {path.strip()}", _shown(table), f"{where} is a value and has no keys")])
-    table[key] = value
+    holder: Any = changed
+    for depth, name in enumerate(keys, 1):
+        key, last = _key(holder, name, keys[: depth - 1], path.strip()), depth == len(keys)
+        if removed and isinstance(holder, dict) and key not in holder:
+            where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
+            nearest = get_close_matches(name, holder, 1)
+            fault = Fault(f"--set {path.strip()}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
+            raise SpecError([fault])
+        if not last:
+            holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
+        elif removed:
+            del holder[key]
+        else:
+            holder[key] = value
     return changed
+
+
+def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
+    """A step of --set's path as a key of the table, or an index of the list, that stands at the steps above it."""
+    if isinstance(holder, dict):
+        return name
+    where = ".".join(above)
+    if not isinstance(holder, list):
+        raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
+    if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
+        has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
+        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {_shortened(name)}")])
+    return int(name)
 
 
 # ---- checking --------------------------------------------------------------------------------------------------------

@@ -43,6 +43,20 @@ def test_every_other_command_works_in_its_order(
         assert done.value.code == 0, f"{command}\n{capsys.readouterr()}"
 
 
+def test_python_runs_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (block,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert len([line for line in block.splitlines() if line.strip()]) <= 18
+    shutil.copytree(ROOT / "specs", tmp_path / "specs")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block, "README.md", "exec"), {})
+    told = capsys.readouterr()
+    first, second, *faults = told.out.splitlines()
+    assert first.startswith("[] 0.00") and float(second.split()[0]) == pytest.approx(12, abs=2e-3) and told.err == ""
+    assert {fault.partition(":")[0].partition(" ")[0] for fault in faults} >= {"geometry", "segment"}
+
+
 def test_every_command_and_exit_code_is_told() -> None:
     for name in cli.commands:
         assert re.search(rf"camgen {name}\b", README), name

@@ -213,6 +213,51 @@ def test_override_of_the_wrong_form(setting: str) -> None:
         override({"name": "n"}, setting)
 
 
+SEGMENTS = {"name": "n", "segment": [{"kind": "rise", "lift": 5}, {"kind": "dwell"}], "shape": {"width": 1, "points": [[0, 1]]}}
+
+
+@pytest.mark.parametrize(
+    ("setting", "path", "expected"),
+    [
+        ("segment.0.lift=80", ("segment", 0), {"kind": "rise", "lift": 80}),
+        ("segment.1={kind = 'rise'}", ("segment", 1), {"kind": "rise"}),
+        ("shape.points.0.1=2.5", ("shape", "points"), [[0, 2.5]]),
+        ("segment.1=", ("segment",), [{"kind": "rise", "lift": 5}]),
+        ("segment.0.lift=", ("segment", 0), {"kind": "rise"}),
+        ("shape.points =  ", ("shape",), {"width": 1}),
+        ("shape=", (), {"name": "n", "segment": SEGMENTS["segment"]}),
+        ("name=''", ("name",), ""),
+    ],
+)
+def test_override_of_a_list_and_removal(setting: str, path: tuple[str | int, ...], expected: object) -> None:
+    found: Any = override(SEGMENTS, setting)
+    for step in path:
+        found = found[step]
+    assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("segment.2.lift=1", "--set segment.2.lift - segment has 2 items, 0 to 1: there is no 2"),
+        ("segment.-1.lift=1", "segment has 2 items"),
+        ("segment.²=1", "segment has 2 items"),
+        (f"segment.{'9' * 5000}=1", "segment has 2 items"),
+        ("segment.lift=1", "segment has 2 items, 0 to 1: there is no lift"),
+        ("segment.7=", "segment has 2 items"),
+        ("shape.points.1.0=2", "shape.points has one item, 0: there is no 1"),
+        ("shape.widht=", "--set shape.widht= - nothing to remove: there is no widht in shape (did you mean 'width'?)"),
+        ("shapes.width=", "there is no shapes (did you mean 'shape'?)"),
+        ("zzz=", "nothing to remove: there is no zzz"),
+        ("name.x=", "name is a value and has no keys"),
+    ],
+)
+def test_override_where_there_is_nothing(setting: str, said: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        override(SEGMENTS, setting)
+    assert said in str(caught.value)
+
+
 def test_override_of_an_unknown_key_is_found_by_validation() -> None:
     assert faults(override(box(), "shape.widht=3"))["shape.widht"].nearest == "width"
 

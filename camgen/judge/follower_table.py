@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
 
@@ -153,17 +154,18 @@ class FollowerTable(Record):
         return ring.reversed() if self.inside else ring
 
 
-def read_follower(text: str, option: str = "--follower") -> FollowerTable:
-    """Follower from a TOML file (its table [follower], or all of it), or from text such as "oscillating,pivot=60/0,arm=67".
+def read_follower(given: str | PathLike[str] | Mapping[str, Any], option: str = "--follower") -> FollowerTable:
+    """Follower from its table, from a TOML file (its table [follower], or all of it), or from text such as
+    "oscillating,pivot=60/0,arm=67".
 
     SpecError with every fault; FileError where the file cannot be read.
     """
-    if text.endswith(".toml"):
-        data = specs.read(Path(text))
-        given = data.get("follower", data)
-        data = given if isinstance(given, dict) else {"motion": given}
+    if isinstance(given, str) and not given.endswith(".toml"):
+        data = _inline(given, option)
     else:
-        data = _inline(text, option)
+        data = specs.tables(given, option) if isinstance(given, Mapping) else specs.read(Path(given))
+        table = data.get("follower", data)
+        data = table if isinstance(table, dict) else {"motion": table}
     return cast(FollowerTable, specs.validate(cast(Any, FollowerTable), data, option))
 
 

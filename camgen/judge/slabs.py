@@ -182,15 +182,15 @@ def judge_plate(path: Path, bed: tuple[float, float], gap: float) -> list[Findin
     lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
     places = [mesh.vertices[:, :2] for mesh in meshes]
     beyond = max((float(max(-xy.min(), (xy - np.array(bed)).max(), 0.0)) for xy in places), default=math.nan)
-    shadows = [shapely.union_all([area_of(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes]
-    nearest = math.inf
-    if len(shadows) > 1:
-        tree = shapely.STRtree(shadows)
-        pairs = tree.query_nearest(shadows, exclusive=True, all_matches=False, return_distance=True)
-        nearest = float(pairs[1].min())
-    size = f"{bed[0]:g} x {bed[1]:g} mm"
-    return [
-        at_most("BED_FIT", beyond, rounding, "mm", where, f"how far {len(meshes)} bodies stand out over the bed of {size}"),
+    held = "1 body stands" if len(meshes) == 1 else f"{len(meshes)} bodies stand"
+    said = f"how far {held} out over the bed of {bed[0]:g} x {bed[1]:g} mm"
+    findings = [
+        at_most("BED_FIT", beyond, rounding, "mm", where, said),
         at_most("BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"),
-        at_least("BED_FIT", nearest, gap - rounding, "mm", where, "smallest gap between bodies on the plate"),
     ]
+    if len(meshes) > 1:
+        shadows = [shapely.union_all([area_of(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes]
+        near = shapely.STRtree(shadows).query_nearest(shadows, exclusive=True, all_matches=False, return_distance=True)[1]
+        said = "smallest gap between bodies on the plate"
+        findings.append(at_least("BED_FIT", float(near.min()), gap - rounding, "mm", where, said))
+    return findings

@@ -71,6 +71,11 @@ class Rolling:
         """What people read s in, and how many of it one unit of s is."""
         return ("mm", 1.0) if self.slides else ("deg", math.degrees(1))
 
+    @property
+    def output(self) -> str:
+        """What people call s."""
+        return "lift" if self.slides else "swing"
+
 
 @dataclass(frozen=True)
 class Eye:

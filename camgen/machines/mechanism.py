@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from operator import getitem
@@ -22,7 +23,7 @@ import numpy as np
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
-from camgen.machine.study import Study
+from camgen.machine.study import Study, Table
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
 from camgen.spec import Spec, validate
@@ -83,7 +84,7 @@ class Mechanism(Spec, ABC):
         return validate(type(self), data)
 
     def assembly(self) -> Assembly | None:
-        """The whole machine, laid out for printing; None where only single parts are made."""
+        """The whole machine with all that is bought; None where only its moving parts are made."""
         return None
 
     def stand_ins(self) -> Sequence[StandIn]:
@@ -123,8 +124,19 @@ class Mechanism(Spec, ABC):
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def printed(self) -> Sequence[Part]:
-        """Parts that are laid out on plates, with a list of parts: those of a whole machine, unless said otherwise."""
-        return [part for part in self.parts() if part.made == "printed"] if self.assembly() is not None else []
+        """Parts that are laid out on plates."""
+        return [part for part in self.parts() if part.made == "printed"]
+
+    def steps(self) -> Table:
+        """In which order it goes together: unless a machine says more, its parts by the height of their undersides."""
+        poses, parts = self.poses(np.zeros(1)), self.parts()
+        copies = Counter((round(pose.z, 6) + 0.0, k, pose.flipped) for k, part in enumerate(parts) for pose in poses[part.name])
+        rows = [
+            (step, parts[k].name, parts[k].title, count, z, "turned over" if over else "as drawn")
+            for step, ((z, k, over), count) in enumerate(sorted(copies.items()), 1)
+        ]
+        columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
+        return Table("Assembly from the bottom up, by height alone", columns, rows)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from camgen import spec as specs
-from camgen.errors import FileError
+from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.machine.contacts import Rolling, Traced
 from camgen.machines.mechanism import Mechanism
-from camgen.pipeline.jobs import Case, Progress, Workers, silent
+from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
 from camgen.pipeline.judging import judge
 from camgen.pipeline.making import make
@@ -30,15 +30,19 @@ _FRAMES = 120  # of the moving picture
 
 
 def build(
-    spec_path: Path, out: Path, only: frozenset[str], overrides: Sequence[str] = (), progress: Progress = silent, jobs: int = 1
+    spec: Source, out: Path, only: frozenset[str], overrides: Sequence[str] = (), progress: Progress = silent, jobs: int = 1
 ) -> Report:
     """Make, read back and judge one mechanism; its folder out/<name>/ appears, whole, only when all is done.
 
-    only: the kinds of files to make, of KINDS; jobs: cores to use, which changes nothing in the files.
+    spec: a path, tables or a mechanism; only: the kinds of files to make, of KINDS; jobs: cores to use, which changes nothing
+    in the files.
     Raises SpecError, DesignError or FileError; failed findings do not raise.
     """
+    wrong = sorted(map(str, only - set(KINDS)))
+    if wrong:
+        raise SpecError([specs.unknown("only", kind, KINDS) for kind in wrong])
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec_path, overrides).resolved()
+    mechanism = read_mechanism(spec, overrides).resolved()
     staged = Staged(out / mechanism.name)
     with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")

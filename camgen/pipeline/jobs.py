@@ -6,13 +6,14 @@ another process; the results are the same, in the same order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
+from os import PathLike
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from camgen import spec as specs
 from camgen.machines import MECHANISMS, load
@@ -34,13 +35,24 @@ def silent(text: str, done: float | None = None) -> None:
     """Progress that nobody watches."""
 
 
-def read_mechanism(path: Path, overrides: Sequence[str] = ()) -> Mechanism:
-    """The mechanism that a spec file describes; SpecError with all faults, FileError where it cannot be read."""
-    data = specs.read(path)
+Source = str | PathLike[str] | Mapping[str, Any] | Mechanism
+
+
+def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
+    """The mechanism that a spec describes, a file or its tables; SpecError with all faults, FileError where it cannot be read.
+
+    A mechanism is given back as it is.
+    """
+    if isinstance(spec, Mechanism):
+        return spec
+    if isinstance(spec, Mapping):
+        data, source, folder = specs.tables(spec), "spec", Path()
+    else:
+        data, source, folder = specs.read(Path(spec)), str(spec), Path(spec).parent
     for override in overrides:
         data = specs.override(data, override)
-    data = with_tables(data, path.parent)
-    return specs.validate(load(specs.choose(data, MECHANISMS, str(path))), data, str(path))
+    data = with_tables(data, folder)
+    return specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
 
 
 @dataclass(frozen=True)

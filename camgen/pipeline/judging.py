@@ -175,20 +175,17 @@ def _moved(
     if drive is None:
         return Outcome(), {}, Study()
     theta, (unit, scale) = np.linspace(0, 2 * math.pi, _ROWS), drive.unit
-    columns = {
-        "theta_deg": np.degrees(theta),
-        f"wanted_{unit}": scale * mechanism.motion(theta),
-        "wanted_speed": mechanism.motion(theta, 1),
-        f"reachable_{unit}": scale * mechanism.reachable(theta),
-    }
-    recovered = {}
+    degrees, wanted, output = np.degrees(theta), scale * mechanism.motion(theta), f"{drive.output}_{unit}"
+    recovered, shown = {}, {}
     for kind, shape in read[drive.part].shapes.items():
         try:
             recovered[kind] = mounted(shape, drive).angle(theta)
         except ValueError:  # told by MOTION_ERROR
             recovered[kind] = np.full(theta.shape, np.nan)
-        columns[f"recovered_{kind}_{unit}"] = scale * recovered[kind]
-    return Outcome(plots=motion_plots(columns, unit)), columns, mechanism.recovered(theta, recovered)
+        shown[kind] = scale * recovered[kind]
+    columns = {"theta_deg": degrees, output: wanted} | {f"{output}_{kind}": s for kind, s in shown.items()}
+    plots = motion_plots(degrees, wanted, scale * mechanism.reachable(theta), shown, drive.output, unit)
+    return Outcome(plots=plots), columns, mechanism.recovered(theta, recovered)
 
 
 def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
@@ -206,7 +203,7 @@ def _linkage(
     theta, fit = np.linspace(0, 2 * math.pi, _ROWS), compensation(mechanism)
     wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
     degrees, label = np.degrees(theta), "crank angle, deg"
-    columns = {"theta_deg": degrees, "wanted_mm": wanted, "wanted_mm_rad": speed}
+    columns = {"theta_deg": degrees, f"{traced.name}_mm": wanted}
     travel, speeds = [("wanted", degrees, wanted)], [("wanted", degrees, speed)]
     errors, bands = [], []
     findings: list[Finding] = []
@@ -224,11 +221,11 @@ def _linkage(
         if verdict.chain is None:
             continue
         closed, source = verdict.chain.close(theta), f"from {kind.upper()}"
-        columns[f"recovered_{kind}_mm"], columns[f"band_{kind}_mm"] = closed.output, verdict.band(closed)
+        columns[f"{traced.name}_mm_{kind}"] = closed.output
         travel.append((source, degrees, closed.output))
         speeds.append((source, degrees, closed.slope))
         errors.append((source, degrees, closed.output - wanted))
-        bands.append((f"+- {source}", degrees, columns[f"band_{kind}_mm"]))
+        bands.append((f"+- {source}", degrees, verdict.band(closed)))
     plots = [Plot(traced.name.capitalize(), label, "mm", travel), Plot("Speed", label, "mm/rad", speeds)]
     if errors:
         plots += [Plot("Motion error", label, "mm", errors), Plot("Worst case of the joints' play", label, "mm", bands)]
@@ -300,11 +297,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
-    laid_out = mechanism.printed() and "3mf" in kinds
-    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if laid_out else fit_bed))
-    if mechanism.printed() or mechanism.bought():
-        stages.append(Stage((), work=list_parts))
-    return [*stages, *reading(mechanism)]
+    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
+    return [*stages, Stage((), work=list_parts), *reading(mechanism)]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -322,7 +316,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
         findings += cleared.findings
         numbers |= cleared.numbers
         plots.append(Plot(f"Distance, from {kind.upper()}", "shaft angle, deg", "mm, below 0 overlap", cleared.curves))
-        columns |= {f"distance_{name.lower().replace('/', '_')}_{kind}_mm": apart for name, _, apart in cleared.curves}
+        columns |= {f"distance_{name.lower().replace('/', '_')}_mm_{kind}": apart for name, _, apart in cleared.curves}
     return Outcome(findings, numbers, plots, columns=columns)
 
 
@@ -359,13 +353,16 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.slabs import judge_plate
 
     mechanism, plates, written, bed = case.mechanism, _plates(case), _written(case), case.mechanism.print.bed
+    if not plates:  # no part fits, or an older build laid none out; one that is lost is missed by the manifest
+        return fit_bed(case, kinds)
     listed, sides = mechanism.printed(), lying_sides(mechanism, written)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
     lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
     fits = [bed_fit(part.name, part.count, vertices, bed, mechanism.print.bed_height)[1] for part, vertices in lying]
     short = (Counter({part.name: part.count for part in listed}) - laid).total()
-    said = f"{laid.total()} copies laid out, {short} missing"
-    missing = at_most("BED_FIT", short, 0, "copies", f"{len(plates)} plate(s)", said)
+    said = f"{laid.total()} {'copy' if laid.total() == 1 else 'copies'} laid out, {short} missing"
+    where = f"{len(plates)} plate{'' if len(plates) == 1 else 's'}"
+    missing = at_most("BED_FIT", short, 0, "copies", where, said)
     on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP))]
     return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
@@ -383,11 +380,11 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The list of parts, with mass and print time of all that is printed."""
+    """The list of parts, with mass and print time of all that is printed, and the steps of assembly."""
     table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table])
+    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table, case.mechanism.steps()])
 
 
 def _plates(case: Case) -> list[Path]:

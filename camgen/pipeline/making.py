@@ -38,8 +38,7 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
         if pair is not None:
             meshes[name], sent[name] = pair
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
-    if listed or mechanism.bought():
-        write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
     if "3mf" not in only:
         return
     progress("putting the assembly together", 0.4)

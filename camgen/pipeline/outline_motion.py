@@ -11,11 +11,13 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from camgen.errors import DesignError, Fault, SpecError
+from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import Staged, write_manifest
 from camgen.files.foreign import read_outline
 from camgen.findings import Finding, at_least, at_most
@@ -27,6 +29,7 @@ from camgen.machine.study import Plot, Table
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 
+MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
 _SAMPLES = 7200  # over the turn
 _STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of the motion
@@ -95,6 +98,19 @@ def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
     n = np.arange(len(spectrum))
     weight = 1 / (1 + (n / harmonics) ** _STEEPNESS)
     return np.asarray(np.fft.irfft(spectrum * (1j * n) ** order * weight, len(values)))
+
+
+def roll(
+    path: Path, given: str | PathLike[str] | Mapping[str, Any], height: float | None, layer: str | None, harmonics: int
+) -> Recovered:
+    """Motion of a follower on the outline in a file, as `recover`; FileError where the file holds none that is closed."""
+    follower = read_follower(given, "follower")
+    if not 1 <= harmonics <= MOST_HARMONICS:
+        raise SpecError([Fault("harmonics", f"{harmonics}", f"1 to {MOST_HARMONICS}")])
+    outline = read_outline(path, height, layer, follower.contour)
+    if outline.ring is None:
+        raise FileError(path, "; ".join(f"{f.code}: {f.message}" for f in outline.findings if not f.ok))
+    return recover(outline.ring, follower, harmonics)
 
 
 # ---- the report ------------------------------------------------------------------------------------------------------
@@ -176,7 +192,7 @@ def _report(
         "of the turn the tip rests on the outline" + ("; no speed or acceleration is given" if lost.any() else ""),
     )]  # fmt: skip
     name, scale = follower.unit
-    key = "angle_deg" if name == "deg" else "displacement_mm"
+    key = "swing_deg" if name == "deg" else "lift_mm"
     columns = {
         "theta_deg": np.degrees(found.theta), key: found.s * scale, f"speed_{name}_rad": found.speed * scale,
         f"acceleration_{name}_rad2": found.acceleration * scale, "pressure_angle_deg": np.degrees(found.pressure_angle),

@@ -37,7 +37,8 @@ _FOLDED_FROM = 40
 
 # Units as suffixes of a number's name, the longest first.
 _UNITS = {
-    "n_rad_s": "N rad/s", "n_m": "N m", "g_mm": "g mm", "n": "N",
+    "n_rad_s": "N rad/s", "n_m_s": "N m s", "n_m": "N m", "g_mm": "g mm", "kg_m2": "kg m²", "n": "N", "j": "J", "h": "h",
+    "deg_rad2": "deg/rad²", "mm_rad2": "mm/rad²", "deg_rad": "deg/rad", "mm_rad": "mm/rad",
     "mm_s2": "mm/s²", "mm_s": "mm/s", "deg_s2": "deg/s²", "deg_s": "deg/s", "rad_s": "rad/s",
     "mm3": "mm³", "mm2": "mm²", "mm": "mm", "deg": "deg", "rpm": "rpm", "percent": "%", "g": "g", "s": "s",
 }  # fmt: skip
@@ -78,6 +79,20 @@ class Report:
         """The tables, the error budget first."""
         return (*([self.budget] if self.budget else []), *self.tables)
 
+    @property
+    def verdict(self) -> str:
+        """One line: how many checks hold or fail, and what was not judged."""
+        failed = sum(not finding.ok for finding in self.findings)
+        said = f"{failed} of {len(self.findings)} checks fail" if failed else f"All {len(self.findings)} checks hold"
+        return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
+
+    def _repr_html_(self) -> str:
+        """For a notebook: the verdict, the findings, what fails first, and the figures that are not of one kind of file."""
+        kinds = ("_dxf_", "_stl_", "_3mf_")
+        figures = {name: value for name, value in self.numbers.items() if not any(kind in name for kind in kinds)}
+        found = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>{_findings(self.findings, self.not_judged)}"
+        return found + "".join(f"<p>{escape(text)}</p>" for text in self.warnings) + _numbers(figures)
+
     def as_dict(self) -> dict[str, object]:
         """The report as report.json holds it: plain values, floats of 12 digits, None for nan and inf."""
         tables = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in self.all_tables]
@@ -100,11 +115,11 @@ class Report:
         return plain
 
 
-def motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
-    """Motion, speed and error over the cam angle, wanted and recovered."""
-    theta, label = columns["theta_deg"], "cam angle, deg"
-    kinds = [name.split("_")[1] for name in columns if name.startswith("recovered_")]
-    recovered = {kind: columns[f"recovered_{kind}_{unit}"] for kind in kinds}
+def motion_plots(
+    theta: Floats, wanted: Floats, reachable: Floats, recovered: Mapping[str, Floats], name: str, unit: str
+) -> list[Plot]:
+    """Motion, speed and error over the cam angle theta, deg, wanted and recovered from each kind of file, all (n,)."""
+    label = "cam angle, deg"
     step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(theta) - 1) / 360))
 
     def speed(s: Floats) -> Floats:
@@ -115,9 +130,8 @@ def motion_plots(columns: Mapping[str, Floats], unit: str) -> list[Plot]:
     def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
         return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
 
-    wanted, reachable = columns[f"wanted_{unit}"], columns[f"reachable_{unit}"]
     return [
-        Plot("Swing" if unit == "deg" else "Stroke", label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
+        Plot(name.capitalize(), label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
         Plot(
             "Speed",
             label,
@@ -136,16 +150,12 @@ def to_json(report: Report) -> str:
 def to_html(report: Report, figures: Sequence[str] = ()) -> str:
     """report.html as text, self-contained; `figures` are the plots of the report as SVG, in their order."""
     turn = frames(report.animation) if report.animation else {}
-    failed = sum(not finding.ok for finding in report.findings)
-    verdict = f"{failed} of {len(report.findings)} checks fail" if failed else f"All {len(report.findings)} checks hold"
-    if report.not_judged:
-        verdict += f"; NOT JUDGED: {escape(left_out(report.not_judged))}"
     page = Template(files("camgen.report").joinpath("page.html").read_text(encoding="utf-8"))
     return page.substitute(
         name=escape(report.name),
         mechanism=escape(report.mechanism),
         version=escape(__version__),
-        verdict=verdict,
+        verdict=escape(report.verdict),
         state="ok" if report.ok and not report.not_judged else "bad",
         findings="".join(f"<p><b>{escape(text)}</b></p>" for text in report.warnings)
         + _findings(report.findings, report.not_judged),

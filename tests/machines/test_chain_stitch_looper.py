@@ -321,7 +321,7 @@ def test_study_has_synchrogram_and_tables() -> None:
     assert table.rows[k][1:3] == pytest.approx((0.75 * d.needle_stroke, 0.75 * d.spreader_stroke))
     columns = study.columns
     assert {len(column) for column in columns.values()} == {1441} and columns["theta_deg"][-1] == pytest.approx(360)
-    assert columns["tip_1_mm"] == pytest.approx(columns["needles_mm"] - d.given.depths[0])
+    assert columns["tip_1_mm"] == pytest.approx(columns["needle_mm"] - d.given.depths[0])
 
 
 @pytest.mark.parametrize("feed", [0.001, 1, 90, 120, 200, 300])

@@ -60,10 +60,10 @@ def test_numbers_of_the_report() -> None:
     numbers = design().study().numbers
     assert numbers["stroke_mm"] == pytest.approx(3, abs=1e-12)
     assert numbers["peak_speed_angle_deg"] == pytest.approx(88.2118328149848, abs=1e-11)
-    assert numbers["peak_speed_over_e_w"] == pytest.approx(1.00048816256341, abs=1e-13)
+    assert numbers["peak_speed_ratio"] == pytest.approx(1.00048816256341, abs=1e-13)
     assert numbers["paper_peak_speed_mm_s"] == pytest.approx(33.916549, abs=5e-7)
     assert numbers["motor_speed_rad_s"] == pytest.approx(1361.357, abs=5e-4)
-    assert numbers["strokes_per_second"] == pytest.approx(216.67, abs=5e-3)
+    assert numbers["strokes_per_s"] == pytest.approx(216.67, abs=5e-3)
     assert numbers["second_harmonic_share"] == pytest.approx(1 / 64, rel=1e-3)  # Lambda / 2 to the first order
 
 

@@ -34,7 +34,7 @@ def built(tmp_path: Path, name: str, *settings: str) -> tuple[Any, Path]:
 
 FIGURES = (
     "peak_speed_mm_s", "peak_torque_n_m", "follower_torque_peak_with_n_m", "kinetic_energy_j", "shaft_torque_peak_with_n_m",
-    "needle_peak_speed_mm_s", "mass_g", "peak_reaction_a_n", "wear_a_n_rad_s",
+    "needle_peak_speed_mm_s", "mass_g", "reaction_a_n", "wear_a_n_rad_s",
 )  # fmt: skip
 OFFSET = "geometry.follower={motion='translating', shape='roller', radius=5, offset=6}"
 MIRRORED = "geometry.follower={motion='translating', shape='roller', radius=5, offset=-6}"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import gallery
 import numpy as np
 import pytest
 
+from camgen.errors import FileError
 from camgen.pipeline import build as pipeline
 
 TOP = Path(__file__).resolve().parents[2]
@@ -34,6 +37,7 @@ def test_the_files_of_the_contract_are_there(made: Path) -> None:
     part = "uniform-swing-cam"
     assert set(contents(made)) == {
         "spec.toml", "motion.csv", "report.json", "report.html", "manifest.json", "uniform-swing-assembly.3mf",
+        "uniform-swing-plate.3mf", "uniform-swing-parts.csv",
         f"{part}.dxf", f"{part}.stl", f"{part}.3mf", f"{part}-drawing.dxf", f"{part}-drawing.pdf",
     }  # fmt: skip
 
@@ -67,13 +71,14 @@ def test_the_loss_at_the_reversal_is_the_exact_undercut(made: Path) -> None:
 
 def test_motion_csv_holds_wanted_and_recovered(made: Path) -> None:
     rows = np.genfromtxt(made / "motion.csv", delimiter=",", names=True)
-    assert len(rows) == 1441
+    assert rows.dtype.names == ("theta_deg", "swing_deg", "swing_deg_dxf", "swing_deg_stl", "swing_deg_3mf")
+    assert rows["theta_deg"] == pytest.approx(np.arange(1441) / 4)
     half = rows["theta_deg"] <= 180
     wanted = np.where(half, -15 + rows["theta_deg"] / 6, 45 - rows["theta_deg"] / 6)
-    assert np.abs(rows["wanted_deg"] - wanted).max() < 1e-9
+    assert np.abs(rows["swing_deg"] - wanted).max() < 1e-9
     away = np.abs(rows["theta_deg"] - 180) > 1.5
     for kind in ("dxf", "stl", "3mf"):
-        assert np.abs(rows[f"recovered_{kind}_deg"] - wanted)[away].max() < 1.73e-3
+        assert np.abs(rows[f"swing_deg_{kind}"] - wanted)[away].max() < 1.73e-3
 
 
 def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(made: Path, tmp_path: Path) -> None:
@@ -90,14 +95,44 @@ def test_check_says_what_the_build_said(made: Path) -> None:
     assert contents(made) == before
 
 
+def test_a_folder_of_before_without_plates_still_holds(made: Path, tmp_path: Path) -> None:
+    old = tmp_path / "uniform-swing"
+    shutil.copytree(made, old)
+    manifest = json.loads((old / "manifest.json").read_text())
+    for name in ("uniform-swing-plate.3mf", "uniform-swing-parts.csv"):
+        (old / name).unlink()
+        with pytest.raises(FileError, match=name):  # one that is lost
+            pipeline.check(old)
+        del manifest["files"][name]
+        (old / "manifest.json").write_text(json.dumps(manifest))
+    report = pipeline.check(old)
+    assert report.ok and [f.where for f in report.findings if f.code == "BED_FIT"] == ["cam"]
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in SPEC.parent.glob("*.toml")))
+def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str) -> None:
+    machine = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml", CAMS[:1] if name == "uniform-swing" else ())
+    steps, poses = machine.steps(), machine.poses(np.zeros(1))
+    assert [row[0] for row in steps.rows] == list(range(1, len(steps.rows) + 1))
+    copies = Counter({part.name: len(poses[part.name]) for part in machine.parts()})
+    told: Counter[str] = Counter()
+    for _, part, _, count, z, lies in steps.rows:
+        told[part] += count
+        assert (z, lies == "turned over") in [(pytest.approx(pose.z), pose.flipped) for pose in poses[part]]
+    assert told == +copies
+    heights = [row[4] for row in steps.rows]
+    assert heights == sorted(heights)
+
+
 @pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
 def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
     assert pipeline.build(SPEC, tmp_path, frozenset({only}), CAMS).ok
-    endings = {name.rsplit(".", 1)[1] for name in contents(tmp_path / "uniform-swing")}
-    always = {"toml", "json"}
-    motion = set() if only == "report" else {"csv"}
+    names = set(contents(tmp_path / "uniform-swing"))
+    endings = {name.rsplit(".", 1)[1] for name in names}
+    always = {"toml", "json", "csv"}
+    assert "uniform-swing-parts.csv" in names and ("motion.csv" in names) == (only != "report")
     own = {"dxf": {"dxf", "pdf"}, "stl": {"stl"}, "3mf": {"3mf"}, "report": {"html"}}[only]
-    assert endings == always | motion | own
+    assert endings == always | own
     assert pipeline.check(tmp_path / "uniform-swing").ok
 
 

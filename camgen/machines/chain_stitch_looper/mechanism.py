@@ -207,10 +207,6 @@ class ChainStitchLooper(Mechanism):
         """Both spreaders; needles and plate as dummies for the assembly; gauges of the outlines and of the section."""
         return self.bodies.parts
 
-    def printed(self) -> Sequence[Part]:
-        """Spreaders and gauges: a spreader lies on another side than the one that its own file shows below."""
-        return [part for part in self.parts() if part.made == "printed"]
-
     # ---- assembly ----------------------------------------------------------------------------------------------------
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:

@@ -79,7 +79,7 @@ def _columns(d: Design) -> dict[str, Floats]:
     phi = np.linspace(0, math.tau, _SAMPLES)
     tips, noses = d.tips(phi), d.noses(phi)
     return {
-        "theta_deg": np.degrees(phi), "needles_mm": d.risen(phi), "spreaders_mm": d.moved(phi),
+        "theta_deg": np.degrees(phi), "needle_mm": d.risen(phi), "spreader_mm": d.moved(phi),
         "tip_1_mm": tips[0], "tip_2_mm": tips[1], "nose_1_mm": noses[0], "nose_2_mm": noses[1],
     }  # fmt: skip
 
@@ -101,8 +101,9 @@ def _deg(angles: Sequence[float]) -> list[float]:
 def _numbers(given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float) -> dict[str, float]:
     phi, per_second = np.linspace(0, math.tau, _SAMPLES), rpm * math.tau / 60
     numbers = {
-        "b_mm": given.height, "H_mm": given.pitch, "l1_mm": d.l1, "l2_mm": d.l2, "l3_mm": d.l3, "A_mm": d.nose,
-        "alpha_deg": math.degrees(d.slope), "opening_mm": d.opening, "needle_stroke_mm": d.needle_stroke,
+        "spreader_height_mm": given.height, "nose_pitch_mm": given.pitch, "nose_to_front_mm": d.l1, "front_length_mm": d.l2,
+        "loop_seat_mm": d.l3, "nose_length_mm": d.nose, "front_slope_deg": math.degrees(d.slope), "opening_mm": d.opening,
+        "needle_stroke_mm": d.needle_stroke,
         "spreader_stroke_mm": d.spreader_stroke, "between_pierces_mm": given.between,
         "needle_peak_speed_mm_s": float(np.max(np.abs(d.risen(phi, 1)))) * per_second,
         "spreader_peak_speed_mm_s": float(np.max(np.abs(d.moved(phi, 1)))) * per_second,

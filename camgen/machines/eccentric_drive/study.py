@@ -61,10 +61,10 @@ def study(
     wave = np.abs(np.fft.rfft(motion(np.linspace(0, math.tau, 4096, endpoint=False), 1)))
     numbers = {
         "motor_speed_rad_s": speed,
-        "strokes_per_second": abs(rpm) / 60,
+        "strokes_per_s": abs(rpm) / 60,
         "peak_speed_mm_s": top * abs(speed),
         "peak_speed_angle_deg": math.degrees(at),
-        "peak_speed_over_e_w": top / lengths[0],
+        "peak_speed_ratio": top / lengths[0],
         "acceleration_outermost_mm_s2": float(motion(np.zeros(1), 2)[0]) * speed**2,
         "second_harmonic_share": float(wave[2] / wave[1]),
     }

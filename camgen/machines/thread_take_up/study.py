@@ -209,7 +209,7 @@ def motion_numbers(t: TakeUp) -> dict[str, float]:
         "near_stop_to_deg": math.degrees(stop.leaves),
         "loop_width_mm": stop.width if loop else math.nan,
         "loop_height_mm": stop.height if loop else math.nan,
-        **{f"dwell_within_{radius:g}_mm_deg": math.degrees(t.lingers(radius)) for radius in _STOPS},
+        **{f"dwell_within_{radius:g}_mm_deg".replace(".", "_"): math.degrees(t.lingers(radius)) for radius in _STOPS},
         "cusp_eye_distance_mm": cusp[0],
         "cusp_at_deg": math.degrees(cusp[1]),
         "coupler_rate_min": w2_low,
@@ -229,7 +229,7 @@ def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[s
     forces = t.forces(_FORCES, bodies, speed)
     wear = t.wear(_FORCES, forces, speed)
     return {
-        **{f"peak_reaction_{name.lower()}_n": value for name, value in _peaks(forces).items()},
+        **{f"reaction_{name.lower()}_n": value for name, value in _peaks(forces).items()},
         "peak_torque_n_m": _peak(forces.torque),
         **{f"wear_{name.lower()}_n_rad_s": value for name, value in wear.items()},
         "wear_mean_n_rad_s": float(np.mean(list(wear.values()))),
@@ -245,7 +245,7 @@ def strengths(
     """
     peaks, bears, found = force_numbers(t, masses.bodies(t), rpm * math.tau / 60), _BEARS[made], []
     for pin, lever in levers.items():
-        force = peaks[f"peak_reaction_{pin}_n"]
+        force = peaks[f"reaction_{pin}_n"]
         stress = 32 * force * lever / (math.pi * diameter**3)
         holds = abs(rpm) * math.sqrt(bears / stress) if stress else math.inf
         remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
@@ -310,12 +310,12 @@ def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> dict[str, float]
         "counterweight_output_crank_g": 1e3 * (weighted["output"].mass - bodies["output"].mass),
         "shaking_force_n": _peak(before.shaking),
         "balanced_shaking_force_n": _peak(after.shaking),
-        **{f"balanced_peak_reaction_{name.lower()}_n": value for name, value in _peaks(after).items()},
+        **{f"balanced_reaction_{name.lower()}_n": value for name, value in _peaks(after).items()},
         "balanced_peak_torque_n_m": _peak(after.torque),
         "crank_counterweight_g_mm": 1e3 * abs(moment),
         "crank_counterweight_at_deg": math.degrees(float(np.angle(moment))),
-        "peak_reaction_o_n": _peak(before.reactions["O"]),
-        "peak_reaction_o_with_crank_weight_n": left,
+        "reaction_o_n": _peak(before.reactions["O"]),
+        "reaction_o_with_crank_weight_n": left,
     }
 
 

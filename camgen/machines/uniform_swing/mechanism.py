@@ -456,21 +456,18 @@ class UniformSwing(Mechanism):
                 for u in cam.undercuts
             ],
         )
+        pressure = np.degrees(cam.pressure_angle(theta))
         return Study(
             numbers | dict(loaded.numbers),
-            plots=(
-                *loaded.plots,
-                Plot(
-                    "Pressure angle",
-                    "cam angle, deg",
-                    "deg",
-                    [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
-                ),
-            ),
-            tables=(*((undercut,) if cam.undercuts else ()), *((steps(self._machine),) if self.making.make == "machine" else ())),
+            plots=(*loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, pressure)])),
+            tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),
         )
+
+    def steps(self) -> Table:
+        """In which order the machine goes together, or the cams alone."""
+        return steps(self._machine) if self.making.make == "machine" else super().steps()
 
     def _sketches(self) -> tuple[Sketch, Sketch]:
         arm, rho = self.cam.follower.arm, self.cam.follower.tip_radius
