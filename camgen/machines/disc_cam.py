@@ -26,9 +26,11 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
+from camgen.machine.cam_drive import cam_machine
 from camgen.machine.cams import DiscCam, SwingingArm, greatest
 from camgen.machine.contacts import Pose, Rolling
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.model import Machine
 from camgen.machine.sizing import least_convex, smallest
 from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
@@ -247,6 +249,11 @@ class DiscCamDrive(Mechanism):
     def cam(self) -> DiscCam[Follower]:
         """The cam that drives outwards."""
         return self.cams[0]
+
+    def machine(self) -> Machine:
+        """Cam and follower; output "follower", mm or rad."""
+        closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
+        return cam_machine(self.cams, self.speed, closure=closed)
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 

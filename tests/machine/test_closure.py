@@ -54,7 +54,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
     assert ours == {"camgen.machine.model"}
 
 
-# Imports inside the package go to earlier rows only.
+# Imports inside the kernel go to its earlier rows only.
 ROWS = (
     {"model"}, {"jets", "closure"}, {"order", "dyads", "forces", "freedom"}, {"newton"}, {"loops"}, {"turning", "run"},
     {"__init__"},
@@ -63,8 +63,8 @@ ROWS = (
 
 def test_imports_inside_the_package_go_down() -> None:
     row = {name: k for k, names in enumerate(ROWS) for name in names}
-    files = list(File(module.__file__).parent.glob("*.py"))
-    assert {file.stem for file in files} == set(row)
+    files = [file for file in File(module.__file__).parent.glob("*.py") if file.stem in row]
+    assert len(files) == len(row)
     for file in files:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("camgen.machine"):

@@ -28,9 +28,10 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
-from camgen.machine.cam_forces import Load
+from camgen.machine.cam_drive import Load, Mirrored, Touch, cam_machine
 from camgen.machine.cams import DiscCam, SwingingArm, greatest
 from camgen.machine.contacts import Assembly, Pose, Rolling
+from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
@@ -156,6 +157,14 @@ class UniformSwing(Mechanism):
             )  # fmt: skip
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
         return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
+
+    def machine(self) -> Machine:
+        """Cam and follower; output "swing", rad."""
+        pair = self.geometry.closure == "conjugate"
+        touches = (Touch(self.cam), Mirrored(self.cam))[: 1 + pair]
+        return cam_machine(
+            [self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction, "swing"
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
@@ -386,7 +395,7 @@ class UniformSwing(Mechanism):
             findings.append(screw_grip(self._machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
-            findings.append(keeps_contact(loaded, self._load, self.speed))
+            findings.append(keeps_contact(loaded, self._load))
         return findings
 
     @cached_property
@@ -403,7 +412,7 @@ class UniformSwing(Mechanism):
         """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
         if not self._load.inertia:
             return None
-        return forces(self.cam, self._load, self.speed, self.nozzle.friction, self.geometry.closure == "conjugate")
+        return forces(self.model, self.cam, self._load)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""
@@ -443,7 +452,7 @@ class UniformSwing(Mechanism):
             numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
         degrees = np.degrees(theta)
         lever = self.spring.lever if g.closure == "force" else None
-        loaded = force_study(self._forces, self._load, self.speed, lever) if self._forces else Study()
+        loaded = force_study(self._forces, self._load, lever) if self._forces else Study()
         undercut = Table(
             "Undercut of the exact profile",
             ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
