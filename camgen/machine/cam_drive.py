@@ -20,6 +20,7 @@ import numpy as np
 from camgen.findings import Finding, at_least
 from camgen.machine.cams import DiscCam
 from camgen.machine.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -38,6 +39,7 @@ from camgen.machine.model import (
     Resistance,
     Slide,
 )
+from camgen.machine.run import solve
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,18 @@ class Mirrored:
         """Place and normal as in `Touch`."""
         place, normal = Touch(self.cam)(math.pi - theta)
         return -np.conj(place), -np.conj(normal)
+
+
+@dataclass(frozen=True)
+class OuterWall:
+    """The outer wall of a groove, on the far side of the round tip."""
+
+    cam: DiscCam[Any]
+
+    def __call__(self, theta: Floats) -> tuple[Points, Points]:
+        """Place and normal as in `Touch`."""
+        place, normal = Touch(self.cam)(theta)
+        return place + 2 * self.cam.tip.tip_radius * normal, -normal
 
 
 @dataclass(frozen=True)
@@ -137,28 +151,58 @@ def _turn(cam: DiscCam[Any]) -> Floats:
     return np.union1d(np.linspace(0, math.tau, 1441), cam.program.breaks)
 
 
-def kick(cam: DiscCam[Any], inertia: float, speed: float) -> float:
-    """Greatest impulse on the follower, N m s or N mm s: not 0 where its speed jumps."""
-    return float(np.max(np.abs(inertia * speed * cam.program.jumps(1)), initial=0.0))
+@dataclass(frozen=True)
+class Loaded:
+    """A loaded cam over its turn, (n,) each: theta rad; lift rad or mm, and the effort in its sense, N m or N.
 
-
-def spring_needed(effort: Floats, lift: Floats, preload: float, rate: float) -> tuple[float, float]:
-    """Least preload, or else rate, not below 0, with which the effort is nowhere below 0, the other one as given.
-
-    effort, (n,): with the preload and rate given; rate inf where it fails at no lift.
+    force: between cam and follower, N, below 0 where it would have to pull; torque: that drives the cam, N m. Both are nan
+    where the follower rides on the corner of an undercut, inf where friction jams it. kick: greatest impulse that a jump of
+    the speed gives the follower, N m s or N s.
     """
-    least = max(0.0, preload - float(np.min(effort)))
-    missing = rate * lift - effort
-    short = missing > 0
-    if not np.any(short):
-        return least, 0.0
-    low = lift[short]
-    return least, float(np.max(missing[short] / low)) if np.all(low > 0) else math.inf
+
+    theta: Floats
+    lift: Floats
+    effort: Floats
+    force: Floats
+    torque: Floats
+    kick: float
+    forces: Forces
+
+    def spring_needed(self, load: Load) -> tuple[float, float]:
+        """Least preload, or else rate, not below 0, with which the effort is nowhere below 0, the other one as loaded.
+
+        inf where none keeps contact.
+        """
+        if self.kick:
+            return math.inf, math.inf
+        missing = load.rate * self.lift - self.effort
+        short = missing > 0
+        least = max(0.0, load.preload - float(np.min(self.effort)))
+        if not np.any(short):
+            return least, 0.0
+        low = self.lift[short]
+        return least, float(np.max(missing[short] / low)) if np.all(low > 0) else math.inf
+
+    def keeps_contact(self, remedy: str) -> Finding:
+        """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; a kick throws the follower off."""
+        force = np.where(np.isnan(self.force), math.inf, self.force)
+        if self.kick:
+            force[len(force) // 2] = -math.inf
+        k = int(np.argmin(force))
+        where = f"cam angle {math.degrees(float(self.theta[k])):.1f} deg"
+        message = "the follower stays on the cam" if force[k] >= 0 else f"the follower leaves the cam: {remedy}"
+        return at_least("LIFT_OFF", float(force[k]), 0.0, "N", where, message)
 
 
-def lift_off(force: Floats, theta: Floats, remedy: str) -> Finding:
-    """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; nan fails, -inf is a kick off the cam."""
-    k = int(np.argmin(np.where(np.isnan(force), -np.inf, force)))
-    where = f"cam angle {math.degrees(float(theta[k])):.1f} deg"
-    message = "the follower stays on the cam" if force[k] >= 0 else f"the follower leaves the cam: {remedy}"
-    return at_least("LIFT_OFF", float(force[k]), 0.0, "N", where, message)
+def loaded(machine: Machine, cam: DiscCam[Any], load: Load, theta: Floats) -> Loaded:
+    """Forces at cam angles that reach the lowest place."""
+    found = solve(machine, theta).forces()
+    leaves = cam.follower.leaves
+    lift = leaves * cam.program(theta)
+    riding = np.array([cam.riding(angle) for angle in theta])
+    force, torque = found.pressing["contact"], found.drives["motor"]
+    force, torque = (np.where(riding, math.nan, values) for values in (force, np.where(np.isinf(force), math.inf, torque)))
+    unit = 1.0 if isinstance(cam.follower, SwingingArm | SwingingFace) else 1e-3
+    jumps = [abs(jump.size) for jump in cam.program.discontinuities(1) if jump.order == 1]
+    kick = unit * load.inertia * abs(machine.speed) * max(jumps, default=0.0)
+    return Loaded(theta, lift - np.min(lift), leaves * found.contacts["contact"], force, torque, kick, found)

@@ -17,7 +17,6 @@ from camgen.machine.jets import Jet
 from camgen.machine.loops import State, chain_of
 from camgen.machine.model import GROUND, Cam, Floats, Machine, Path, Place, Points, Pose
 
-
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 8192
 
@@ -79,7 +78,8 @@ class Run:
         """An output with its derivatives to theta, (order + 1, n)."""
         if name not in self._outputs:
             output = self.machine.output(name)
-            self._outputs[name] = self._rows(lambda state: state.output(output), complex if isinstance(output.of, Path) else float)
+            kind = complex if isinstance(output.of, Path) else float
+            self._outputs[name] = self._rows(lambda state: state.output(output), kind)
         return self._outputs[name]
 
     def _rows(self, jet: Callable[[State], Jet | Floats | Points], kind: type) -> Any:

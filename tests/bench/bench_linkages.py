@@ -70,6 +70,7 @@ def clocked(job: Callable[[], Any]) -> float:
 def main(interpreter: str | None) -> None:
     """Print the table."""
     import numpy as np
+
     from camgen.machines.thread_take_up.feed import TakeUp
 
     if interpreter is None and importlib.util.find_spec("pylinkage") and importlib.util.find_spec("numba"):

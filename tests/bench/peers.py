@@ -132,6 +132,7 @@ def faster(
 def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
     """Positions and two derivatives here, positions alone there; errors against the circles' crossing in long double."""
     import numpy as np
+
     from camgen.machines.thread_take_up.feed import TakeUp
 
     frame, crank, coupler, output = 9.0, 30.0, 30.0, 19.0

@@ -28,7 +28,7 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
-from camgen.machine.cam_drive import Load, Mirrored, Touch, cam_machine
+from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine
 from camgen.machine.cams import DiscCam, SwingingArm, greatest
 from camgen.machine.contacts import Assembly, Pose, Rolling
 from camgen.machine.model import Machine
@@ -37,7 +37,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
-from camgen.machines.uniform_swing.study import Forces, blend_study, canvas_study, force_study, forces, keeps_contact
+from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
 from camgen.parts.catalogue import DENSITY, Bought
@@ -408,7 +408,7 @@ class UniformSwing(Mechanism):
         return Load(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
 
     @cached_property
-    def _forces(self) -> Forces | None:
+    def _forces(self) -> Loaded | None:
         """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
         if not self._load.inertia:
             return None

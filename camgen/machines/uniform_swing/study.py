@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, kick, lift_off, spring_needed
+from camgen.machine.cam_drive import Load, Loaded, loaded
 from camgen.machine.cams import DiscCam
 from camgen.machine.model import Machine
-from camgen.machine.run import solve
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
 
@@ -77,35 +75,12 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     )
 
 
-@dataclass(frozen=True)
-class Forces:
-    """Forces of a loaded follower at even cam angles: theta, lift (n,) rad, effort N m, contact force N, torque N m, kick N m s.
-
-    Force and torque are nan where the tip rides on the corner of an undercut, inf where friction jams it.
-    """
-
-    theta: Floats
-    lift: Floats
-    effort: Floats
-    force: Floats
-    torque: Floats
-    kick: float
-
-
-def forces(machine: Machine, cam: DiscCam, load: Load) -> Forces:
+def forces(machine: Machine, cam: DiscCam, load: Load) -> Loaded:
     """What tip and motor bear over the turn."""
-    theta = np.linspace(0, 2 * math.pi, _SAMPLES)
-    found = solve(machine, theta).forces()
-    force, torque = found.pressing["contact"], found.drives["motor"]
-    lift = cam.program(theta)
-    riding = np.array([cam.riding(angle) for angle in theta])
-    force, torque = (np.where(riding, math.nan, values) for values in (force, np.where(np.isinf(force), math.inf, torque)))
-    return Forces(
-        theta, lift - np.min(lift), found.contacts["contact"], force, torque, kick(cam, load.inertia, machine.speed)
-    )
+    return loaded(machine, cam, load, np.linspace(0, 2 * math.pi, _SAMPLES))
 
 
-def force_study(found: Forces, load: Load, lever: float | None) -> Study:
+def force_study(found: Loaded, load: Load, lever: float | None) -> Study:
     """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
     degrees = np.degrees(found.theta)
     force, torque = found.force, found.torque
@@ -122,7 +97,7 @@ def force_study(found: Forces, load: Load, lever: float | None) -> Study:
             "out. A reversal_blend_deg spreads it."
         )
     if lever is not None:
-        preload, rate = _spring_needed(found, load)
+        preload, rate = found.spring_needed(load)
         numbers |= {
             "spring_preload_needed_n_m": preload, "spring_rate_needed_n_m_per_rad": rate,
             "spring_force_needed_n": preload / lever * 1e3, "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
@@ -146,20 +121,9 @@ def _drawn(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, math.nan)
 
 
-def keeps_contact(found: Forces, load: Load) -> Finding:
+def keeps_contact(found: Loaded, load: Load) -> Finding:
     """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
-    force = np.where(np.isnan(found.force), math.inf, found.force)
-    preload, rate = _spring_needed(found, load)
+    preload, rate = found.spring_needed(load)
     stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""
     remedy = f"a spring.preload of {preload:.4g} N m{stiffer} keeps it; less inertia or a longer reversal_blend_deg lowers that"
-    if found.kick:
-        force[len(force) // 2] = -math.inf
-        remedy = _NO_SPRING
-    return lift_off(force, found.theta, remedy)
-
-
-def _spring_needed(found: Forces, load: Load) -> tuple[float, float]:
-    """Least preload, N m, or else rate, N m/rad, of a spring that keeps contact; inf where none does."""
-    if found.kick:
-        return math.inf, math.inf
-    return spring_needed(found.effort, found.lift, load.preload, load.rate)
+    return found.keeps_contact(_NO_SPRING if found.kick else remedy)
