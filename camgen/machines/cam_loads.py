@@ -1,40 +1,18 @@
-"""[load] and [spring] of a disc cam: the tables, what is wrong with them, and the forces that follow as figures and curves."""
+"""[load] and [spring] of a disc cam: what is wrong with them, and the forces that follow as figures and curves."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cam_drive import Load, Loaded
 from camgen.machine.study import Plot, Study
-from camgen.spec import Record
-
-
-def _said(text: str) -> object:
-    return Field(ge=0, le=1e6, description=text)
-
-
-class LoadTable(Record):
-    """What the follower is and bears, a translating one in kg, N and mm, an oscillating one in kg m^2, N m and rad."""
-
-    mass_kg: Annotated[float, _said("mass of a translating follower with all that it moves, kg")] = 0.0
-    inertia_kg_m2: Annotated[float, _said("inertia of an oscillating follower about its pivot, kg m^2")] = 0.0
-    damping: Annotated[float, _said("resistance in proportion to its speed, N s/mm or N m s/rad")] = 0.0
-    resistance: Annotated[float, _said("constant resistance against its lift, N or N m")] = 0.0
-
-
-class SpringTable(Record):
-    """The spring that presses the follower on its cam."""
-
-    rate: Annotated[float, _said("of the spring, N/mm or N m/rad of the follower")] = 0.0
-    preload: Annotated[float, _said("what it presses with at the follower's lowest place, N or N m")] = 0.0
+from camgen.machines.disc_cam_tables import LoadTable, SpringTable
 
 
 def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool) -> list[Fault]:

@@ -33,63 +33,17 @@ from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip
 from camgen.machine.model import Machine
 from camgen.machine.sizing import least_convex, smallest
 from camgen.machine.study import Plot, Sketch, Study, Table
-from camgen.machines.cam_loads import LoadTable, SpringTable, force_study, lift_off, load_faults, load_of
+from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
+from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
-from camgen.spec import Length, Record, Rpm, turning
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
-_LASH = (
-    "free play of the follower in a groove or between a pair of cams, mm, or deg of an oscillating one; 0.25: a hundredth of a "
-    "lift of 25, and the running play of printed parts"
-)
 _UP = 1j
-
-
-class FollowerTable(Record):
-    """What rides on the cam."""
-
-    motion: Literal["translating", "oscillating"]
-    shape: Literal["roller", "flat", "knife"]
-    radius: Length | None = None
-    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    pivot_distance: Length | None = None
-    arm: Length | None = None
-    face_offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    face_width: Length | None = None
-
-
-class Geometry(Record):
-    """The cam and its follower; without base_radius it is the smallest that keeps to the limits."""
-
-    follower: FollowerTable
-    base_radius: Length | None = None
-    closure: Literal["force", "conjugate", "groove"] = "force"
-
-
-class Motor(Record):
-    """What drives the cam."""
-
-    speed_rpm: Annotated[Rpm, turning()] = 60.0
-
-
-class Limits(Record):
-    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
-
-    least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
-    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
-    min_wall: Length = 0.8
 
 
 class DiscCamDrive(Mechanism):

@@ -374,13 +374,10 @@ class ThreadTakeUp(Mechanism):
                 f"between coupler and output crank, {least:.4f} to {most:.4f} deg over the turn",
             ),
         ]  # fmt: skip
-        findings += [
-            at_least(
-                "GAP", gap, self.allowed.gap, "mm", f"{name}, crank angle {math.degrees(theta):.2f} deg",
-                "least over the turn, by joints without play; under 0 they overlap",
-            )
-            for name, (gap, theta) in self._gaps(t, _TURN).items()
-        ]  # fmt: skip
+        for name, (gap, theta) in self._gaps(t, _TURN).items():
+            where = f"{name}, crank angle {math.degrees(theta):.2f} deg"
+            remark = "least over the turn, by joints without play; under 0 they overlap"
+            findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
         if self.masses is not None and self.motor is not None:
             p = self.making
             levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
@@ -439,11 +436,8 @@ class ThreadTakeUp(Mechanism):
         wanted = self.wanted
         if wanted is None:
             return []
-        asked = (
-            ("feed_range", wanted.feed_range, "mm", False),
-            ("let_down_ratio", wanted.let_down_ratio, "to 1", False),
-            ("dwell_deg", wanted.dwell_deg, "deg", True),
-        )
+        asked = (("feed_range", wanted.feed_range, "mm", False), ("let_down_ratio", wanted.let_down_ratio, "to 1", False),
+                 ("dwell_deg", wanted.dwell_deg, "deg", True))  # fmt: skip
         return [
             Wish(name, value, wanted.tolerance * value, unit, least) for name, value, unit, least in asked if value is not None
         ]

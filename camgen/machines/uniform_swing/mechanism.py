@@ -381,16 +381,8 @@ class UniformSwing(Mechanism):
         )  # fmt: skip
         reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
         pivot = self.geometry.pivot_distance
-        findings.append(
-            at_least(
-                "INTERFERENCE",
-                pivot - reach,
-                0.0,
-                "mm",
-                "exact profile and the follower's pivot",
-                f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm",
-            )
-        )
+        remark = f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm"
+        findings.append(at_least("INTERFERENCE", pivot - reach, 0.0, "mm", "exact profile and the follower's pivot", remark))
         if self.making.make == "machine":
             findings.append(screw_grip(self._machine))
         loaded = self._forces
@@ -451,6 +443,7 @@ class UniformSwing(Mechanism):
             across = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[0]))
             numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
         degrees = np.degrees(theta)
+        steep = np.degrees(cam.pressure_angle(theta))
         lever = self.spring.lever if g.closure == "force" else None
         loaded = force_study(self._forces, self._load, lever) if self._forces else Study()
         undercut = Table(
@@ -465,12 +458,7 @@ class UniformSwing(Mechanism):
             numbers | dict(loaded.numbers),
             plots=(
                 *loaded.plots,
-                Plot(
-                    "Pressure angle",
-                    "cam angle, deg",
-                    "deg",
-                    [("exact profile", degrees, np.degrees(cam.pressure_angle(theta)))],
-                ),
+                Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)]),
             ),
             tables=(*((undercut,) if cam.undercuts else ()), *((steps(self._machine),) if self.making.make == "machine" else ())),
             sketches=self._sketches() if self.making.make == "cams" else (),
