@@ -27,7 +27,7 @@ GROUND = {"", "errors", "findings", "numerics", "spec", "tolerances"}
 TOP = {"__init__", "__main__", "cli"}
 # The judge sees files, the wanted motion and how bodies touch; never what made a curve, nor what wrote a file.
 MAKERS = {
-    "machine": {"cams", "followers", "linkages", "dynamics", "sizing", "cam_forces", "loops", "dyads", "newton"},
+    "machine": {"cams", "followers", "closed_form", "balancing", "sizing", "cam_drive", "loops", "dyads", "newton"},
     "files": {"export", "drawing", "sheet", "plates", "lying", "dimensions"},
 }
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
@@ -124,7 +124,7 @@ def test_only_figures_imports_matplotlib() -> None:
         (upward, "judge.contact", "from camgen.parts import fits"),
         (upward, "judge.contact", "from camgen.machines.mechanism import Mechanism"),
         (bribes, "judge.round_trip", "def f():\n    from camgen.machine.cams import DiscCam"),
-        (bribes, "judge.linkage", "from camgen.machine import linkages"),
+        (bribes, "judge.linkage", "from camgen.machine import loops"),
         (bribes, "judge.linkage", "from camgen.files.export import write_stl"),
         (heavy_at_top, "files.export", "import trimesh.util"),
         (heavy_at_top, "cli", "import numpy as np"),

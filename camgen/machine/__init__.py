@@ -24,6 +24,7 @@ from camgen.machine.model import (
     Pin,
     Place,
     Pose,
+    Resistance,
     Slide,
     Slot,
     Spring,
@@ -35,6 +36,6 @@ from camgen.machine.run import Play, Run, solve
 
 __all__ = [
     "GROUND", "Along", "Angle", "Body", "Cam", "Drive", "Force", "Forces", "Function", "Gear", "Gravity", "Joint", "Law",
-    "Load", "Machine", "Output", "Path", "Pin", "Place", "Play", "Pose", "Run", "Slide", "Slot", "Spring", "Torque",
+    "Load", "Machine", "Output", "Path", "Pin", "Place", "Play", "Pose", "Resistance", "Run", "Slide", "Slot", "Spring", "Torque",
     "TorsionSpring", "Turning", "solve", "thread_length",
 ]  # fmt: skip

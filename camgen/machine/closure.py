@@ -25,6 +25,7 @@ from camgen.machine.model import (
     Cam,
     Drive,
     Floats,
+    Function,
     Gear,
     Joint,
     Machine,
@@ -330,7 +331,10 @@ class System:
 
     def output(self, name: str, q: Floats, theta: Floats) -> tuple[Any, Floats]:
         """An output's value, (n,), complex mm for a path, and its slopes to the poses, (n, 1 or 2, 3 bodies)."""
-        of = self.machine.output(name).of
+        return self.measured(self.machine.output(name).of, q)
+
+    def measured(self, of: Angle | Along | Path | Function, q: Floats) -> tuple[Any, Floats]:
+        """What an output measures, as `output`."""
         n = len(q)
         gradient = np.zeros((n, 2 if isinstance(of, Path) else 1, self.width))
         if isinstance(of, Path):

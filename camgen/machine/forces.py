@@ -4,9 +4,11 @@ Kinetostatics by the judge's Jacobian J: with poses q of all bodies, masses M an
 
     J^T multipliers = M q'' - Q
 
-and each multiplier is the force, or torque, that keeps its condition. Friction is left out. A gear's and a cam's contact
-are taken along their own motion: the torque or force along s is exact, and so are the drives; the part of the contact
-force across s, which loads only the bearings of the two bodies, is not known here (it needs the pressure angle).
+and each multiplier is the force, or torque, that keeps its condition. A gear's and a cam's contact are taken along their
+own motion: the torque or force along s is exact, and so are the drives; the part of the contact force across s loads only
+the bearings of the two bodies. A cam that says how it is touched has that part too: the force there is the effort along s
+over the way that the follower gives, along the force, for a unit of s with the cam held; and friction's part with it.
+Friction elsewhere is left out.
 
 Units: mm, kg, N, N m, J, W, s. A force on a body is positive along the ground's axes.
 """
@@ -18,8 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.machine.closure import System, solved
+from camgen.machine.closure import System
 from camgen.machine.model import (
+    Angle,
     Cam,
     Floats,
     Force,
@@ -27,12 +30,14 @@ from camgen.machine.model import (
     Gravity,
     Pin,
     Points,
+    Resistance,
     Slide,
     Slot,
     Spring,
     Torque,
     TorsionSpring,
 )
+from camgen.numerics import solve
 
 MM = 1e-3
 
@@ -46,6 +51,8 @@ class Forces:
     moments: of each slide, N m, on the runner.
     gears: torque on b, N m.
     contacts: of each cam along s, on the follower: N m where it swings, N where it slides.
+    pressing: of each cam that says how it is touched, N, between the two surfaces: below 0 it would have to pull, inf where
+    friction jams it.
     drives: torque N m (or force N on a driven slide); power_in: what all drives give, W.
     loads: what all loads give, W, springs and gravity too.
     energy: kinetic, J; power: its rate of change, W; power = power_in + loads.
@@ -57,6 +64,7 @@ class Forces:
     moments: Mapping[str, Floats]
     gears: Mapping[str, Floats]
     contacts: Mapping[str, Floats]
+    pressing: Mapping[str, Floats]
     drives: Mapping[str, Floats]
     power_in: Floats
     loads: Floats
@@ -71,19 +79,26 @@ class Forces:
 
 def kinetostatics(system: System, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:
     """Forces at poses q and their derivatives to theta, (n, 3 bodies), theta growing steadily at `speed` rad/s."""
-    n = len(q)
+    n, joints = len(q), system.machine.joints
+    pressing: dict[str, Floats] = {}
     with np.errstate(all="ignore"):
         slopes = system.evaluate(q, theta)[1]
         wanted, energy, power, shaking = _inertia(system, q, first * speed, second * speed**2)
-        acting = _acting(system, q)
+        acting = _acting(system, q, first * speed)
         given = np.sum(acting * first, axis=1) * speed * MM
-        multipliers = solved(np.swapaxes(slopes, 1, 2), wanted - acting)
+        multipliers = solve(np.swapaxes(slopes, 1, 2), wanted - acting)
+        touched = [joint for joint in joints if isinstance(joint, Cam) and joint.touches]
+        across = np.zeros(q.shape)
+        for cam in touched:
+            pressing[cam.name], extra = _touched(cam, system, q, first * speed, slopes, multipliers)
+            across += extra
+        if touched:
+            multipliers = solve(np.swapaxes(slopes, 1, 2), wanted - acting - across)
 
     def of(name: str, k: int = 0) -> Floats:
         rows = system.rows[name]
         return multipliers[:, rows.start + k] if rows.start + k < rows.stop else np.zeros(n)
 
-    joints = system.machine.joints
     power_in = np.zeros(n)
     drives = {}
     for drive in system.machine.drives:
@@ -98,8 +113,51 @@ def kinetostatics(system: System, theta: Floats, q: Floats, first: Floats, secon
         {j.name: of(j.name, 1) * MM for j in joints if isinstance(j, Slide)},
         {j.name: of(j.name) * MM for j in joints if isinstance(j, Gear)},
         {j.name: of(j.name) * (1.0 if j.slide else MM) for j in joints if isinstance(j, Cam)},
-        drives, power_in, given, energy, power, shaking,
+        pressing, drives, power_in, given, energy, power, shaking,
     )  # fmt: skip
+
+
+def _touched(
+    cam: Cam, system: System, q: Floats, rates: Floats, slopes: Floats, multipliers: Floats
+) -> tuple[Floats, Floats]:
+    """Force between cam and follower, (n,) N, and what it does on the bodies besides the effort along s, (n, 3 bodies)."""
+    row = system.rows[cam.name].start
+    effort, unit = multipliers[:, row], np.zeros(multipliers.shape)
+    unit[:, row] = 1.0
+    gives = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
+    column = system.column[cam.cam]
+    angle = system.angle(cam.cam, q) + np.zeros(len(q))
+    force, acts = np.full(len(q), np.nan), np.zeros(q.shape)
+    for k, touch in enumerate(cam.touches[:2]):
+        side = cam.push * (1 - 2 * k)  # the sense of s in which this one pushes
+        bears = np.ones(len(q), bool) if len(cam.touches) == 1 else (effort * cam.push >= 0) == (k == 0)
+        place, normal = touch(angle - cam.phase)
+        turn = np.exp(1j * angle)
+        where = q[:, column] + 1j * q[:, column + 1] + place * turn
+        push = normal * turn
+        if cam.friction:
+            across = 1j * push
+            past = _speed(system, cam.cam, where, q, rates) - _speed(system, cam.follower, where, q, rates)
+            slides = np.real(np.conj(across) * past)
+            push = push + cam.friction * np.sign(slides) * across
+        wrench = np.zeros(q.shape)
+        for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
+            c = system.column[body]
+            wrench[:, c] += sign * push.real
+            wrench[:, c + 1] += sign * push.imag
+            wrench[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+        lever = np.sum(wrench * gives, axis=1)
+        size = np.where(lever * side > 0, effort / lever, np.where(effort == 0, 0.0, np.inf))
+        force = np.where(bears, size, force)
+        acts += np.where((bears & (size != 0))[:, None], size[:, None] * wrench - effort[:, None] * slopes[:, row], 0.0)
+    return force, acts
+
+
+def _speed(system: System, body: str, where: Points, q: Floats, rates: Floats) -> Points:
+    """Of the body's point that is at a place of the ground, (n,) complex."""
+    c = system.column[body]
+    arm = where - q[:, c] - 1j * q[:, c + 1]
+    return np.asarray(rates[:, c] + 1j * rates[:, c + 1] + 1j * rates[:, c + 2] * arm)
 
 
 def _inertia(system: System, q: Floats, v: Floats, a: Floats) -> tuple[Floats, Floats, Floats, Points]:
@@ -122,7 +180,7 @@ def _inertia(system: System, q: Floats, v: Floats, a: Floats) -> tuple[Floats, F
     return wanted, energy, power, shaking
 
 
-def _acting(system: System, q: Floats) -> Floats:
+def _acting(system: System, q: Floats, rates: Floats) -> Floats:
     """What all loads do on the bodies, (n, 3 bodies): N and N mm about each body's origin."""
     acting = np.zeros(q.shape)
     for load in system.machine.loads:
@@ -142,6 +200,11 @@ def _acting(system: System, q: Floats) -> Floats:
             pull = load.rate * (length - load.free) * way / length
             system.press(acting, load.a, q, pull)
             system.press(acting, load.b, q, -pull)
+        elif isinstance(load, Resistance):
+            value, gradient = system.measured(load.of, q)
+            speed = np.sum(gradient[:, 0] * rates, axis=1)
+            force = load.force - load.rate * value - load.damping * speed
+            acting += (force / (MM if isinstance(load.of, Angle) else 1.0))[:, None] * gradient[:, 0]
         else:
             a, b = (load.on, load.by) if isinstance(load, Torque) else (load.a, load.b)
             torque = _torque(load, system, q) / MM

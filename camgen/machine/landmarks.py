@@ -1,7 +1,7 @@
-"""What stands out on a turn: zeros, extremes, double points, cusps, near stops, and angles at which nothing assembles.
+"""What stands out on a turn: zeros, extremes, double points, cusps and near stops.
 
 A function is called with (theta, order), theta (n,) rad, and returns its order-th derivative, (n,); a curve is the same
-with complex values, mm, as Linkage.point gives it. Both have period 2 pi.
+with complex values, mm. Both have period 2 pi.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.errors import DesignError
-from camgen.machine.linkages import Floats, Jet, Linkage, Points, distance
+from camgen.machine.jets import thread_length
+from camgen.machine.model import Floats, Points
 
 Curve = Callable[[Floats, int], Points]
 Function = Callable[[Floats, int], Floats]
@@ -57,25 +57,6 @@ def extremes(f: Function, n: int = 720) -> tuple[Floats, Floats]:
     return theta, f(theta, 0)
 
 
-def refuse_open(linkage: Linkage, n: int = 7200) -> None:
-    """Raise DesignError if a dyad does not close over the whole turn: which, by how much at worst, at which angles."""
-    for name in linkage.gaps(0.0):
-
-        def gap(angles: Floats, order: int, name: str = name) -> Floats:
-            values: Floats = linkage.gaps(angles, order)[name][order]
-            return values
-
-        places = np.append(np.arange(n) * (TURN / n), extremes(gap)[0])
-        values = np.nan_to_num(gap(places, 0), nan=-np.inf)
-        worst = int(np.argmax(values))
-        if values[worst] > 0:
-            edges = ", ".join(f"{edge:.6g}" for edge in np.degrees(zeros(gap, n)))
-            span = f"closes or opens at {edges} deg" if edges else "never closes"
-            where = f"crank angle {math.degrees(places[worst]):.6g} deg ({span})"
-            remedy = "change the lengths of its links"
-            raise DesignError(f"gap at joint {name}", values[worst], 0.0, "mm", where, remedy)
-
-
 def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     """Where a closed curve crosses itself: pairs of angles, (k, 2) rad, and the points, (k,) complex mm.
 
@@ -111,8 +92,10 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     return pairs, point(t1, 0)
 
 
-def moving_centrode(a: Jet, b: Jet) -> Jet:
-    """The place on the link a-b that stands still, as the share that On takes, (order, n) with derivatives.
+def moving_centrode(a: Points, b: Points) -> Points:
+    """The place on the link a-b that stands still, as its share of the way from a to b, (order, n) with derivatives.
+
+    a, b: jets of two points, (order + 1, n) complex mm.
 
     A point of the link has a cusp exactly where this curve passes through it. nan where the link only shifts.
     """
@@ -132,7 +115,7 @@ def near_stops(point: Curve, centre: complex, radius: float, n: int = 3600) -> F
     """
 
     def outside(theta: Floats, order: int) -> Floats:
-        away = distance(np.array([[centre], [0]]), np.stack([point(theta, 0), point(theta, 1)]))
+        away = thread_length(np.stack([point(theta, 0), point(theta, 1)]), np.array([[centre], [0]]))
         values: Floats = away[1] if order else away[0] - radius
         return values
 

@@ -23,6 +23,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Law = Callable[[Floats, int], Floats]
+# Where a cam is touched at its angles, (n,) rad: place, complex mm, and unit normal into the follower, in the cam's frame.
+Touch = Callable[[Floats], tuple[Points, Points]]
 
 GROUND = "ground"
 
@@ -117,7 +119,8 @@ class Cam:
     """A cam contact: the follower's angle (rad), or its place along `slide` (mm), = rest + law(cam's angle - phase).
 
     Both angles are those to the ground. closure "force": the cam can only push, towards larger s (push 1) or smaller
-    (push -1). clearance: lash of the follower, in the unit of s.
+    (push -1). clearance: lash of the follower, in the unit of s. touches: where known, how it is touched; the first pushes
+    as `push` says, a second one pushes back. friction: coefficient of what slides there.
     """
 
     name: str
@@ -130,6 +133,8 @@ class Cam:
     closure: Literal["form", "force"] = "form"
     push: int = 1
     clearance: float = 0.0
+    touches: tuple[Touch, ...] = ()
+    friction: float = 0.0
 
 
 Joint = Pin | Slide | Slot | Gear | Cam
@@ -207,9 +212,6 @@ class Gravity:
     acceleration: complex = -9.80665j
 
 
-Load = Force | Torque | Spring | TorsionSpring | Gravity
-
-
 @dataclass(frozen=True)
 class Angle:
     """The angle of a body to another, rad, continuous."""
@@ -223,6 +225,23 @@ class Along:
     """The place along the named slide or slot, mm."""
 
     slide: str
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """A force along a slide (N) or torque on an angle (N m): force - rate * measure - damping * its speed.
+
+    rate: N/mm or N m/rad; damping: N s/mm or N m s/rad.
+    """
+
+    name: str
+    of: Angle | Along
+    force: float = 0.0
+    rate: float = 0.0
+    damping: float = 0.0
+
+
+Load = Force | Torque | Spring | TorsionSpring | Gravity | Resistance
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ Only who meets whom counts here, and lengths that are 0; special lengths (parall
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import TopologicalSorter
 
@@ -177,66 +177,69 @@ def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
 
 def order(machine: Machine, groups: Groups) -> Order:
     """The machine's equations in blocks."""
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
-
-    table = holds(machine, groups)
-    equations = list(table)
-    unknowns = list(dict.fromkeys(key for row in table.values() for key in sorted(row)))
+    table = {equation: sorted(row) for equation, row in holds(machine, groups).items()}
+    unknowns = dict.fromkeys(key for row in table.values() for key in row)
     for body in machine.moving:  # what no equation names is loose
-        for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name])):
-            if key not in unknowns and key[1] != GROUND:
-                unknowns.append(key)
-    number = {key: k for k, key in enumerate(unknowns)}
-    pairs = [(i, number[key]) for i, equation in enumerate(equations) for key in table[equation]]
-    rows, columns = np.array(pairs, int).reshape(-1, 2).T
-    graph = csr_array((np.ones(len(pairs)), (rows, columns)), shape=(len(equations), len(unknowns)))
-    matched = maximum_bipartite_matching(graph, perm_type="column")  # unknown of each equation, -1 for none
-    owner = {int(k): i for i, k in enumerate(matched) if k >= 0}
-
-    free = [k for k in range(len(unknowns)) if k not in owner]
-    spare = [i for i in range(len(equations)) if matched[i] < 0]
+        unknowns |= dict.fromkeys(
+            key for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name])) if key[1] != GROUND
+        )
+    owner = matched(table)  # the equation that each unknown is solved from
+    solved = {equation: key for key, equation in owner.items()}
+    free, spare = [key for key in unknowns if key not in owner], [equation for equation in table if equation not in solved]
     if free or spare:
-        return Order((), _loose(free, graph, matched, unknowns), _over(spare, graph, owner, equations))
-    needs = [(i, owner[k]) for i, k in pairs if owner[k] != i]
-    r, c = np.array(needs, int).reshape(-1, 2).T
-    web = csr_array((np.ones(len(needs)), (r, c)), shape=(len(equations),) * 2)
-    _, label = connected_components(web, directed=True, connection="strong")
-    sorter: TopologicalSorter[int] = TopologicalSorter({int(k): set() for k in label})
-    for i, j in needs:
-        if label[i] != label[j]:
-            sorter.add(int(label[i]), int(label[j]))
-    blocks = []
-    for which in sorter.static_order():
-        inside = [i for i in range(len(equations)) if label[i] == which]
-        blocks.append(Block(tuple(equations[i] for i in inside), tuple(unknowns[matched[i]] for i in inside)))
-    return Order(tuple(blocks), (), ())
+        holders: dict[Key, list[Key]] = {key: [] for key in unknowns}
+        for equation, row in table.items():
+            for key in row:
+                holders[key].append(equation)
+        # loose: unknowns that can move, those left over and those whose equations need them instead; over: likewise
+        loose = _reached(free, lambda key: [solved[equation] for equation in holders[key] if equation in solved])
+        over = _reached(spare, lambda equation: [owner[key] for key in table[equation] if key in owner])
+        return Order((), tuple(loose), tuple(dict.fromkeys(name for _, name in over)))
+    needs = {equation: [owner[key] for key in row] for equation, row in table.items()}
+    reach = {equation: set(_reached([equation], needs.__getitem__)) for equation in table}
+    first: dict[Key, Key] = {}  # of the equations that need each other
+    for equation in table:
+        first.setdefault(equation, equation)
+        for other in reach[equation]:
+            if equation in reach[other]:
+                first.setdefault(other, first[equation])
+    sorter: TopologicalSorter[Key] = TopologicalSorter({equation: () for equation in table if first[equation] == equation})
+    for equation, others in needs.items():
+        for other in others:
+            if first[other] != first[equation]:
+                sorter.add(first[equation], first[other])
+    inside: dict[Key, list[Key]] = {}
+    for equation in table:
+        inside.setdefault(first[equation], []).append(equation)
+    ordered = [inside[which] for which in sorter.static_order()]
+    return Order(tuple(Block(tuple(rows), tuple(solved[equation] for equation in rows)) for rows in ordered), (), ())
 
 
-def _reached(start: Iterable[int], step: Callable[[int], Iterable[int]]) -> list[int]:
+def matched(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:
+    """Of as many unknowns as can be the equation that each is solved from, no equation twice.   [Kuhn's augmenting paths]"""
+    owner: dict[Key, Key] = {}
+
+    def takes(equation: Key, seen: set[Key]) -> bool:
+        for key in table[equation]:
+            if key not in seen:
+                seen.add(key)
+                if key not in owner or takes(owner[key], seen):
+                    owner[key] = equation
+                    return True
+        return False
+
+    for equation in table:
+        takes(equation, set())
+    return owner
+
+
+def _reached(start: Iterable[Key], step: Callable[[Key], Iterable[Key]]) -> list[Key]:
     """All that can be reached, the start included, in order."""
-    found = list(start)
-    for here in found:
-        found += [there for there in dict.fromkeys(step(here)) if there not in found]
-    return found
-
-
-def _loose(free: list[int], graph: object, matched: object, unknowns: list[Key]) -> tuple[Key, ...]:
-    """Unknowns that can move: those left over, and those whose equations need them instead."""
-    by_unknown = graph.tocsc()  # type: ignore[attr-defined]
-
-    def step(k: int) -> list[int]:
-        rows = by_unknown.indices[by_unknown.indptr[k] : by_unknown.indptr[k + 1]]
-        return [int(matched[i]) for i in rows if matched[i] >= 0]  # type: ignore[index]
-
-    return tuple(unknowns[k] for k in _reached(free, step))
-
-
-def _over(spare: list[int], graph: object, owner: dict[int, int], equations: list[Key]) -> tuple[str, ...]:
-    """Joints and drives that contradict or repeat each other: those left over, and those that hold the same unknowns."""
-
-    def step(i: int) -> list[int]:
-        columns = graph.indices[graph.indptr[i] : graph.indptr[i + 1]]  # type: ignore[attr-defined]
-        return [owner[int(k)] for k in columns if int(k) in owner]
-
-    return tuple(dict.fromkeys(equations[i][1] for i in _reached(spare, step)))
+    found = dict.fromkeys(start)
+    queue = list(found)
+    for here in queue:
+        for there in step(here):
+            if there not in found:
+                found[there] = None
+                queue.append(there)
+    return queue

@@ -6,15 +6,19 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from camgen.machine.closure import System
 from camgen.machine.forces import Forces, kinetostatics
-from camgen.machine.jets import stacked
+from camgen.machine.jets import Jet
 from camgen.machine.loops import State, chain_of
-from camgen.machine.model import GROUND, Cam, Floats, Machine, Place, Points, Pose
+from camgen.machine.model import GROUND, Cam, Floats, Machine, Path, Place, Points, Pose
+
+# Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
+BLOCK = 8192
 
 
 def solve(machine: Machine, theta: ArrayLike, order: int = 2) -> Run:
@@ -62,7 +66,8 @@ class Run:
 
     def __init__(self, machine: Machine, theta: Floats, order: int) -> None:
         self.machine, self.theta, self.order = machine, theta, order
-        self._state: State = chain_of(machine).state(theta, order)
+        chain = chain_of(machine)
+        self._states = [chain.state(theta[k : k + BLOCK], order) for k in range(0, max(theta.size, 1), BLOCK)]
         self._outputs: dict[str, Floats | Points] = {}
 
     def __getitem__(self, name: str) -> Floats | Points:
@@ -72,9 +77,19 @@ class Run:
     def derivatives(self, name: str) -> Floats | Points:
         """An output with its derivatives to theta, (order + 1, n)."""
         if name not in self._outputs:
-            with np.errstate(all="ignore"):
-                self._outputs[name] = self._state.output(self.machine.output(name))
+            output = self.machine.output(name)
+            kind = complex if isinstance(output.of, Path) else float
+            self._outputs[name] = self._rows(lambda state: state.output(output), kind)
         return self._outputs[name]
+
+    def _rows(self, jet: Callable[[State], Jet | Floats | Points], kind: type) -> Any:
+        """A jet of all states in one array, (order + 1, n)."""
+        rows: NDArray[Any] = np.empty((self.order + 1, self.theta.size), kind)
+        with np.errstate(all="ignore"):
+            for k, state in enumerate(self._states):
+                for row, value in zip(rows, jet(state), strict=True):
+                    row[k * BLOCK : (k + 1) * BLOCK] = value
+        return rows
 
     @property
     def velocity(self) -> Mapping[str, Floats | Points]:
@@ -88,26 +103,21 @@ class Run:
 
     def pose(self, body: str) -> Pose:
         """A body's frame on the ground: place (n,) complex mm, angle (n,) rad, continuous."""
-        return Pose(stacked(self._state.origin(body)[:1], self.theta.size, complex)[0], self._angles(body)[0])
+        return Pose(self._rows(lambda state: state.origin(body), complex)[0], self.angle(body)[0])
 
     def point(self, body: str, point: str | complex) -> Points:
         """A body's named point, or a place in its frame (complex mm), with derivatives to theta, (order + 1, n) complex mm."""
         place = self.machine.body(body).at(point) if isinstance(point, str) else Place(body, point)
-        with np.errstate(all="ignore"):
-            return np.asarray(stacked(self._state.point(place), self.theta.size, complex))
+        return np.asarray(self._rows(lambda state: state.point(place), complex))
 
     def length(self, slide: str) -> Floats:
         """Place along a slide or slot with derivatives to theta, (order + 1, n) mm."""
-        return np.asarray(stacked(self._state.lengths[slide], self.theta.size, float))
+        return np.asarray(self._rows(lambda state: state.lengths[slide], float))
 
     def angle(self, body: str) -> Floats:
         """A body's angle, continuous, with derivatives to theta, (order + 1, n) rad."""
-        return self._angles(body)
-
-    def _angles(self, body: str) -> Floats:
-        groups = self._state.chain.groups
-        with np.errstate(all="ignore"):
-            rows: Floats = stacked(self._state.angle(groups.of[body]), self.theta.size, float)
+        groups = self._states[0].chain.groups
+        rows: Floats = self._rows(lambda state: state.angle(groups.of[body]), float)
         rows[0] += groups.excess[body]
         return rows
 
@@ -120,8 +130,8 @@ class Run:
         """Poses of all moving bodies with derivatives, (order + 1, n, 3 bodies)."""
         rows = np.empty((self.order + 1, self.theta.size, self._system.width))
         for k, body in enumerate(self._system.bodies):
-            origin = stacked(self._state.origin(body), self.theta.size, complex)
-            rows[:, :, 3 * k], rows[:, :, 3 * k + 1], rows[:, :, 3 * k + 2] = origin.real, origin.imag, self._angles(body)
+            origin = self._rows(lambda state, body=body: state.origin(body), complex)  # type: ignore[misc]
+            rows[:, :, 3 * k], rows[:, :, 3 * k + 1], rows[:, :, 3 * k + 2] = origin.real, origin.imag, self.angle(body)
         return rows
 
     def forces(self) -> Forces:

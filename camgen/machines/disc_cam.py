@@ -26,67 +26,24 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
+from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, loaded
 from camgen.machine.cams import DiscCam, SwingingArm, greatest
 from camgen.machine.contacts import Pose, Rolling
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.model import Machine
 from camgen.machine.sizing import least_convex, smallest
 from camgen.machine.study import Plot, Sketch, Study, Table
+from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
+from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
-from camgen.spec import Length, Record, Rpm, turning
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
-_LASH = (
-    "free play of the follower in a groove or between a pair of cams, mm, or deg of an oscillating one; 0.25: a hundredth of a "
-    "lift of 25, and the running play of printed parts"
-)
 _UP = 1j
-
-
-class FollowerTable(Record):
-    """What rides on the cam."""
-
-    motion: Literal["translating", "oscillating"]
-    shape: Literal["roller", "flat", "knife"]
-    radius: Length | None = None
-    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    pivot_distance: Length | None = None
-    arm: Length | None = None
-    face_offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    face_width: Length | None = None
-
-
-class Geometry(Record):
-    """The cam and its follower; without base_radius it is the smallest that keeps to the limits."""
-
-    follower: FollowerTable
-    base_radius: Length | None = None
-    closure: Literal["force", "conjugate", "groove"] = "force"
-
-
-class Motor(Record):
-    """What drives the cam."""
-
-    speed_rpm: Annotated[Rpm, turning()] = 60.0
-
-
-class Limits(Record):
-    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
-
-    least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
-    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
-    min_wall: Length = 0.8
 
 
 class DiscCamDrive(Mechanism):
@@ -95,6 +52,8 @@ class DiscCamDrive(Mechanism):
     geometry: Geometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)]
     motor: Motor = Motor()
+    load: LoadTable | None = None
+    spring: SpringTable | None = None
     making: Annotated[Parts, Field(alias="parts")] = Parts()
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
@@ -130,6 +89,7 @@ class DiscCamDrive(Mechanism):
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
+        found += load_faults(self.load, self.spring, slides, g.closure == "force")
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -247,6 +207,25 @@ class DiscCamDrive(Mechanism):
     def cam(self) -> DiscCam[Follower]:
         """The cam that drives outwards."""
         return self.cams[0]
+
+    def machine(self) -> Machine:
+        """Cam and follower; output "follower", mm or rad."""
+        closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
+        groove = (Touch(self.cam), OuterWall(self.cam)) if self.geometry.closure == "groove" else ()
+        return cam_machine(self.cams, self.speed, self._load, closed, groove)
+
+    @cached_property
+    def _load(self) -> Load | None:
+        return load_of(self.load, self.spring)
+
+    @cached_property
+    def _loaded(self) -> Loaded | None:
+        """Forces over the turn, to either side of the program's breaks; None without [load]."""
+        if self._load is None:
+            return None
+        breaks = self.program.breaks[(self.program.breaks > 0) & (self.program.breaks < math.tau)]
+        theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
+        return loaded(self.model, self.cam, self._load, theta)
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -374,6 +353,8 @@ class DiscCamDrive(Mechanism):
             findings.append(
                 at_most("FACE_WIDTH", needed, f.face_width, "mm", "exact profile", "width over which the face is touched")
             )
+        if self._load and self._loaded and self.geometry.closure == "force":
+            findings.append(lift_off(self._loaded, self._load, f.motion == "translating"))
         return [*findings, *self._jumps()]
 
     def _jumps(self) -> list[Finding]:
@@ -418,9 +399,13 @@ class DiscCamDrive(Mechanism):
             numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
         else:
             numbers["pitch_curvature_radius_min_mm"] = cam.least_radius
+        forces = Study()
+        if self._load and self._loaded:
+            pushed = self.geometry.closure == "force"
+            forces = force_study(self._loaded, self._load, f.motion == "translating", pushed)
         return Study(
-            numbers, self._plots(speed), (self._table(),), (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
-            self._notes(),
+            numbers | dict(forces.numbers), (*self._plots(speed), *forces.plots), (self._table(),),
+            (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))), (*self._notes(), *forces.notes),
         )  # fmt: skip
 
     def _notes(self) -> list[str]:

@@ -1,5 +1,6 @@
-"""The one interface: a mechanism is a frozen record whose fields are its spec and which answers six questions as data.
+"""The one interface: a mechanism is a frozen record whose fields are its spec and which answers seven questions as data.
 
+machine()              its bodies, joints, drive, loads and outputs
 motion(theta, order)   the wanted output
 parts()                what to make
 poses(theta)           where each body is
@@ -14,15 +15,18 @@ import math
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from functools import reduce
+from functools import cached_property, reduce
 from operator import getitem
 from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
+from camgen.machine.model import Machine
+from camgen.machine.run import Run, solve
 from camgen.machine.study import Study, Table
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
@@ -31,6 +35,19 @@ from camgen.spec import Spec, validate
 
 class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
+
+    @abstractmethod
+    def machine(self) -> Machine:
+        """The model that this is, as wanted and with exact parts; theta as above."""
+
+    @cached_property
+    def model(self) -> Machine:
+        """The same, made once."""
+        return self.machine()
+
+    def solve(self, theta: ArrayLike, order: int = 2) -> Run:
+        """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
+        return solve(self.model, theta, order)
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:

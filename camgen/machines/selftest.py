@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.machine.linkages import four_bar, slider_travel, transmission_extremes
+from camgen.machine.closed_form import four_bar, slider_travel, transmission_extremes
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, UNIFORM, Law, end_speed, largest, modified_sine
 from camgen.motion.program import Program, Segment, uniform_swing
 

@@ -71,7 +71,7 @@ def main(interpreter: str | None) -> None:
     """Print the table."""
     import numpy as np
 
-    from camgen.machine.linkages import RRR, Crank, Fixed, Linkage
+    from camgen.machines.thread_take_up.feed import TakeUp
 
     if interpreter is None and importlib.util.find_spec("pylinkage") and importlib.util.find_spec("numba"):
         interpreter = sys.executable
@@ -80,18 +80,18 @@ def main(interpreter: str | None) -> None:
         print("pylinkage or numba is not installed: compared with nothing")
     else:
         peer = subprocess.Popen([interpreter, __file__, "--serve"], stdin=-1, stdout=-1, text=True)
-    points = {"O": Fixed(0), "C": Fixed(FRAME), "A": Crank("O", CRANK), "B": RRR("A", "C", COUPLER, OUTPUT, -1)}
-    linkage = Linkage(points)
+    four_bar = TakeUp(CRANK, COUPLER, OUTPUT, FRAME, 1.0, 0.0, -1, (0j, 0j))
+
+    def joints(theta: Any, order: int) -> tuple[Any, Any]:
+        run = four_bar.run(theta, order)
+        return run.point("crank", "A"), run.point("coupler", "B")
+
     for count in COUNTS:
         theta = np.arange(1, count + 1) * (2 * math.pi / count)
         ours = {
-            "camgen, positions": lambda theta=theta: linkage.solve(theta, 0, ("A", "B")),
-            "camgen, positions and two derivatives": lambda theta=theta: linkage.solve(theta, 2, ("A", "B")),
+            "camgen, positions": lambda theta=theta: joints(theta, 0),
+            "camgen, positions and two derivatives": lambda theta=theta: joints(theta, 2),
         }
-        again = linkage.solve(theta, 2, ("A", "B"))
-        ours["camgen, the same into the memory of an earlier call"] = lambda theta=theta, again=again: linkage.solve(
-            theta, 2, out=again
-        )
         for job in ours.values():
             job()
         times: dict[str, list[float]] = {}
@@ -104,9 +104,9 @@ def main(interpreter: str | None) -> None:
 
         if peer:
             theirs = np.array(ask(count)) @ [1, 1j]
-            jets = linkage.solve(theta[:: max(1, count // 360)], 0)
+            a, b = joints(theta[:: max(1, count // 360)], 0)
             # Its crank is stepped by adding, which drifts; its coarse answers carry that.
-            apart = np.abs(theirs.T - [jets["A"][0], jets["B"][0]]).max()
+            apart = np.abs(theirs.T - [a[0], b[0]]).max()
             print(f"{count:,} angles; greatest difference {apart:.1e} mm")
         else:
             print(f"{count:,} angles")
@@ -120,9 +120,9 @@ def main(interpreter: str | None) -> None:
             print(f"  {name:51} {min(spent):9.3f} ms   {min(spent) / base:6.2f} of positions and two derivatives")
         if peer:
             theirs_ms = min(times["pylinkage step_fast, positions"])
-            reached = [theirs_ms / min(times[name]) for name in list(ours)[1:]]
+            reached = theirs_ms / base
             wanted = f", {WANTED[count]:g} wanted" if count in WANTED else ""
-            print(f"  {reached[0]:.1f} times as fast as pylinkage's positions, {reached[1]:.1f} in memory used before{wanted}")
+            print(f"  {reached:.1f} times as fast as pylinkage's positions{wanted}")
     if peer and peer.stdin:
         peer.stdin.close()
         peer.wait()

@@ -133,10 +133,15 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
     """Positions and two derivatives here, positions alone there; errors against the circles' crossing in long double."""
     import numpy as np
 
-    from camgen.machine.linkages import RRR, Crank, Fixed, Linkage
+    from camgen.machines.thread_take_up.feed import TakeUp
 
     frame, crank, coupler, output = 9.0, 30.0, 30.0, 19.0
-    linkage = Linkage({"O": Fixed(0), "C": Fixed(frame), "A": Crank("O", crank), "B": RRR("A", "C", coupler, output, -1)})
+    four_bar = TakeUp(crank, coupler, output, frame, 1.0, 0.0, -1, (0j, 0j))
+
+    def joints(theta: Any, order: int) -> tuple[Any, Any]:
+        run = four_bar.run(theta, order)
+        return run.point("crank", "A"), run.point("coupler", "B")
+
     for count, goal in ((3_600, 2.0), (36_000, 5.0), (1_000_000, 10.0)):
         theta = np.arange(1, count + 1) * (2 * math.pi / count)
         every = max(1, count // 360)
@@ -146,18 +151,15 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
         d = frame - a
         along = ((coupler - output) * np.longdouble(coupler + output) / np.abs(d) ** 2 + 1) / 2
         b = a + d * (along - 1j * np.sqrt(coupler**2 / np.abs(d) ** 2 - along**2))
-        jets = linkage.solve(some, 0)
-        error = float(max(np.abs(jets["A"][0] - a).max(), np.abs(jets["B"][0] - b).max()))
+        error = float(max(np.abs(ours[0] - exact).max() for ours, exact in zip(joints(some, 0), (a, b), strict=True)))
         said = peers.job("four_bar", count=count, frame=frame, crank=crank, coupler=coupler, output=output)
         theirs = math.nan
         if said:
             places = np.array(said["answer"]) @ [1, 1j]
             theirs = float(np.abs(places.T - [a, b]).max())
-        ours = partial(again, partial(linkage.solve, theta, 2, ("A", "B")))
+        ours = partial(again, partial(joints, theta, 2))
         times = alternated(rounds, ours, partial(peers.time, 2) if said else None)
-        before = linkage.solve(theta, 2, ("A", "B"))
-        reused = median(again(partial(linkage.solve, theta, 2, out=before)) for _ in range(rounds))
-        notes = f" ({seconds(reused)} in memory used before), {error:.0e} mm off", f", {theirs:.0e} mm off" if said else ""
+        notes = f", {error:.0e} mm off", f", {theirs:.0e} mm off" if said else ""
         yield faster(f"turn of a four-bar, {count:,} angles, positions and two derivatives", "pylinkage (positions)", goal,
                      *times, notes, error <= theirs)  # fmt: skip
 

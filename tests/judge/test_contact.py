@@ -11,7 +11,7 @@ from camgen.geometry.rings import Ring
 from camgen.judge.contact import RollingContact, Touch, contact, rolling_contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
-from camgen.machine.linkages import slider_travel
+from camgen.machine.closed_form import slider_travel
 
 EXACT = 1e-9  # mm, what the contact claims
 

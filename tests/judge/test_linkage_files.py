@@ -18,7 +18,6 @@ from camgen.files.export import write_stl
 from camgen.files.readback import read_stl, slice_mesh
 from camgen.geometry.rings import bore_circle, shape_of
 from camgen.judge.contact import rolling_contact
-from camgen.machine.linkages import RRR, Crank, Fixed, Linkage
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
@@ -208,8 +207,10 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
 
     def four_bar(coupler: float) -> tuple[np.ndarray, np.ndarray]:
         """The arm's angle, and the tip's movement along the normal per turn of the arm."""
-        at = Linkage({"O": Fixed(0), "C": Fixed(pivot), "A": Crank("O", eccentricity), "B": RRR("A", "C", coupler, arm, -1)})
-        a, b = (at.solve(theta)[name][0] for name in "AB")
+        a = eccentricity * np.exp(1j * theta)
+        d = pivot - a
+        along = (coupler**2 - arm**2 + np.abs(d) ** 2) / (2 * np.abs(d))
+        b = a + d / np.abs(d) * (along - 1j * np.sqrt(coupler**2 - along**2))
         return np.angle((b - pivot) / mean), arm * np.abs(np.sin(np.angle((a - b) / (pivot - b))))
 
     dyads, lever = four_bar(diameter / 2 + tip)

@@ -54,7 +54,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
     assert ours == {"camgen.machine.model"}
 
 
-# Imports inside the package go to earlier rows only.
+# Imports inside the kernel go to its earlier rows only.
 ROWS = (
     {"model"}, {"jets", "closure"}, {"order", "dyads", "forces", "freedom"}, {"newton"}, {"loops"}, {"turning", "run"},
     {"__init__"},

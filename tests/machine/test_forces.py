@@ -24,8 +24,6 @@ from camgen.machine import (
     Torque,
     TorsionSpring,
     Turning,
-    dynamics,
-    linkages,
     solve,
 )  # fmt: skip
 from machine.chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
@@ -41,41 +39,42 @@ def test_peak_reactions_of_the_take_up(low: bool, peaks: tuple[float, ...]) -> N
         assert np.abs(reactions[name]).max() == pytest.approx(value, abs=6e-4)
 
 
-def test_take_up_as_kinetostatics_has_it() -> None:
+def test_balances_of_the_take_up_from_its_points_alone() -> None:
+    """F_A + F_C = m2 a2 + m3 a3, accelerations by Fourier; the output crank's moments about C."""
     machine = take_up()
-    fixed = {"O": linkages.Fixed(0), "C": linkages.Fixed(9), "A": linkages.Crank("O", 30)}
-    jets = linkages.Linkage({**fixed, "B": linkages.RRR("A", "C", 30, 19, 1)}).solve(FEW, 2)
-    made = {b.name: b for b in machine.bodies}
-    ends = {"crank": "OA", "coupler": "AB", "rocker": "CB"}
-    bodies = {name: dynamics.Body(*ends[name], b.mass, b.centre, b.inertia) for name, b in made.items() if name in ends}
-    pins = [dynamics.Pin("O", "crank"), dynamics.Pin("A", "coupler", "crank"), dynamics.Pin("B", "rocker", "coupler"),
-            dynamics.Pin("C", "rocker")]  # fmt: skip
-    other = dynamics.kinetostatics(jets, bodies, pins, [], "crank", machine.speed)
-    forces = solve(machine, FEW).forces()
-    joints = {j.name: j for j in machine.joints if isinstance(j, Pin)}
-    for name, pin in zip("OABC", pins, strict=True):
-        sign = 1 if joints[name].a.body == pin.on else -1
-        np.testing.assert_allclose(sign * forces.reactions[name], other.reactions[name], atol=1e-10)
-    np.testing.assert_allclose(forces.drives["motor"], other.torque, atol=1e-10)
-    np.testing.assert_allclose(forces.energy, other.energy, atol=1e-10)
-    np.testing.assert_allclose(forces.power, other.power, atol=1e-9)
-    np.testing.assert_allclose(forces.shaking, other.shaking, atol=1e-10)
+    run = solve(machine, THETA)
+    forces, speed = run.forces(), machine.speed
+    joints = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
+    pull = 0
+    for name in ("coupler", "rocker"):
+        body = machine.body(name)
+        way = np.fft.fft(run.point(name, body.centre)[0] * 1e-3)
+        k = np.fft.fftfreq(way.size, 1 / way.size)
+        pull = pull + body.mass * np.fft.ifft(np.where(np.abs(k) < 400, -(k**2) * way, 0)) * speed**2
+    on = {name: forces.reactions[name] * (1 if joints[name].a.body in bodies else -1)
+          for name, bodies in {"A": ["coupler"], "C": ["rocker"], "B": ["rocker"]}.items()}  # fmt: skip
+    np.testing.assert_allclose(on["A"] + on["C"], pull, atol=1e-8 * np.abs(pull).max())
+    np.testing.assert_allclose(forces.shaking, -pull, atol=1e-8 * np.abs(pull).max())
+    body = machine.body("rocker")
+    arm = (run.point("rocker", "B")[0] - run.point("rocker", "C")[0]) * 1e-3
+    alpha = run.angle("rocker")[2] * speed**2
+    about_c = (np.conj(arm) * on["B"]).imag
+    np.testing.assert_allclose(about_c, (body.inertia + body.mass * (abs(body.centre) * 1e-3) ** 2) * alpha, atol=1e-10)
 
 
-def test_slider_crank_as_kinetostatics_has_it() -> None:
+@pytest.mark.parametrize("offset", [0.0, 7.0])
+def test_slider_crank_against_newton(offset: float) -> None:
     masses = {"crank": {"mass": 2e-3, "centre": 0.7 + 0.2j, "inertia": 1e-8},
               "rod": {"mass": 3e-3, "centre": 20 + 1j, "inertia": 2e-7}, "ram": {"mass": 4e-3, "centre": 3j}}  # fmt: skip
-    forces = solve(slider_crank(1.5, 48, 7, masses=masses, speed=1361.357), FEW).forces()
-    jets = linkages.Linkage({"O": linkages.Fixed(0), "A": linkages.Crank("O", 1.5), "B": linkages.RRP("A", 48, 7j, 0.0)})
-    bodies = {"crank": dynamics.Body("O", "A", 2e-3, 0.7 + 0.2j, 1e-8), "rod": dynamics.Body("A", "B", 3e-3, 20 + 1j, 2e-7),
-              "ram": dynamics.Body("B", "B", 4e-3, 3j)}  # fmt: skip
-    pins = [dynamics.Pin("O", "crank"), dynamics.Pin("A", "rod", "crank"), dynamics.Pin("B", "ram", "rod")]
-    other = dynamics.kinetostatics(jets.solve(FEW, 2), bodies, pins, [dynamics.Slide("B", "ram", 0.0)], "crank", 1361.357)
-    np.testing.assert_allclose(forces.normals["guide"], other.normals["B"], atol=1e-10)
-    np.testing.assert_allclose(forces.moments["guide"], other.moments["B"], atol=1e-10)
-    np.testing.assert_allclose(forces.drives["motor"], other.torque, atol=1e-10)
-    for name in "OAB":
-        np.testing.assert_allclose(np.abs(forces.reactions[name]), np.abs(other.reactions[name]), atol=1e-10)
+    machine = slider_crank(1.5, 48, offset, masses=masses, speed=1361.357)
+    run = solve(machine, FEW)
+    forces, pull = run.forces(), 4e-3 * run.derivatives("way")[2] * 1e-3 * machine.speed**2
+    sign = 1 if machine.joint("B").a.body == "ram" else -1  # type: ignore[union-attr]
+    pin = sign * forces.reactions["B"]
+    np.testing.assert_allclose(pin.real, pull, atol=1e-9 * np.abs(pull).max())
+    np.testing.assert_allclose(forces.normals["guide"], -pin.imag, atol=1e-9)
+    # the inertia acts 3 mm to the left of the pin, both forces on the slider act at the pin
+    np.testing.assert_allclose(forces.moments["guide"], -3e-3 * pull, atol=1e-10)
 
 
 @pytest.mark.parametrize("name", CHAINS)

@@ -24,8 +24,8 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, shape_of
 from camgen.judge.rolling import mounted
 from camgen.machine.cams import DiscCam
+from camgen.machine.closed_form import slider_travel
 from camgen.machine.contacts import Rolling
-from camgen.machine.linkages import slider_travel
 from camgen.machines.disc_cam import DiscCamDrive
 from camgen.pipeline import build as pipeline
 from camgen.report.report import Report, to_html

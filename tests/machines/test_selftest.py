@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from camgen import cli
-from camgen.machine import linkages
+from camgen.machine import closed_form
 from camgen.machines import selftest
 from camgen.motion import laws as motion
 
@@ -47,7 +47,7 @@ def test_a_damaged_coefficient_is_seen(monkeypatch: pytest.MonkeyPatch, capsys: 
 
 
 def test_a_damaged_linkage_is_seen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(selftest, "slider_travel", lambda theta, e, rod: linkages.slider_travel(theta, e, rod + 1e-3))
+    monkeypatch.setattr(selftest, "slider_travel", lambda theta, e, rod: closed_form.slider_travel(theta, e, rod + 1e-3))
     code, out = run(capsys)
     assert code == 1 and [line.split(",")[0] for line in out.splitlines()[:-1] if line.endswith("OFF")] == ["eccentric"] * 2
 

@@ -6,6 +6,7 @@ import math
 import shutil
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,6 @@ from hypothesis import strategies as st
 from camgen import spec
 from camgen.errors import DesignError, SpecError
 from camgen.geometry.facets import facet_contour
-from camgen.machine.dynamics import Body
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.mechanism import ThreadTakeUp
 from camgen.parts.part import clearance, hull, rod
@@ -89,7 +89,7 @@ def test_the_printed_lengths_have_no_double_point() -> None:
 @pytest.mark.parametrize(("mechanism", "reading"), [(printed, "printed"), (made, "interchanged")])
 def test_eye_points_and_transmission(mechanism: Any, reading: str) -> None:
     found = mechanism()
-    eye = found.take_up.linkage.point("D")(np.radians(CITED["eye_angle_deg"]))
+    eye = found.take_up.path(np.radians(CITED["eye_angle_deg"]))
     assert np.abs(eye - np.array(CITED[f"eye_{reading}"]) @ [1, 1j]).max() < 1e-9
     study = found.study().numbers
     both = [study["transmission_angle_min_deg"], study["transmission_angle_max_deg"]]
@@ -139,9 +139,9 @@ def test_wear_of_a_massless_coupler_by_hand() -> None:
     """One mass on B alone: the coupler, massless, bears one and the same force along A-B at both ends."""
     t, speed = made().take_up, 100.0
     theta = np.linspace(0, TURN, 3600, endpoint=False)
-    bodies = {"crank": Body("O", "A", 0), "coupler": Body("A", "B", 0), "output": Body("C", "B", 0.01, 30)}
-    forces = t.forces(theta, bodies, speed)
-    jets = t.linkage.solve(theta, 2)
+    forces = t.forces(theta, {**t.links, "output": replace(t.links["output"], mass=0.01, centre=30 + 0j)}, speed)
+    run = t.run(theta, 2)
+    jets = {"A": run.point("crank", "A"), "B": run.point("coupler", "B"), "C": run.point("output", "C")}
     u = (jets["B"][0] - jets["C"][0]) * 1e-3
     # m (a . t) is what the coupler must push along the circle of B; t the tangent, F along A-B
     tangent, along = 1j * u / np.abs(u), (jets["A"][0] - jets["B"][0]) / 19
@@ -222,7 +222,7 @@ def test_feed_and_its_derivatives_through_180_degrees() -> None:
 
 
 def test_eye_that_passes_a_guide() -> None:
-    place = complex(made().take_up.linkage.point("D")(np.array([1.0]))[0])
+    place = complex(made().take_up.path(np.array([1.0]))[0])
     found = made(f"geometry.guides=[[{place.real!r}, {place.imag!r}], [-80, 160]]")
     assert "GAP" in failing(found)
     t = found.take_up
@@ -241,9 +241,9 @@ def test_turned_and_mirrored_take_ups_feed_alike(tilt: float, branch: int, eye: 
     np.testing.assert_allclose(turned.feed(THETA + tilt), base.feed(THETA), atol=1e-10)
     mirrored = TakeUp(30, 19, 30, 9, eye, angle, -branch, (m.conjugate(), n.conjugate()))
     np.testing.assert_allclose(mirrored.feed(-THETA), base.feed(THETA), atol=1e-10)
-    path = base.linkage.point("D")(THETA, 0)
+    path = base.path(THETA)
     np.testing.assert_allclose(base.thread(path), base.feed(THETA), atol=1e-12)
-    velocity = base.linkage.point("D")(THETA, 1)
+    velocity = base.path(THETA, 1)
     np.testing.assert_allclose(np.real(np.conj(base.thread_slope(path)) * velocity), base.feed(THETA, 1), atol=1e-9)
 
 

@@ -13,7 +13,7 @@ import pytest
 from camgen.errors import SpecError
 from camgen.files.readback import read_dxf
 from camgen.geometry.facets import facet_contour
-from camgen.machine.linkages import slider_travel
+from camgen.machine.closed_form import slider_travel
 from camgen.machines import MECHANISMS
 from camgen.motion.program import Program, uniform_swing
 from camgen.pipeline.build import animation, build

@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -23,6 +24,8 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.contacts import Apart, Pose
+from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Slide
+from camgen.machine.model import Pose as Start
 from camgen.machine.study import Study
 from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
 from camgen.machines.chain_stitch_looper.stitch import (
@@ -186,6 +189,31 @@ class ChainStitchLooper(Mechanism):
     def found(self) -> Mapping[str, object]:
         """The needles' stroke, and what every mechanism fills in."""
         return {**super().found(), "timing.needle_stroke": self.design.needle_stroke}
+
+    def machine(self) -> Machine:
+        """Needles and spreaders on their guides, by laws of the shaft; outputs "spreaders" and "needles", mm."""
+        d, g = self.design, self.stitch
+        still = np.zeros(1)
+        moves = {
+            "needle-1": (complex(0, -d.given.depths[0]), 1j, d.risen),
+            "needle-2": (complex(g.spacing, -d.given.depths[1]), 1j, d.risen),
+            "lower-spreader": (complex(-d.before[0], -g.levels[0]), 1 + 0j, d.moved),
+            "upper-spreader": (complex(g.spacing + d.before[1], -g.levels[1]), -1 + 0j, d.moved),
+        }
+        start = {name: Start(place + way * float(law(still)[0]), 0.0) for name, (place, way, law) in moves.items()}
+        guides = [
+            Slide(f"guide of {name}", Place(GROUND, place), Place(name), cmath.phase(way))
+            for name, (place, way, _) in moves.items()
+        ]
+        cams = [Cam(f"cam of {name}", "shaft", name, law, f"guide of {name}") for name, (_, _, law) in moves.items()]
+        return Machine(
+            (Body(GROUND), Body("shaft"), *(Body(name) for name in moves)),
+            (Pin("bearing", Place("shaft"), Place(GROUND)), *guides, *cams),
+            (Drive("motor", "shaft"),),
+            {"shaft": Start(0j, 0.0), **start},
+            outputs=(Output("spreaders", Along("guide of lower-spreader")), Output("needles", Along("guide of needle-1"))),
+            speed=abs(self.speed),
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """How far the spreaders have moved, mm, or its derivative to the shaft's angle; (n,)."""

@@ -12,6 +12,7 @@ P from its outermost place towards the shaft, mm.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,9 +25,9 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats, Points, Region, circle, polygon
+from camgen.machine import model
+from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.contacts import Contact, Eye, Pin, Pose, Slide, Traced
-from camgen.machine.landmarks import refuse_open
-from camgen.machine.linkages import RRP, Crank, Fixed, Linkage, slider_travel
 from camgen.machine.study import Study
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.mechanism import Mechanism
@@ -125,20 +126,35 @@ class EccentricDrive(Mechanism):
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
-    @cached_property
-    def linkage(self) -> Linkage:
-        """O, E, P as a dyad on a crank; raises DesignError with the angles where the rod does not reach the guide."""
-        g = self.geometry
-        linkage = Linkage({"O": Fixed(0), "E": Crank("O", g.eccentricity), "P": RRP("E", g.rod, 1j * g.offset, 0.0)})
-        refuse_open(linkage)
-        spare = g.rod - g.eccentricity - abs(g.offset)
-        if spare <= SAME_POINT:
+    def machine(self) -> model.Machine:
+        """Disc (O-E), rod (E-P) and slider on its guide, with [masses] where given; output "travel", mm.
+
+        Raises DesignError with the angles where the rod does not reach the guide.
+        """
+        g, ground = self.geometry, model.GROUND
+        needed, across = g.eccentricity + abs(g.offset), 1j * g.offset
+        worst = 270.0 if g.offset > 0 else 90.0
+        if needed > g.rod:
+            sines = [(g.offset + side * g.rod) / g.eccentricity for side in (1, -1)]
+            turns = [math.degrees(math.asin(sine)) for sine in sines if abs(sine) <= 1]
+            refuse_gap("P", needed - g.rod, worst, [*turns, *(180 - turn for turn in turns)])
+        if g.rod - needed <= SAME_POINT:
             raise DesignError(
-                "geometry.rod", g.rod, g.eccentricity + abs(g.offset), "mm",
-                f"crank angle {270 if g.offset > 0 else 90} deg",
+                "geometry.rod", g.rod, needed, "mm", f"crank angle {worst:g} deg",
                 "these lengths make a change point: the rod stands square to the guide, the slider can stall; use a longer rod",
             )  # fmt: skip
-        return linkage
+        disc, rod, slider = (self.masses or Masses.none()).bodies(g.eccentricity, g.rod)
+        start, end = complex(g.eccentricity), g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset)) + across
+        outermost = model.Place(ground, self._outermost + across)
+        return model.Machine(
+            (model.Body(ground), disc, rod, slider),
+            (model.Pin("O", disc.at("O"), model.Place(ground)), model.Pin("E", rod.at("E"), disc.at("E")),
+             model.Pin("P", slider.at("P"), rod.at("P")), model.Slide("guide", outermost, slider.at("P"), math.pi)),
+            (model.Drive("motor", "disc"),),
+            {"disc": model.Pose(0j, 0.0), "rod": model.Pose(start, cmath.phase(end - start)), "slider": model.Pose(end, 0.0)},
+            outputs=(model.Output("travel", model.Along("guide")),),
+            speed=self.speed,
+        )  # fmt: skip
 
     @cached_property
     def _outermost(self) -> float:
@@ -155,7 +171,7 @@ class EccentricDrive(Mechanism):
                 at_zero = g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset))
                 begun = self._outermost - at_zero
             return begun + slider_travel(theta, g.eccentricity, g.rod, g.offset)
-        return -np.real(self.linkage.point("P")(theta, order))
+        return np.asarray(self.solve(theta, order).derivatives("travel")[order], float).reshape(np.shape(theta))
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -227,7 +243,7 @@ class EccentricDrive(Mechanism):
                 "MIN_WALL of the eccentric disc", thin, need, "mm", "the thin side of its bore",
                 f"D/2 - e - d/2 must reach it: geometry.eccentric_diameter of {works:g} mm or more works",
             )  # fmt: skip
-        self.linkage  # noqa: B018  refuses what does not close, before roots of negative numbers are taken
+        self.model  # noqa: B018  refuses what does not close, before roots of negative numbers are taken
         seat = self._inner[0] - (self.motor.boss_diameter + self.print.press_clearance) / 2
         if seat < need:
             raise DesignError(
@@ -406,8 +422,8 @@ class EccentricDrive(Mechanism):
         theta = np.asarray(theta, float)
         still: Points = np.zeros(theta.shape, complex)
         flat: Floats = np.zeros(theta.shape)
-        at = self.linkage.solve(theta)
-        e, pin = at["E"][0], at["P"][0]
+        run = self.solve(theta, 0)
+        rod, pin = run.pose("rod"), run.pose("slider").place
         bed = p.body_thickness
         rod_z = bed + p.slider_thickness + 2 * slide
         _, end, _ = self._rail
@@ -415,7 +431,7 @@ class EccentricDrive(Mechanism):
         return {
             "disc": [Pose(theta, still, z=rod_z - p.flange)],
             "washer": [Pose(theta, still, z=rod_z + p.rod_thickness + slide)],
-            "rod": [Pose(np.angle(pin - e), e, z=rod_z)],
+            "rod": [Pose(rod.angle, rod.place, z=rod_z)],
             "slider": [Pose(flat, pin, z=bed)],
             "pin": [Pose(flat, pin, flipped=True, z=bed)],
             "cover": [Pose(flat, still + cover, z=bed + p.slider_thickness + slide)],
@@ -456,7 +472,7 @@ class EccentricDrive(Mechanism):
     def limits(self) -> Sequence[Finding]:
         """Least transmission angle: of the rod against the square to the guide."""
         g = self.geometry
-        self.linkage  # noqa: B018
+        self.model  # noqa: B018
         reach = (g.eccentricity + abs(g.offset)) / g.rod
         worst = math.degrees(math.acos(reach))
         where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
@@ -475,5 +491,5 @@ class EccentricDrive(Mechanism):
             "motor_shaft_length_mm": self.shaft_length,
             "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self._bore / 2,
         }
-        found = study(self.linkage, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses)
+        found = study(self.model, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses is not None)
         return replace(found, numbers={**numbers, **found.numbers})

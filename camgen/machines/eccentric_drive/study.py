@@ -9,9 +9,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from camgen.machine import dynamics
 from camgen.machine.landmarks import zeros
-from camgen.machine.linkages import Floats, Jet, Linkage
+from camgen.machine.model import Body, Floats, Machine
+from camgen.machine.run import solve
 from camgen.machine.study import Plot, Study, Table
 from camgen.spec import Mass, Record
 
@@ -47,11 +47,24 @@ class Masses(Record):
     rod_inertia_g_mm2: Annotated[float, Field(ge=0, le=1e12)]
     slider_g: Mass
 
+    @classmethod
+    def none(cls) -> Masses:
+        """Nothing weighs anything."""
+        return cls.model_construct(rod_g=0.0, rod_centre=0.0, rod_inertia_g_mm2=0.0, slider_g=0.0)
+
+    def bodies(self, eccentricity: float, rod: float) -> tuple[Body, Body, Body]:
+        """Disc, which counts as balanced, rod and slider; lengths mm."""
+        return (
+            Body("disc", {"O": 0j, "E": complex(eccentricity)}),
+            Body("rod", {"E": 0j, "P": complex(rod)}, self.rod_g * 1e-3, complex(self.rod_centre), self.rod_inertia_g_mm2 * 1e-9),
+            Body("slider", {"P": 0j}, self.slider_g * 1e-3),
+        )
+
 
 def study(
-    linkage: Linkage, motion: Motion, lengths: tuple[float, float, float], rpm: float, masses: Masses | None
+    machine: Machine, motion: Motion, lengths: tuple[float, float, float], rpm: float, loaded: bool
 ) -> Study:
-    """Numbers, curves and tables for crank O-E and slider pin P; the published table where the lengths are the paper's.
+    """Numbers, curves and tables; forces where [masses] load it; the published table where the lengths are the paper's.
 
     motion: the slider's way (theta, order), mm; lengths: eccentricity, rod, offset, mm.
     """
@@ -80,16 +93,16 @@ def study(
     notes: tuple[str, ...] = ()
     if lengths == _PAPER:
         numbers |= {"paper_speed_rad_s": _PAPER_SPEED, "paper_peak_speed_mm_s": top * _PAPER_SPEED}
-        tables.append(_published(linkage, motion))
+        tables.append(_published(machine, motion))
         source = "Source: Sviridov, Vladimirov, Chusovitin, study of the crank-slider mechanism of a tattoo machine."
         notes = (source, *_ERRATA)
-    if masses is not None:
-        forces = _forces(linkage, theta, speed, masses)
+    if loaded:
+        forces = solve(machine, theta).forces()
         peaks = {f"peak_force_{name.lower()}_n": float(np.max(np.abs(force))) for name, force in forces.reactions.items()}
-        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(forces.torque)))}
+        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(forces.drives["motor"])))}
         plots += [
             Plot("Joint forces", label, "N", [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()]),
-            Plot("Driving torque", label, "N m", [("torque", degrees, forces.torque)]),
+            Plot("Driving torque", label, "N m", [("torque", degrees, forces.drives["motor"])]),
         ]
     return Study(numbers, plots, tables, (), notes)
 
@@ -106,12 +119,11 @@ def _peak(motion: Motion) -> tuple[float, float]:
     return float(found[k]), float(speeds[k])
 
 
-def _published(linkage: Linkage, motion: Motion) -> Table:
+def _published(machine: Machine, motion: Motion) -> Table:
     """The paper's table beside exact values at the paper's speed; v3 positive towards the shaft, as printed."""
     theta = np.radians([row[0] for row in _PUBLISHED])
-    at: dict[str, Jet] = linkage.solve(theta, 1)
-    rod = at["P"] - at["E"]
-    tilt, rate = np.degrees(np.angle(rod[0])), np.imag(rod[1] / rod[0]) * _PAPER_SPEED
+    rod = solve(machine, theta, 1).angle("rod")
+    tilt, rate = np.degrees(rod[0]), rod[1] * _PAPER_SPEED
     exact = zip(*(_clean(values) for values in (motion(theta, 1) * _PAPER_SPEED, tilt, rate)), strict=True)
     rows = [
         [angle, v, x, round((v / x - 1) * 100, 9) + 0.0 if x else 0.0, phi, y, dphi, z]
@@ -122,18 +134,6 @@ def _published(linkage: Linkage, motion: Motion) -> Table:
         "exact phi2, deg", "published phi2', rad/s", "exact phi2', rad/s",
     )  # fmt: skip
     return Table(f"Published table and exact values at {_PAPER_SPEED:g} rad/s", columns, rows)
-
-
-def _forces(linkage: Linkage, theta: Floats, speed: float, masses: Masses) -> dynamics.Forces:
-    """Joint forces and torque of the running drive; the disc counts as balanced."""
-    bodies = {
-        "disc": dynamics.Body("O", "E", 0.0),
-        "rod": dynamics.Body("E", "P", masses.rod_g * 1e-3, masses.rod_centre, masses.rod_inertia_g_mm2 * 1e-9),
-        "slider": dynamics.Body("P", "P", masses.slider_g * 1e-3),
-    }
-    pins = [dynamics.Pin("O", "disc"), dynamics.Pin("E", "rod", "disc"), dynamics.Pin("P", "slider", "rod")]
-    guide = [dynamics.Slide("P", "slider", 0.0)]
-    return dynamics.kinetostatics(linkage.solve(theta, 2), bodies, pins, guide, "disc", speed)
 
 
 def _clean(values: Floats) -> list[float]:

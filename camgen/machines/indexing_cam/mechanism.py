@@ -16,6 +16,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -26,8 +27,12 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region
+from camgen.machine.cam_drive import Load as CamLoad
+from camgen.machine.cam_drive import cam_machine
 from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Pose, Rolling
+from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place
+from camgen.machine.model import Pose as Start
 from camgen.machine.study import Sketch, Study
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import CrankSpring, Load, SpringTorque, antisymmetric, law_torque
@@ -300,6 +305,21 @@ class IndexingCam(Mechanism):
             )  # fmt: skip
         cosine = (f.pivot_distance**2 + f.arm**2 - radius**2) / (2 * f.pivot_distance * f.arm)
         return math.acos(cosine), radius
+
+    def machine(self) -> Machine:
+        """Cam, follower and driven link; outputs "follower" and "link", rad."""
+        closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
+        pressed = CamLoad(self.load.follower_inertia_kg_m2, preload=self.load.closing_n_m)
+        drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
+        link, ratio = Body("driven-link", inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
+        return replace(
+            drive,
+            bodies=(*drive.bodies, link),
+            joints=(*drive.joints, Pin("link's axle", Place(link.name), Place(GROUND, self._link_centre)),
+                    Gear("gears", "follower", link.name, ratio)),
+            start={**drive.start, link.name: Start(self._link_centre, ratio * drive.start["follower"].angle)},
+            outputs=(*drive.outputs, Output("link", Angle(link.name), "rad")),
+        )  # fmt: skip
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""

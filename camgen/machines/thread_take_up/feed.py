@@ -19,11 +19,24 @@ from functools import cached_property
 
 import numpy as np
 
-from camgen.machine.dynamics import Body, Forces, Pin, kinetostatics
+from camgen.machine.forces import Forces
+from camgen.machine.jets import thread_length
 from camgen.machine.landmarks import TURN, Curve, double_points, extremes, moving_centrode, near_stops, zeros
-from camgen.machine.linkages import RRR, Crank, Fixed, Floats, Jet, Linkage, On, Points, direction, distance
-
-_PINS = (Pin("O", "crank"), Pin("A", "coupler", "crank"), Pin("B", "output", "coupler"), Pin("C", "output"))
+from camgen.machine.model import (
+    GROUND,
+    Body,
+    Drive,
+    Floats,
+    Function,
+    Machine,
+    Output,
+    Path,
+    Pin,
+    Place,
+    Points,
+    Pose,
+)
+from camgen.machine.run import Run, solve
 
 
 @dataclass(frozen=True)
@@ -109,18 +122,55 @@ class TakeUp:
         """The eye in the coupler's axes (origin A, x towards B), complex mm: on the pivots' side of A-B."""
         return self.coupler - self.eye_distance * cmath.exp(1j * self.branch * self.eye_angle)
 
+    @property
+    def pivot(self) -> complex:
+        """C, complex mm in the machine's axes."""
+        return self.frame * cmath.exp(1j * self.tilt)
+
     @cached_property
-    def linkage(self) -> Linkage:
-        """Points O, C, A, B and D."""
-        return Linkage(
-            {
-                "O": Fixed(0),
-                "C": Fixed(self.frame * cmath.exp(1j * self.tilt)),
-                "A": Crank("O", self.crank),
-                "B": RRR("A", "C", self.coupler, self.output, self.branch),
-                "D": On("A", "B", self.eye / self.coupler),
-            }
+    def links(self) -> Mapping[str, Body]:
+        """Crank O-A, coupler A-B with the eye D, output crank C-B, without masses; each with its x axis along the first two."""
+        return {
+            "crank": Body("crank", {"O": 0j, "A": complex(self.crank)}),
+            "coupler": Body("coupler", {"A": 0j, "B": complex(self.coupler), "D": self.eye}),
+            "output": Body("output", {"C": 0j, "B": complex(self.output)}),
+        }
+
+    @cached_property
+    def machine(self) -> Machine:
+        """Links and pins; outputs "feed", mm, and "eye", its path."""
+        return self.loaded(self.links, 1.0)
+
+    def loaded(self, links: Mapping[str, Body], speed: float) -> Machine:
+        """The same with masses; speed of the crank, rad/s. Each pin's reaction is the force on the later link."""
+        ground = Body(GROUND, {"O": 0j, "C": self.pivot, "M": self.guides[0], "N": self.guides[1]})
+        crank, coupler, output = (links[name] for name in ("crank", "coupler", "output"))
+        pins = (("O", crank, ground), ("A", coupler, crank), ("B", output, coupler), ("C", output, ground))
+        a, c = complex(self.crank), self.pivot
+        way = c - a
+        far = abs(way)  # where it does not close at theta = 0, A-B lies on the line of A and C
+        foot = (self.coupler**2 - self.output**2 + far**2) / (2 * far) if far else self.coupler
+        off = math.sqrt(max(self.coupler**2 - foot**2, 0.0))
+        b = a + (way / far if far else 1.0) * complex(foot, self.branch * off)
+        return Machine(
+            (ground, crank, coupler, output),
+            tuple(Pin(name, on.at(name), by.at(name)) for name, on, by in pins),
+            (Drive("motor", "crank"),),
+            {"crank": Pose(0j, 0.0), "coupler": Pose(a, cmath.phase(b - a)), "output": Pose(c, cmath.phase(b - c))},
+            outputs=(
+                Output("feed", Function((ground.at("M"), coupler.at("D"), ground.at("N")), thread_length)),
+                Output("eye", Path(Place("coupler", self.eye))),
+            ),
+            speed=speed,
         )
+
+    def run(self, theta: Floats, order: int = 0) -> Run:
+        """The machine at theta, (n,) rad."""
+        return solve(self.machine, theta, order)
+
+    def path(self, theta: Floats, order: int = 0) -> Points:
+        """The eye's place, or its derivative to theta, shaped like theta, complex mm."""
+        return np.asarray(self.run(theta, order).derivatives("eye")[order], complex).reshape(np.shape(theta))
 
     # ---- feed --------------------------------------------------------------------------------------------------------
 
@@ -129,9 +179,7 @@ class TakeUp:
 
         Derivatives are nan where the eye meets a guide: the feed has a kink there.
         """
-        eye = self.linkage.solve(theta, order, ("D",))["D"]
-        rows: Floats = sum((distance(_still(guide, order), eye) for guide in self.guides), np.zeros(1))
-        return np.asarray(rows[order].reshape(np.shape(theta)))
+        return np.asarray(self.run(theta, order).derivatives("feed")[order], float).reshape(np.shape(theta))
 
     def thread(self, path: Points, *guides: complex) -> Floats:
         """Thread between the guides (the spec's, or those given) for an eye at the places of a path, (n,) mm."""
@@ -156,7 +204,7 @@ class TakeUp:
     @cached_property
     def near_stop(self) -> NearStop:
         """The near stop of the eye."""
-        path = self.linkage.point("D")
+        path = self.path
         pairs, points = double_points(path)
         if not len(pairs):
             slow = self.slowest()
@@ -171,7 +219,7 @@ class TakeUp:
 
     def slowest(self) -> float:
         """Angle at which the eye moves slowest, rad."""
-        path = self.linkage.point("D")
+        path = self.path
 
         def speed_slope(theta: Floats, order: int) -> Floats:
             if order:
@@ -186,7 +234,7 @@ class TakeUp:
         """Crank angle, rad, from the eye's first entry to its last exit of a circle round the near stop; 2 pi if it stays."""
         stop = self.near_stop
         middle = (stop.enters + stop.leaves) / 2
-        path = self.linkage.point("D")
+        path = self.path
         shift = middle - math.pi  # so that the stop lies in mid turn
 
         def shifted(theta: Floats, order: int) -> Points:
@@ -205,9 +253,9 @@ class TakeUp:
         """Eye distances at which the path has a cusp, the eye's angle kept: (distance mm, crank angle rad), sorted."""
         arm = (self.coupler - self.eye) / self.eye_distance  # unit, from the eye towards B
 
-        def places(theta: Floats) -> Jet:
-            jets = self.linkage.solve(theta, 2, ("A", "B"))
-            return moving_centrode(jets["A"], jets["B"])
+        def places(theta: Floats) -> Points:
+            run = self.run(theta, 2)
+            return moving_centrode(run.point("crank", "A"), run.point("coupler", "B"))
 
         def aside(theta: Floats, order: int) -> Floats:
             rows = places(theta) * self.coupler
@@ -222,8 +270,8 @@ class TakeUp:
 
     def rates(self, theta: Floats, order: int = 0) -> tuple[Floats, Floats]:
         """Angular speeds of coupler and output crank over the crank's, (n,) each; order 1: their derivatives."""
-        jets = self.linkage.solve(theta, order + 1, ("A", "B", "C"))
-        return direction(jets["A"], jets["B"])[order + 1], direction(jets["C"], jets["B"])[order + 1]
+        run = self.run(theta, order + 1)
+        return run.angle("coupler")[order + 1], run.angle("output")[order + 1]
 
     def rate_extremes(self, output: bool) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and greatest of the coupler's or the output crank's rate, each with its angle, rad."""
@@ -239,9 +287,9 @@ class TakeUp:
     def forces(self, theta: Floats, bodies: Mapping[str, Body], speed: float) -> Forces:
         """Reactions at O, A, B, C and torque at crank angles theta, (n,), for a crank that turns at `speed` rad/s.
 
-        bodies: "crank", "coupler" (A to B) and "output" (C to B).
+        bodies: the links with their masses.
         """
-        return kinetostatics(self.linkage.solve(theta, 2), bodies, _PINS, [], "crank", speed)
+        return solve(self.loaded(bodies, speed), theta).forces()
 
     def wear(self, theta: Floats, forces: Forces, speed: float) -> dict[str, float]:
         """Wear measure of A, B and C: mean over equally spaced angles of |reaction| |relative angular speed|, N rad/s.
@@ -253,9 +301,3 @@ class TakeUp:
         relative = {"A": 1 - coupler, "B": coupler - output, "C": output}
         return {name: abs(speed) * float(np.nanmean(np.abs(forces.reactions[name]) * np.abs(w))) for name, w in relative.items()}
 
-
-def _still(place: complex, order: int) -> Jet:
-    """A point that does not move, as a jet of one angle."""
-    jet = np.zeros((order + 1, 1), complex)
-    jet[0] = place
-    return jet

@@ -27,9 +27,9 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Region, circle
+from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
 from camgen.machine.contacts import Contact, Eye, Pin, Pose, Traced
-from camgen.machine.landmarks import refuse_open
-from camgen.machine.linkages import Floats, Points, direction, four_bar, transmission_extremes
+from camgen.machine.model import Floats, Machine, Points
 from camgen.machine.study import Sketch, Study
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.feed import TakeUp
@@ -154,12 +154,19 @@ class ThreadTakeUp(Mechanism):
                 "the lengths make a change-point mechanism, which may go on either way there: change one of them",
             )  # fmt: skip
         if not kind.full_turn:
-            refuse_open(found.linkage)
+            edges = [side * edge + g.frame_angle_deg for span in kind.open_deg for edge in span for side in (1, -1)]
+            wide = kind.open_deg[-1][1] == 180  # which of the two critical places is the tighter one
+            refuse_gap("B", -kind.slack, (180 if wide else 0) + g.frame_angle_deg, edges)
         return found
 
     def found(self) -> Mapping[str, object]:
         """Centres of mass, and what every mechanism fills in."""
         return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {})}
+
+    def machine(self) -> Machine:
+        """Input crank, bell crank (coupler) and output crank; outputs "feed", mm, and the path "eye"."""
+        t = self.take_up
+        return t.machine if self.masses is None else t.loaded(self.masses.bodies(t), self.speed)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Feed (mm) or its derivative to theta, (n,)."""
@@ -302,10 +309,10 @@ class ThreadTakeUp(Mechanism):
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
         theta = np.asarray(theta, float)
-        at, p, level = self.take_up.linkage.solve(theta), self.making, self._level
+        run, p, level = self.take_up.run(theta), self.making, self._level
         still, zero = np.zeros(theta.shape, complex), np.zeros(theta.shape)
-        a, b, d, c = at["A"][0], at["B"][0], at["D"][0], complex(at["C"][0, 0])
-        coupler, output = direction(at["A"], at["B"])[0], direction(at["C"], at["B"])[0]
+        (a, b, d), c = (run.point("coupler", name)[0] for name in "ABD"), self.take_up.pivot
+        coupler, output = run.pose("coupler").angle, run.pose("output").angle
         tilt = np.full(theta.shape, self.take_up.tilt)
         dowels = [c + cmath.exp(1j * self.take_up.tilt) * place for place, _ in self._bands["pivot"][1][1:]]
         return {
@@ -367,13 +374,10 @@ class ThreadTakeUp(Mechanism):
                 f"between coupler and output crank, {least:.4f} to {most:.4f} deg over the turn",
             ),
         ]  # fmt: skip
-        findings += [
-            at_least(
-                "GAP", gap, self.allowed.gap, "mm", f"{name}, crank angle {math.degrees(theta):.2f} deg",
-                "least over the turn, by joints without play; under 0 they overlap",
-            )
-            for name, (gap, theta) in self._gaps(t, _TURN).items()
-        ]  # fmt: skip
+        for name, (gap, theta) in self._gaps(t, _TURN).items():
+            where = f"{name}, crank angle {math.degrees(theta):.2f} deg"
+            remark = "least over the turn, by joints without play; under 0 they overlap"
+            findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
         if self.masses is not None and self.motor is not None:
             p = self.making
             levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
@@ -392,9 +396,9 @@ class ThreadTakeUp(Mechanism):
     def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
         """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
         p = self.making
-        at = t.linkage.solve(theta)
-        a, b, d = at["A"][0], at["B"][0], at["D"][0]
-        crank, output, coupler = a / t.crank, (b - at["C"][0]) / t.output, (b - a) / t.coupler
+        run = t.run(theta)
+        a, b, d = (run.point("coupler", name)[0] for name in "ABD")
+        crank, output, coupler = a / t.crank, (b - t.pivot) / t.output, (b - a) / t.coupler
         bands = {name: self._bands[name][0] for name in ("input-crank", "output-crank")}
         # the bell crank's eye moves in a search, the other links do not
         bell = (*self._bands["bell-crank"][0][:2], (t.eye, self._bands["bell-crank"][0][2][1]))
@@ -411,7 +415,7 @@ class ThreadTakeUp(Mechanism):
             radius = p.guide_diameter / 2
             moving = {
                 "input crank": clearance(bands["input-crank"], local(guide, 0j, crank)),
-                "output crank": clearance(bands["output-crank"], local(guide, at["C"][0], output)),
+                "output crank": clearance(bands["output-crank"], local(guide, t.pivot, output)),
                 "bell crank": clearance(bell, local(guide, a, coupler)),
                 "finger": np.abs(d - guide) - p.finger_diameter / 2 - 2 * _HEAD,  # head beside head
             }
@@ -423,7 +427,7 @@ class ThreadTakeUp(Mechanism):
         """Eye path, near stop, feed diagram, turning, forces, wear and balancing, for both readings of the lengths."""
         rpm = None if self.motor is None else self.motor.speed_rpm
         found = study(self.take_up, rpm, self.masses, self.consumption)
-        path = self.take_up.linkage.point("D")(np.linspace(0, math.tau, 721), 0)
+        path = self.take_up.path(np.linspace(0, math.tau, 721))
         return Study(found.numbers, found.plots, found.tables, (Sketch("eye path", (path,)),), found.notes)
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
@@ -432,11 +436,8 @@ class ThreadTakeUp(Mechanism):
         wanted = self.wanted
         if wanted is None:
             return []
-        asked = (
-            ("feed_range", wanted.feed_range, "mm", False),
-            ("let_down_ratio", wanted.let_down_ratio, "to 1", False),
-            ("dwell_deg", wanted.dwell_deg, "deg", True),
-        )
+        asked = (("feed_range", wanted.feed_range, "mm", False), ("let_down_ratio", wanted.let_down_ratio, "to 1", False),
+                 ("dwell_deg", wanted.dwell_deg, "deg", True))  # fmt: skip
         return [
             Wish(name, value, wanted.tolerance * value, unit, least) for name, value, unit, least in asked if value is not None
         ]
@@ -471,9 +472,8 @@ class ThreadTakeUp(Mechanism):
         def measure(x: Floats) -> tuple[Mapping[str, float], Sequence[float]]:
             t = take_up(x)
             gaps = [gap for gap, _ in self._gaps(t, theta).values()]
-            pivot = t.frame * cmath.exp(1j * t.tilt)
-            mounts = ((z, mount) for z in self._mounts(pivot, t.guides))
-            hubs = ((pivot, self._bearing), *((guide, rim) for guide in t.guides), *mounts)
+            mounts = ((z, mount) for z in self._mounts(t.pivot, t.guides))
+            hubs = ((t.pivot, self._bearing), *((guide, rim) for guide in t.guides), *mounts)
             corners = np.array([centre + side * r for centre, r in hubs for side in (1 + 1j, -1 - 1j)])
             spare = (width - float(np.ptp(corners.real)), height - float(np.ptp(corners.imag)))
             # 0.1 mm beyond the limit, since a search looks at fewer angles than the check

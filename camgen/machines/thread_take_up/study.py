@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -11,9 +12,11 @@ from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
-from camgen.machine.dynamics import Body, Forces, crank_weight
+from camgen.machine.balancing import balanced, crank_weight
+from camgen.machine.closed_form import four_bar, transmission_extremes
+from camgen.machine.forces import Forces
 from camgen.machine.landmarks import TURN
-from camgen.machine.linkages import Floats, Points, four_bar, transmission_extremes
+from camgen.machine.model import Body, Floats, Points
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.spec import Length, Record
@@ -74,22 +77,24 @@ class Masses(Record):
         if given and self.output_crank_centre is not None:
             output = self.output_crank_centre
         return {
-            "crank": Body("O", "A", 0.0),
-            "coupler": Body("A", "B", self.coupler_g / 1e3, coupler, self.coupler_kg_m2),
-            "output": Body("C", "B", self.output_crank_g / 1e3, output, self.output_crank_kg_m2),
+            "crank": t.links["crank"],
+            "coupler": replace(t.links["coupler"], mass=self.coupler_g / 1e3, centre=coupler, inertia=self.coupler_kg_m2),
+            "output": replace(
+                t.links["output"], mass=self.output_crank_g / 1e3, centre=complex(output), inertia=self.output_crank_kg_m2
+            ),
         }
 
     def centres(self, t: TakeUp) -> dict[str, object]:
         """Both centres of mass, by their keys in a spec."""
         bodies = self.bodies(t)
-        coupler, output = complex(bodies["coupler"].centre), complex(bodies["output"].centre)
+        coupler, output = bodies["coupler"].centre, bodies["output"].centre
         return {"masses.coupler_centre": (coupler.real, coupler.imag), "masses.output_crank_centre": output.real}
 
     def balanced(self, t: TakeUp) -> dict[str, Body]:
         """The bodies with counterweights: the coupler's centre at B, then the output crank's, with the coupler's mass, at C."""
         bodies = self.bodies(t)
-        coupler = bodies["coupler"].balanced(t.coupler, self.coupler_weight_radius)
-        output = bodies["output"].balanced(0, self.output_crank_weight_radius, coupler.mass, t.output)
+        coupler = balanced(bodies["coupler"], t.coupler, self.coupler_weight_radius)
+        output = balanced(bodies["output"], 0, self.output_crank_weight_radius, coupler.mass, t.output)
         return bodies | {"coupler": coupler, "output": output}
 
 
@@ -230,7 +235,7 @@ def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[s
     wear = t.wear(_FORCES, forces, speed)
     return {
         **{f"reaction_{name.lower()}_n": value for name, value in _peaks(forces).items()},
-        "peak_torque_n_m": _peak(forces.torque),
+        "peak_torque_n_m": _peak(forces.drives["motor"]),
         **{f"wear_{name.lower()}_n_rad_s": value for name, value in wear.items()},
         "wear_mean_n_rad_s": float(np.mean(list(wear.values()))),
     }
@@ -266,9 +271,10 @@ def _peaks(forces: Forces) -> dict[str, float]:
 
 def _motion_plots(t: TakeUp) -> list[Plot]:
     feed = t.diagram
-    paths = [(reading(each), each.linkage.point("D")(_DRAWN, 0)) for each in _readings(t)]
-    jets = t.linkage.solve(_DRAWN)
-    arms = np.angle((jets["A"][0] - jets["B"][0]) / (jets["C"][0] - jets["B"][0]))
+    paths = [(reading(each), each.path(_DRAWN)) for each in _readings(t)]
+    run = t.run(_DRAWN)
+    b = run.point("coupler", "B")[0]
+    arms = np.angle((run.point("crank", "A")[0] - b) / (run.point("output", "C")[0] - b))
     coupler, output = t.rates(_DRAWN)
     marks = [("greatest", math.degrees(feed.longest[1])), ("least", math.degrees(feed.shortest[1]))]
     return [
@@ -311,7 +317,7 @@ def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> dict[str, float]
         "shaking_force_n": _peak(before.shaking),
         "balanced_shaking_force_n": _peak(after.shaking),
         **{f"balanced_reaction_{name.lower()}_n": value for name, value in _peaks(after).items()},
-        "balanced_peak_torque_n_m": _peak(after.torque),
+        "balanced_peak_torque_n_m": _peak(after.drives["motor"]),
         "crank_counterweight_g_mm": 1e3 * abs(moment),
         "crank_counterweight_at_deg": math.degrees(float(np.angle(moment))),
         "reaction_o_n": _peak(before.reactions["O"]),

@@ -28,15 +28,16 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
-from camgen.machine.cam_forces import Load
+from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine
 from camgen.machine.cams import DiscCam, SwingingArm, greatest
 from camgen.machine.contacts import Assembly, Pose, Rolling
+from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
-from camgen.machines.uniform_swing.study import Forces, blend_study, canvas_study, force_study, forces, keeps_contact
+from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
 from camgen.parts.catalogue import DENSITY, Bought
@@ -156,6 +157,14 @@ class UniformSwing(Mechanism):
             )  # fmt: skip
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
         return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
+
+    def machine(self) -> Machine:
+        """Cam and follower; output "swing", rad."""
+        pair = self.geometry.closure == "conjugate"
+        touches = (Touch(self.cam), Mirrored(self.cam))[: 1 + pair]
+        return cam_machine(
+            [self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction, "swing"
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
@@ -376,21 +385,13 @@ class UniformSwing(Mechanism):
         )  # fmt: skip
         reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
         pivot = self.geometry.pivot_distance
-        findings.append(
-            at_least(
-                "INTERFERENCE",
-                pivot - reach,
-                0.0,
-                "mm",
-                "exact profile and the follower's pivot",
-                f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm",
-            )
-        )
+        remark = f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm"
+        findings.append(at_least("INTERFERENCE", pivot - reach, 0.0, "mm", "exact profile and the follower's pivot", remark))
         if self.making.make == "machine":
             findings.append(screw_grip(self._machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
-            findings.append(keeps_contact(loaded, self._load, self.speed))
+            findings.append(keeps_contact(loaded, self._load))
         return findings
 
     @cached_property
@@ -403,11 +404,11 @@ class UniformSwing(Mechanism):
         return Load(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
 
     @cached_property
-    def _forces(self) -> Forces | None:
+    def _forces(self) -> Loaded | None:
         """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
         if not self._load.inertia:
             return None
-        return forces(self.cam, self._load, self.speed, self.nozzle.friction, self.geometry.closure == "conjugate")
+        return forces(self.model, self.cam, self._load)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""
@@ -446,8 +447,9 @@ class UniformSwing(Mechanism):
             across = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[0]))
             numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
         degrees = np.degrees(theta)
+        steep = np.degrees(cam.pressure_angle(theta))
         lever = self.spring.lever if g.closure == "force" else None
-        loaded = force_study(self._forces, self._load, self.speed, lever) if self._forces else Study()
+        loaded = force_study(self._forces, self._load, lever) if self._forces else Study()
         undercut = Table(
             "Undercut of the exact profile",
             ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
@@ -456,10 +458,9 @@ class UniformSwing(Mechanism):
                 for u in cam.undercuts
             ],
         )
-        pressure = np.degrees(cam.pressure_angle(theta))
         return Study(
             numbers | dict(loaded.numbers),
-            plots=(*loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, pressure)])),
+            plots=(*loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)])),
             tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_forces import Contact, Load, arm_contact, kicks, lift_of, lift_off, pair_contact
+from camgen.machine.cam_drive import Load, Loaded, loaded
 from camgen.machine.cams import DiscCam
+from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
 
@@ -75,33 +75,15 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     )
 
 
-@dataclass(frozen=True)
-class Forces:
-    """Forces of a loaded follower at even cam angles: theta (n,) rad, effort (n,) N m, contact, kick (N m s) at reversals."""
-
-    theta: Floats
-    lift: Floats
-    effort: Floats
-    contact: Contact
-    kick: float
+def forces(machine: Machine, cam: DiscCam, load: Load) -> Loaded:
+    """What tip and motor bear over the turn."""
+    return loaded(machine, cam, load, np.linspace(0, 2 * math.pi, _SAMPLES))
 
 
-def forces(cam: DiscCam, load: Load, speed: float, friction: float, pair: bool) -> Forces:
-    """Contact over the turn at a cam speed in rad/s; nan where the tip rides on the corner of an undercut."""
-    theta = np.linspace(0, 2 * math.pi, _SAMPLES)
-    lift = lift_of(cam.program, theta)
-    effort = load.effort(lift, speed)
-    follow = np.array([not cam.riding(angle) for angle in theta])
-    contact = (pair_contact if pair else arm_contact)(cam, theta, effort, friction, -1 if speed < 0 else 1)
-    force, torque = (np.where(follow, values, math.nan) for values in (contact.force, contact.torque))
-    kick = float(np.max(np.abs(kicks(cam.program, load.inertia, speed)), initial=0.0))
-    return Forces(theta, lift, effort, Contact(force, torque), kick)
-
-
-def force_study(found: Forces, load: Load, speed: float, lever: float | None) -> Study:
+def force_study(found: Loaded, load: Load, lever: float | None) -> Study:
     """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
     degrees = np.degrees(found.theta)
-    force, torque = found.contact.force, found.contact.torque
+    force, torque = found.force, found.torque
     numbers = {
         "inertia_kg_m2": load.inertia,
         "peak_contact_force_n": float(np.nanmax(force)),
@@ -115,7 +97,7 @@ def force_study(found: Forces, load: Load, speed: float, lever: float | None) ->
             "out. A reversal_blend_deg spreads it."
         )
     if lever is not None:
-        preload, rate = _spring_needed(found, load, speed)
+        preload, rate = found.spring_needed(load)
         numbers |= {
             "spring_preload_needed_n_m": preload, "spring_rate_needed_n_m_per_rad": rate,
             "spring_force_needed_n": preload / lever * 1e3, "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
@@ -139,20 +121,9 @@ def _drawn(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, math.nan)
 
 
-def keeps_contact(found: Forces, load: Load, speed: float) -> Finding:
+def keeps_contact(found: Loaded, load: Load) -> Finding:
     """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
-    force = np.where(np.isnan(found.contact.force), math.inf, found.contact.force)
-    preload, rate = _spring_needed(found, load, speed)
+    preload, rate = found.spring_needed(load)
     stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""
     remedy = f"a spring.preload of {preload:.4g} N m{stiffer} keeps it; less inertia or a longer reversal_blend_deg lowers that"
-    if found.kick:
-        force[len(force) // 2] = -math.inf
-        remedy = _NO_SPRING
-    return lift_off(force, found.theta, remedy)
-
-
-def _spring_needed(found: Forces, load: Load, speed: float) -> tuple[float, float]:
-    """Least preload, N m, or else rate, N m/rad, of a spring that keeps contact; inf where none does."""
-    if found.kick:
-        return math.inf, math.inf
-    return load.preload_needed(found.lift, speed), load.rate_needed(found.lift, speed)
+    return found.keeps_contact(_NO_SPRING if found.kick else remedy)

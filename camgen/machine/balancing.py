@@ -1,0 +1,77 @@
+"""Counterweights: on a link, so that its centre of mass lies where it is wanted; on a crank, so that its bearing bears least.
+
+Places complex mm in the body's frame, masses kg.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from camgen.machine.model import Body, Floats, Points
+
+MM = 1e-3
+
+
+def with_weight(body: Body, mass: float, place: complex) -> Body:
+    """The body and a point mass, as one."""
+    if mass == 0:
+        return body
+    total = body.mass + mass
+    centre = (body.mass * body.centre + mass * place) / total
+    spread = body.mass * abs(body.centre - centre) ** 2 + mass * abs(place - centre) ** 2
+    return replace(body, mass=total, centre=centre, inertia=body.inertia + spread * MM**2)
+
+
+def balanced(body: Body, about: complex, radius: float, carried: float = 0.0, at: complex = 0) -> Body:
+    """The body with a counterweight `radius` mm from `about`, sized so that the centre of mass comes to lie there.
+
+    carried, at: a further mass that hangs at a place of the body and is balanced along with it.
+    """
+    moment = body.mass * (body.centre - about) + carried * (at - about)
+    size = abs(moment)
+    return body if size == 0 else with_weight(body, size / radius, about - moment / size * radius)
+
+
+def crank_weight(force: Points, theta: Floats, speed: float) -> tuple[complex, float]:
+    """Counterweight on an evenly turning crank that least loads its ground pin: mass times place, and the peak left.
+
+    force: reaction on the crank, (n,) complex N, at crank angles theta. Returns the moment (complex kg mm, in axes that
+    turn by theta) and the greatest remaining reaction, N. Seen from the crank the counterweight pulls with one
+    constant force, so the best is the centre of the smallest circle round all reactions: no other weight does better.
+    """
+    seen = force * np.exp(-1j * theta)
+    centre, radius = smallest_circle(seen[np.isfinite(seen)])
+    return centre / (speed**2 * MM), radius
+
+
+def smallest_circle(points: Points) -> tuple[complex, float]:
+    """Centre and radius of the smallest circle round points, (n,) complex, n >= 1.
+
+    Takes in the farthest point outside until none is left; the circle grows each time, so it ends.
+    """
+    held = [complex(points[0])]
+    while True:
+        centre, radius = _circle_round(held)
+        away = np.abs(points - centre)
+        far = int(np.argmax(away))
+        if away[far] <= radius * (1 + 1e-12):
+            return centre, radius
+        on_edge = [p for p in held if abs(p - centre) >= radius * (1 - 1e-9)]
+        held = [*on_edge, complex(points[far])]
+
+
+def _circle_round(few: Sequence[complex]) -> tuple[complex, float]:
+    """Smallest circle round up to a handful of points: the best of all that two or three of them span."""
+    if len(few) == 1:
+        return few[0], 0.0
+    centres = [(a + b) / 2 for a, b in combinations(few, 2)]
+    for a, b, c in combinations(few, 3):
+        b, c = b - a, c - a
+        area = 2 * (b.conjugate() * c).imag
+        if area:
+            centres.append(a + 1j * (b * abs(c) ** 2 - c * abs(b) ** 2) / area)
+    return min(((centre, max(abs(p - centre) for p in few)) for centre in centres), key=lambda circle: circle[1])

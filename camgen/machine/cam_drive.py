@@ -1,0 +1,208 @@
+"""A cam and its follower as a machine: bodies, joints, what loads the follower, and the spring that keeps it on the cam.
+
+    lift     how far the follower is from its place nearest to the cam, in the sense that takes it off: rad or mm
+    effort   what the cam must exert on the follower in the sense of the lift: N m or N; where it is negative nothing that
+             the cam does keeps contact
+
+The cam turns about the origin, the follower about its pivot or along its slide; its frame is where s = 0 has it, turned or
+shifted by s.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from camgen.findings import Finding, at_least
+from camgen.machine.cams import DiscCam
+from camgen.machine.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.forces import Forces
+from camgen.machine.model import (
+    GROUND,
+    Along,
+    Angle,
+    Body,
+    Cam,
+    Drive,
+    Floats,
+    Joint,
+    Machine,
+    Output,
+    Pin,
+    Place,
+    Points,
+    Pose,
+    Resistance,
+    Slide,
+)
+from camgen.machine.run import solve
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Where a cam's own profile is touched, in its frame."""
+
+    cam: DiscCam[Any]
+
+    def __call__(self, theta: Floats) -> tuple[Points, Points]:
+        """Place, complex mm, and unit normal into the follower at cam angles theta, (n,) rad."""
+        return self.cam.profile(theta), self.cam.follower.normal(theta, self.cam.program)
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """A second follower, mirrored in the line of centres, on the same cam turned over: the first at pi - theta.
+
+    The program must have s(pi - theta) = -s(theta), as a uniform swing has.
+    """
+
+    cam: DiscCam[Any]
+
+    def __call__(self, theta: Floats) -> tuple[Points, Points]:
+        """Place and normal as in `Touch`."""
+        place, normal = Touch(self.cam)(math.pi - theta)
+        return -np.conj(place), -np.conj(normal)
+
+
+@dataclass(frozen=True)
+class OuterWall:
+    """The outer wall of a groove, on the far side of the round tip."""
+
+    cam: DiscCam[Any]
+
+    def __call__(self, theta: Floats) -> tuple[Points, Points]:
+        """Place and normal as in `Touch`."""
+        place, normal = Touch(self.cam)(theta)
+        return place + 2 * self.cam.tip.tip_radius * normal, -normal
+
+
+@dataclass(frozen=True)
+class Load:
+    """What the follower is and bears, in N, mm, s on a slide and N m, rad, s on an arm.
+
+    inertia: kg, or kg m^2 about the pivot; damping; rate: of a spring that presses it on the cam; preload: of that spring
+    at lift 0; resistance: a constant one against the lift.
+    """
+
+    inertia: float = 0.0
+    damping: float = 0.0
+    rate: float = 0.0
+    preload: float = 0.0
+    resistance: float = 0.0
+
+
+def cam_machine(
+    cams: Sequence[DiscCam[Any]],
+    speed: float,
+    load: Load | None = None,
+    closure: Literal["form", "force"] = "form",
+    touches: Sequence[Any] = (),
+    friction: float = 0.0,
+    output: str = "follower",
+    clearance: float = 0.0,
+) -> Machine:
+    """Cam ("cam"), follower ("follower") and ground; joints "shaft", "pivot" or "guide", and "contact".
+
+    cams: the one that drives outwards, then a second one that drives back. speed: rad/s. touches: how the cams are touched,
+    where it is not each by its own follower. clearance: lash of the follower in the unit of s.
+    """
+    follower, program = cams[0].follower, cams[0].program
+    load = load or Load()
+    start = float(program(np.zeros(1))[0])
+    body: Body
+    held: Joint
+    of: Angle | Along
+    slide: str | None = None
+    match follower:
+        case SlidingTip(rest, along) | SlidingFace(rest, along):
+            body, of, slide = Body("follower", {"tip": rest}, load.inertia, rest), Along("guide"), "guide"
+            held = Slide("guide", Place(GROUND, rest), body.at("tip"), math.atan2(along.imag, along.real))
+            pose, unit = Pose(along * start, 0.0), "mm"
+        case SwingingArm() | SwingingFace():
+            body, of = Body("follower", {"pivot": 0j}, inertia=load.inertia), Angle("follower")
+            held = Pin("pivot", body.at("pivot"), Place(GROUND, follower.pivot))
+            pose, unit = Pose(follower.pivot, start), "rad"
+        case _:
+            raise TypeError(f"no machine for {type(follower).__name__}")
+    lowest = follower.leaves * float(np.min(follower.leaves * program(_turn(cams[0]))))
+    borne = load.preload + load.resistance
+    force = load.rate * lowest - follower.leaves * borne
+    loads = (Resistance("load", of, force, load.rate, load.damping),) if load.damping or load.rate or borne else ()
+    touch = tuple(touches) or tuple(Touch(each) for each in cams)
+    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, push=follower.leaves, clearance=clearance,
+                  touches=touch, friction=friction)  # fmt: skip
+    return Machine(
+        (Body(GROUND), Body("cam"), body),
+        (Pin("shaft", Place("cam"), Place(GROUND)), held, contact),
+        (Drive("motor", "cam"),),
+        {"cam": Pose(0j, 0.0), "follower": pose},
+        loads,
+        (Output(output, of, unit),),
+        speed,
+    )
+
+
+def _turn(cam: DiscCam[Any]) -> Floats:
+    """Angles among which the lowest place is."""
+    return np.union1d(np.linspace(0, math.tau, 1441), cam.program.breaks)
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A loaded cam over its turn, (n,) each: theta rad; lift rad or mm, and the effort in its sense, N m or N.
+
+    force: between cam and follower, N, below 0 where it would have to pull; torque: that drives the cam, N m. Both are nan
+    where the follower rides on the corner of an undercut, inf where friction jams it. kick: greatest impulse that a jump of
+    the speed gives the follower, N m s or N s.
+    """
+
+    theta: Floats
+    lift: Floats
+    effort: Floats
+    force: Floats
+    torque: Floats
+    kick: float
+    forces: Forces
+
+    def spring_needed(self, load: Load) -> tuple[float, float]:
+        """Least preload, or else rate, not below 0, with which the effort is nowhere below 0, the other one as loaded.
+
+        inf where none keeps contact.
+        """
+        if self.kick:
+            return math.inf, math.inf
+        missing = load.rate * self.lift - self.effort
+        short = missing > 0
+        least = max(0.0, load.preload - float(np.min(self.effort)))
+        if not np.any(short):
+            return least, 0.0
+        low = self.lift[short]
+        return least, float(np.max(missing[short] / low)) if np.all(low > 0) else math.inf
+
+    def keeps_contact(self, remedy: str) -> Finding:
+        """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; a kick throws the follower off."""
+        force = np.where(np.isnan(self.force), math.inf, self.force)
+        if self.kick:
+            force[len(force) // 2] = -math.inf
+        k = int(np.argmin(force))
+        where = f"cam angle {math.degrees(float(self.theta[k])):.1f} deg"
+        message = "the follower stays on the cam" if force[k] >= 0 else f"the follower leaves the cam: {remedy}"
+        return at_least("LIFT_OFF", float(force[k]), 0.0, "N", where, message)
+
+
+def loaded(machine: Machine, cam: DiscCam[Any], load: Load, theta: Floats) -> Loaded:
+    """Forces at cam angles that reach the lowest place."""
+    found = solve(machine, theta).forces()
+    leaves = cam.follower.leaves
+    lift = leaves * cam.program(theta)
+    riding = np.array([cam.riding(angle) for angle in theta])
+    force, torque = found.pressing["contact"], found.drives["motor"]
+    force, torque = (np.where(riding, math.nan, values) for values in (force, np.where(np.isinf(force), math.inf, torque)))
+    unit = 1.0 if isinstance(cam.follower, SwingingArm | SwingingFace) else 1e-3
+    jumps = [abs(jump.size) for jump in cam.program.discontinuities(1) if jump.order == 1]
+    kick = unit * load.inertia * abs(machine.speed) * max(jumps, default=0.0)
+    return Loaded(theta, lift - np.min(lift), leaves * found.contacts["contact"], force, torque, kick, found)

@@ -1,0 +1,87 @@
+"""[load] and [spring] of a disc cam: what is wrong with them, and the forces that follow as figures and curves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from camgen.errors import Fault
+from camgen.findings import Finding
+from camgen.geometry.outlines import Floats
+from camgen.machine.cam_drive import Load, Loaded
+from camgen.machine.study import Plot, Study
+from camgen.machines.disc_cam_tables import LoadTable, SpringTable
+
+
+def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool) -> list[Fault]:
+    """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam."""
+    found = []
+    if spring is not None and not pushed:
+        found.append(Fault("spring", "", 'nothing here: only closure "force" has a spring'))
+    if load is None:
+        return [*found, Fault("load", "", "missing: what [spring] has to move")] if spring is not None else found
+    needed, other = ("mass_kg", "inertia_kg_m2") if slides else ("inertia_kg_m2", "mass_kg")
+    if getattr(load, other):
+        kind = "translating" if slides else "oscillating"
+        found.append(Fault(f"load.{other}", f"{getattr(load, other):g}", f"nothing here: a follower that is {kind} has {needed}"))
+    return found
+
+
+def load_of(load: LoadTable | None, spring: SpringTable | None) -> Load | None:
+    """Both tables as the model takes them; None without [load]."""
+    if load is None:
+        return None
+    spring = spring or SpringTable()
+    return Load(load.mass_kg + load.inertia_kg_m2, load.damping, spring.rate, spring.preload, load.resistance)
+
+
+def lift_off(found: Loaded, load: Load, slides: bool) -> Finding:
+    """LIFT_OFF, with the spring that would keep the follower on."""
+    preload, rate = found.spring_needed(load)
+    units = ("N", "N/mm") if slides else ("N m", "N m/rad")
+    stiffer = f" or a spring.rate of {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
+    return found.keeps_contact(
+        "its speed jumps, which no spring bears: use a law that ends smoothly" if found.kick else
+        f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; less mass, speed or a longer span lowers that"
+    )  # fmt: skip
+
+
+def force_study(found: Loaded, load: Load, slides: bool, pushed: bool) -> Study:
+    """Figures and curves of contact force, torque, power and reactions."""
+    degrees, forces, notes = np.degrees(found.theta), found.forces, []
+    power = forces.power_in
+    numbers = {
+        "peak_contact_force_n": _peak(found.force),
+        "peak_torque_n_m": _peak(found.torque),
+        "peak_power_w": float(np.nanmax(power)),
+        **{f"peak_reaction_{name}_n": _peak(reaction) for name, reaction in forces.reactions.items()},
+        **{f"peak_reaction_{name}_n": _peak(normal) for name, normal in forces.normals.items()},
+        **{f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()},
+    }
+    if found.kick:
+        unit = "n_s" if slides else "n_m_s"
+        numbers[f"kick_{unit}"] = found.kick
+        notes.append("The follower's speed jumps, which kicks it; the curves of force and torque leave the kick out.")
+    if pushed:
+        preload, rate = found.spring_needed(load)
+        units = ("n", "n_mm") if slides else ("n_m", "n_m_per_rad")
+        numbers |= {
+            "least_contact_force_n": float(np.nanmin(found.force)),
+            f"spring_preload_needed_{units[0]}": preload, f"spring_rate_needed_{units[1]}": rate,
+        }  # fmt: skip
+    label = "cam angle, deg"
+    plots = [
+        Plot("Contact force", label, "N", [("follower on cam", degrees, found.force)]),
+        Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, found.torque)]),
+    ]
+    return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, plots, (), (), _notes(notes))
+
+
+def _notes(more: Sequence[str]) -> tuple[str, ...]:
+    return ("Forces: at an even speed of the cam, without gravity, friction, play and elasticity.", *more)
+
+
+def _peak(values: Floats | np.ndarray) -> float:
+    return float(np.nanmax(np.abs(values)))

@@ -1,0 +1,214 @@
+"""Cam, follower and what loads it: a published case, virtual work, friction's heat, pairs and grooves, springs that just hold."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.machine import Forces, solve
+from camgen.machine.cam_drive import Load, Mirrored, OuterWall, Touch, cam_machine, loaded
+from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.followers import SlidingFace, SlidingTip, SwingingFace
+from camgen.machines.disc_cam import DiscCamDrive
+from camgen.motion.laws import POLYNOMIAL_345
+from camgen.motion.program import Program, Segment, uniform_swing
+from camgen.parts.inertia import inertia_of
+from camgen.parts.part import Layer, Part
+from camgen.spec import validate
+
+NORTON = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "disc-cam.toml").read_text())["spring"]
+THETA = np.linspace(0, 2 * math.pi, 7201)
+BLEND = math.radians(20)
+CAM = DiscCam(uniform_swing(math.radians(30), BLEND), SwingingArm(60 + 0j, complex(-60, -30), 3.0, 1))
+W = 2 * math.pi * 0.5
+SPRING = Load(0.0, 0.0, 0.1, 0.5)
+
+
+def published(shape: dict[str, Any], **tables: dict[str, Any]) -> DiscCamDrive:
+    rise, dwell, fall, rest = NORTON["spans_deg"]
+    lift, law = NORTON["lift_mm"], "3-4-5"
+    return validate(DiscCamDrive, {
+        "mechanism": "disc-cam", "name": "norton",
+        "geometry": {"base_radius": 60.0, "follower": {"motion": "translating", **shape}},
+        "segment": [{"kind": "rise", "span_deg": rise, "lift": lift, "law": law}, {"kind": "dwell", "span_deg": dwell},
+                    {"kind": "return", "span_deg": fall, "to": 0, "law": law}, {"kind": "dwell", "span_deg": rest}],
+        "motor": {"speed_rpm": NORTON["speed_rad_s"] * 60 / math.tau},
+        "load": {"mass_kg": NORTON["mass_kg"], "damping": NORTON["damping_n_s_m"] * 1e-3},
+        "spring": {"rate": NORTON["rate_n_m"] * 1e-3, "preload": NORTON["preload_n"]}, **tables,
+    })  # fmt: skip
+
+
+def lifted() -> Program:
+    """Rise 0 to 10 mm in 90 deg, dwell 45, fall in 180, dwell."""
+    spans, scales, starts = (math.radians(a) for a in (90, 45, 180, 45)), (10.0, 0.0, -10.0, 0.0), (0.0, 10.0, 10.0, 0.0)
+    return Program(tuple(Segment("", a, b, c, POLYNOMIAL_345) for a, b, c in zip(spans, starts, scales, strict=True)))
+
+
+def swing(load: Load, friction: float = 0.0, speed: float = W, pair: bool = False, theta: np.ndarray = THETA) -> Forces:
+    touches = (Touch(CAM), Mirrored(CAM))[: 1 + pair]
+    return solve(cam_machine([CAM], speed, load, "form", touches, friction), theta).forces()
+
+
+def test_published_spring_case() -> None:
+    made = published({"shape": "flat"})
+    theta = np.linspace(0, 2 * math.pi, 36001)
+    forces = made.solve(theta).forces()
+    force = forces.contacts["contact"]
+    np.testing.assert_allclose(forces.pressing["contact"], force, atol=1e-9)  # a flat face presses along its stem
+    rise, fall = theta < math.radians(90), (theta > math.radians(135)) & (theta < math.radians(315))
+    assert np.min(force[rise]) == pytest.approx(NORTON["least_rise_n"], abs=0.005)
+    assert np.min(force[fall]) == pytest.approx(NORTON["least_fall_n"], abs=0.005)
+    assert np.max(force) == pytest.approx(NORTON["greatest_n"], abs=0.005)
+    assert np.max(forces.power_in) == pytest.approx(NORTON["peak_power_w"], abs=0.005)
+    (finding,) = [f for f in made.limits() if f.code == "LIFT_OFF"]
+    assert not finding.ok and finding.measured == pytest.approx(NORTON["least_rise_n"], abs=0.005)
+    assert "spring.preload of 16.47 N" in finding.message
+    numbers = made.study().numbers
+    assert numbers["spring_preload_needed_n"] == pytest.approx(16.47, abs=0.005)
+    assert numbers["peak_power_w"] == pytest.approx(NORTON["peak_power_w"], abs=0.005)
+    assert numbers["peak_torque_n_m"] == pytest.approx(NORTON["peak_power_w"] / NORTON["speed_rad_s"], abs=5e-4)
+    assert numbers["peak_contact_force_n"] == pytest.approx(NORTON["greatest_n"], abs=0.005)
+    held = published({"shape": "flat"}, spring={"rate": 0.1, "preload": numbers["spring_preload_needed_n"] + 1e-6})
+    assert all(f.ok for f in held.limits() if f.code == "LIFT_OFF")
+
+
+def test_a_roller_presses_at_its_pressure_angle() -> None:
+    made = published({"shape": "roller", "radius": 8.0, "offset": 6.0})
+    theta = np.linspace(0.01, 6.2, 501)
+    forces = made.solve(theta).forces()
+    steep = made.cam.steepness(theta)
+    np.testing.assert_allclose(forces.pressing["contact"] * np.cos(steep), forces.contacts["contact"], atol=1e-9)
+    np.testing.assert_allclose(np.abs(forces.normals["guide"]), np.abs(forces.pressing["contact"]) * np.sin(steep), atol=1e-9)
+    # the shaft bears the whole contact force, turned back on the cam
+    np.testing.assert_allclose(np.abs(forces.reactions["shaft"]), np.abs(forces.pressing["contact"]), atol=1e-9)
+
+
+@pytest.mark.parametrize("follower", [
+    SlidingTip(6 + 40j, 1j, 5.0), SlidingFace(3 + 40j, 1j), SwingingArm(60 + 0j, complex(-58, -35), 6.0, 1),
+    SwingingFace(60 + 0j, complex(np.exp(-0.9j)), 2.0),
+])  # fmt: skip
+def test_torque_is_the_virtual_work_of_any_follower(follower: Any) -> None:
+    swings = isinstance(follower, SwingingArm | SwingingFace)
+    program = uniform_swing(0.3, 1.0) if swings else lifted()
+    cam = DiscCam(program, follower)
+    load = Load(2e-3, 1e-3, 0.1, 0.5, 0.2)
+    machine = cam_machine([cam], W, load, "force")
+    found = loaded(machine, cam, load, THETA)
+    lift = [follower.leaves * program(THETA, order) for order in range(3)]
+    unit = 1.0 if swings else 1e-3
+    effort = load.inertia * unit * lift[2] * W**2 + load.damping * lift[1] * W + load.rate * (lift[0] - lift[0].min()) + 0.7
+    np.testing.assert_allclose(found.effort, effort, atol=1e-9 * np.abs(effort).max())
+    np.testing.assert_allclose(found.torque, effort * lift[1] * unit, atol=1e-9)
+    arm = np.abs(follower.velocity(program(THETA), cam.profile(THETA) * np.exp(1j * THETA))) * (1e-3 if swings else 1.0)
+    np.testing.assert_allclose(found.force, effort / (arm * np.cos(cam.steepness(THETA))), rtol=1e-9)
+
+
+def test_friction_turns_into_heat_where_profile_and_tip_slide() -> None:
+    # The contact wanders along the profile and round the tip; the difference of both is what slides.
+    mu = 0.2
+    forces, free = swing(SPRING, mu), swing(SPRING)
+    normal = 1j * CAM.tangent(THETA) * np.exp(1j * (THETA - CAM.program(THETA)))  # seen from the follower
+    round_tip = np.gradient(np.unwrap(np.angle(normal)), THETA) * CAM.follower.tip_radius
+    along = CAM.profile(THETA, 1) / CAM.tangent(THETA)
+    slides = np.abs(along.real - round_tip) * 1e-3
+    heat = forces.drives["motor"] - free.drives["motor"]
+    assert np.allclose(heat[5:-5], (mu * forces.pressing["contact"] * slides)[5:-5], rtol=1e-3)
+    assert np.all(heat > 0)
+
+
+def test_friction_can_jam() -> None:
+    # a cam that turns counter-clockwise drags the first tip outwards, the other way it drags it into the cam
+    load = Load(preload=1.0)
+    for mu, speed in ((0.3, W), (0.3, -W), (3.0, W)):
+        assert np.all(np.isfinite(swing(load, mu, speed).pressing["contact"]))
+    tight = loaded(cam_machine([CAM], -W, load, "force", friction=3.0), CAM, load, THETA)
+    assert np.isinf(tight.force).any() and np.all(np.isinf(tight.torque) == np.isinf(tight.force))
+
+
+def test_conjugate_pair_shares_the_effort() -> None:
+    theta = np.concatenate([np.linspace(BLEND, math.pi - BLEND, 999), np.linspace(math.pi + BLEND, 2 * math.pi - BLEND, 999)])
+    for sign in (1.0, -1.0):
+        load = Load(preload=sign)
+        forces = swing(load, pair=True, theta=theta)
+        assert np.all(forces.pressing["contact"] > 0)
+        assert np.allclose(forces.drives["motor"], sign * CAM.program(theta, 1), atol=1e-12)
+        assert np.all(swing(load, 0.1, pair=True, theta=theta).drives["motor"] > forces.drives["motor"])
+    # the second tip's own path gives its normal, by differences
+    def path(angle: np.ndarray) -> np.ndarray:
+        return np.exp(-1j * angle) * (60 + complex(-60, 30) * np.exp(1j * CAM.program(angle)))
+
+    tangent = (path(theta + 1e-5) - path(theta - 1e-5)) * np.exp(1j * theta)
+    swings = 1j * complex(-60, 30) * np.exp(1j * CAM.program(theta))
+    lever = np.abs(np.real(np.conj(1j * tangent / np.abs(tangent)) * swings)) * 1e-3
+    assert np.allclose(swing(Load(preload=-1.0), pair=True, theta=theta).pressing["contact"], 1 / lever, rtol=1e-6)
+
+
+def test_either_wall_of_a_groove_bears() -> None:
+    cam = DiscCam(lifted(), SlidingTip(6 + 40j, 1j, 5.0))
+    for sign in (1.0, -1.0):
+        forces = solve(cam_machine([cam], W, Load(preload=sign), touches=(Touch(cam), OuterWall(cam))), THETA).forces()
+        np.testing.assert_allclose(forces.pressing["contact"] * np.cos(cam.steepness(THETA)), 1.0, rtol=1e-9)
+    one, other = Touch(cam)(THETA)[0], OuterWall(cam)(THETA)[0]
+    np.testing.assert_allclose((one + other) / 2, cam.pitch(THETA), atol=1e-12)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.floats(0, 20), st.floats(1, 15))
+def test_springs_just_keep_contact(preload: float, speed: float) -> None:
+    cam = DiscCam(lifted(), SlidingFace(40j, 1j))
+    theta = np.linspace(0, 2 * math.pi, 2001)
+
+    def at(load: Load) -> Any:
+        return loaded(cam_machine([cam], speed, load, "force"), cam, load, theta)
+
+    load = Load(7.5, 2.74e-3, 0.0, preload)
+    tight, rate = at(load).spring_needed(load)
+    if math.isinf(rate):  # too little where no spring can help: at the bottom of the lift
+        found = at(load)
+        assert np.min(found.effort[found.lift == 0]) < 0
+    else:
+        kept = float(np.min(at(replace(load, rate=rate)).effort))
+        assert kept >= -1e-9 and (rate == 0 or kept == pytest.approx(0, abs=1e-9))
+    low = float(np.min(at(replace(load, preload=tight)).effort))
+    assert low >= -1e-9 and (tight == 0 or low == pytest.approx(0, abs=1e-9))
+
+
+def test_kicks_are_there_only_where_the_speed_jumps() -> None:
+    load = Load(2e-3)
+    sharp = DiscCam(uniform_swing(math.radians(30)), CAM.follower)
+    assert loaded(cam_machine([sharp], -W, load), sharp, load, THETA).kick == pytest.approx(4e-3 * W * math.radians(30) / math.pi)
+    found = loaded(cam_machine([CAM], W, load), CAM, load, THETA)
+    assert found.kick == 0 and not found.keeps_contact("").ok and found.keeps_contact("press on").message.endswith("press on")
+
+
+@pytest.mark.parametrize(("tables", "path"), [
+    ({"load": {"inertia_kg_m2": 1.0}}, "load.inertia_kg_m2"), ({"load": None}, "load"),
+    ({"load": {"mass_kg": -1.0}}, "load.mass_kg"), ({"spring": {"rat": 1.0}}, "spring.rat"),
+])  # fmt: skip
+def test_loads_that_cannot_be(tables: dict[str, Any], path: str) -> None:
+    from camgen.errors import SpecError
+
+    with pytest.raises(SpecError) as refused:
+        published({"shape": "flat"}, **tables)
+    assert path in {fault.path for fault in refused.value.faults}
+
+
+def test_inertia_of_a_disc_and_of_a_bar_with_a_hole() -> None:
+    disc = Part("", "", (Layer(Region(circle(0j, 20)), 0.0, 5.0),))
+    mass = 1240 * math.pi * 0.02**2 * 0.005
+    assert inertia_of(disc, 1240) == pytest.approx(mass * 0.02**2 / 2, rel=2e-3)
+    bar = Region(polygon([0j, 60 + 0j, 60 + 10j, 10j]), (circle(50 + 5j, 3),))
+    pocket = Layer(Region(circle(20 + 5j, 2)), 5.0, 6.0)
+    hole = math.pi * 9 * (2525 + 4.5) * 6 + math.pi * 4 * (425 + 2) * 1
+    whole = 600 * (3600 + 100) / 3 * 6
+    made = Part("", "", (Layer(bar, 0.0, 6.0),), engraved=(pocket,))
+    assert inertia_of(made, 1000) == pytest.approx((whole - hole) * 1e-12, rel=2e-3)
