@@ -1,26 +1,109 @@
-"""The judge of machines: closed on what was measured, moved, and compared with what is wanted, output by output."""
+"""The judge of machines: closed on what was measured, moved, and compared with what is wanted, output by output.
+
+It knows nothing of loops and dyads, and not what made a curve. Newton's method closes all measured joints at once, from
+where the joints as meant put the bodies; the same Jacobian tells how far a displacement in each joint moves each output.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
-from camgen.findings import Finding
-from camgen.geometry.rings import Shape
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen import tolerances
+from camgen.findings import Finding, NotJudged, at_most
+from camgen.judge.measured import Closable, Fit, Rolled, Sections, assembled, read
+from camgen.machine.closure import Closed, System
 from camgen.machine.features import Asked, Feature, Mount
-from camgen.machine.model import Floats, Machine
+from camgen.machine.model import Angle, Cam, Machine, Output
 from camgen.machine.study import Table
 
-Sections = Sequence[Sequence[Shape]]
+Floats = NDArray[np.float64]
+
+_RANGE = 0.5  # of an output's range: with more play a mechanism is none
+COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
+
+
+def unit_of(output: Output) -> tuple[str, float]:
+    """What people read an output in, and how many of it one unit of it is."""
+    return ("deg", math.degrees(1)) if isinstance(output.of, Angle) else ("mm", 1.0)
+
+
+@dataclass(frozen=True)
+class Moved:
+    """One output at n angles, in its own unit: value (complex for a path) and slope to theta, (n,), nan where the machine does
+    not close; reach: by joint, how far a displacement of 1 mm in it can move the output, (n,); play: the same by what all
+    joints' clearances give either way, worst case, first order."""
+
+    value: Any
+    slope: Any
+    reach: Mapping[str, Floats]
+    play: Floats
+
+
+class Proof:
+    """A machine on its measured joints, ready at any angle."""
+
+    def __init__(self, nominal: Machine, measured: Closable, theta: Floats) -> None:
+        self.machine, self.fits = measured.machine, measured.fits
+        self._theta = np.sort(theta)
+        self._meant, self._system = System(nominal), System(measured.machine)
+        self._known = self._meant.close(self._theta)
+
+    def _near(self, theta: Floats) -> Floats:
+        """Poses by the joints as they are meant, from those at the nearest judged angle."""
+        if theta.shape == self._theta.shape and np.array_equal(theta, self._theta):
+            return self._known.q
+        k = np.clip(np.searchsorted(self._theta, theta), 1, len(self._theta) - 1)
+        k -= theta - self._theta[k - 1] < self._theta[k] - theta
+        return self._known.q[k] + (theta - self._theta[k])[:, None] * self._known.first[k]
+
+    def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """The output and its slope by the joints as they are meant, (n,)."""
+        return self._outcome(self._meant, output, self._meant.close(theta, self._near(theta)))[:2]
+
+    def moved(self, output: str, theta: Floats) -> Moved:
+        """The output by the joints as they are, (n,)."""
+        closed = self._system.close(theta, self._near(theta))
+        value, slope, lost = self._outcome(self._system, output, closed)
+        reach, play = {}, np.zeros(len(theta))
+        shares = self._system.shares(output, np.where(np.isnan(closed.q), 0.0, closed.q), theta)
+        for joint in self.machine.joints:
+            share = np.where(lost, np.nan, shares[joint.name])
+            clearance = self.fits[joint.name].play if joint.name in self.fits else joint.clearance
+            play = play + share * max(clearance, 0.0) / 2
+            if isinstance(joint, Cam) and isinstance(joint.law, Rolled):
+                angle = self._system.angle(joint.cam, closed.q) - joint.phase
+                reach[joint.name] = share / joint.law.lever(np.broadcast_to(angle, theta.shape))
+            elif joint.name in self.fits:
+                reach[joint.name] = share
+        return Moved(value, slope, reach, play)
+
+    def _outcome(self, system: System, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
+        value, gradient = system.output(output, closed.q, closed.theta)
+        slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
+        slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
+        lost = np.asarray(np.isnan(closed.q).any(axis=1))
+        return np.where(lost, np.nan, value), np.where(lost, np.nan, slope), lost
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Findings, numbers and a table of the joints' shares from one kind of file."""
+    """Findings, numbers and a table of what each joint does to the outputs, from one kind of file.
+
+    proof: the machine closed on its files, None where it cannot be; not_judged: what counts as meant, since no file has it.
+    """
 
     findings: tuple[Finding, ...]
-    numbers: Mapping[str, float]
+    numbers: Mapping[str, float] = field(default_factory=dict)
     table: Table | None = None
+    proof: Proof | None = None
+    not_judged: tuple[NotJudged, ...] = ()
 
 
 def judge_machine(
@@ -40,5 +123,185 @@ def judge_machine(
     kind: "dxf", "stl" or "3mf"; where: said in findings; files: sections (shapes at each height) of each part's file of this
     kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
+
+    PIN_GAP: the joint that fits worst. MOTION_ERROR, STROKE_ERROR, LASH: the output that comes worst off against its own
+    limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do.
     """
-    raise NotImplementedError
+    found = read(features, files, kind == "dxf")
+    if found.lost:
+        return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", where, "; ".join(found.lost)),))
+    try:
+        measured = assembled(machine, features, mounts, found)
+    except ValueError as fault:
+        return Verdict((at_most("MOTION_ERROR", math.nan, 0, "mm", where, str(fault)),))
+    rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size(files)
+    findings = [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, where)] if measured.fits else []
+    proof = Proof(machine, measured, theta)
+    wishes = {each.output: each for each in asked}
+    judged = [
+        _Judged(output, wishes.get(output.name, Asked(output.name)), proof, theta, chord_tolerance, rounding)
+        for output in machine.outputs
+    ]
+    alone = len(judged) == 1
+    numbers: dict[str, float] = {}
+    for each in judged:
+        numbers |= each.numbers(kind, "" if alone else f"{each.output.name.replace(' ', '_')}_")
+    findings.append(max(judged, key=lambda each: each.error / each.limit).motion(where, alone))
+    nominal = tuple(
+        NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
+        for joint in machine.joints
+        if joint.name not in {getattr(feature, "joint", None) for feature in features}
+    )
+    if any(math.isinf(each.error) for each in judged):
+        return Verdict(tuple(findings), numbers, not_judged=nominal)
+    findings.append(max(judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf).play(where, alone))
+    strokes = [each for each in judged if each.asked.stroke]
+    if strokes:
+        findings.append(max(strokes, key=lambda each: abs(each.made - each.meant) / each.limit).stroke(where, alone))
+    return Verdict(tuple(findings), numbers, _table(kind, judged, proof), proof, nominal)
+
+
+class _Judged:
+    """One output against the wanted one."""
+
+    def __init__(
+        self, output: Output, asked: Asked, proof: Proof, theta: Floats, chord_tolerance: float, rounding: float
+    ) -> None:
+        self.output, self.asked, self.proof, self.theta = output, asked, proof, theta
+        self.unit, self.scale = unit_of(output)
+        self.moved = proof.moved(output.name, theta)
+        self.reach = {name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()}
+        outlines = sum(self.reach[j.name] for j in proof.machine.joints if isinstance(j, Cam) and j.name in self.reach)
+        one = max([*self.reach.values(), outlines], default=0.0)
+        self.limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
+        self.off = np.abs(self.moved.value - self.wanted(theta)[0])
+        self.off[np.isnan(self.off)] = np.inf
+        self.worst = int(np.argmax(self.off))
+        self.error = float(self.off[self.worst])
+
+    def wanted(self, theta: Floats) -> tuple[Any, Any]:
+        """The wanted value and slope, (n,)."""
+        motion = self.asked.motion
+        return self.proof.wanted(self.output.name, theta) if motion is None else (motion(theta, 0), motion(theta, 1))
+
+    def recovered(self, theta: Floats) -> tuple[Any, Any]:
+        """The same as the files give it."""
+        moved = self.proof.moved(self.output.name, theta)
+        return moved.value, moved.slope
+
+    @cached_property
+    def band(self) -> float:
+        """Largest play either way."""
+        return float(np.max(self.moved.play))
+
+    @cached_property
+    def made(self) -> float:
+        """Difference of the extremes as the files give it."""
+        return _stroke(self.theta, self.moved.value, self.recovered)
+
+    @cached_property
+    def meant(self) -> float:
+        """The same as it is wanted."""
+        return _stroke(self.theta, self.wanted(self.theta)[0], self.wanted)
+
+    @property
+    def lash(self) -> tuple[float, str]:
+        """The play that is borne, and why no more."""
+        half = self.made * _RANGE
+        if self.asked.lash < half:
+            return self.asked.lash, "limits.lash"
+        return half, "half of the stroke: with more it is no mechanism"
+
+    def numbers(self, kind: str, name: str) -> dict[str, float]:
+        """Figures of the report."""
+        unit, scale = self.unit, self.scale
+        found = {f"motion_error_{name}{kind}_{unit}": scale * self.error}
+        if math.isfinite(self.error):
+            found[f"clearance_band_{name}{kind}_{unit}"] = scale * self.band
+            found[f"stroke_recovered_{name}{kind}_{unit}"] = scale * self.made
+        return found
+
+    def _finding(self, code: str, measured: float, limit: float, where: str, remark: str) -> Finding:
+        return at_most(code, self.scale * measured, self.scale * limit, self.unit, where, remark)
+
+    def _where(self, where: str, alone: bool) -> str:
+        return where if alone else f"{where}, {self.output.name}"
+
+    def motion(self, where: str, alone: bool) -> Finding:
+        """MOTION_ERROR."""
+        lost = int(np.count_nonzero(np.isinf(self.off)))
+        remark = f"{self.output.name}: closed on the measured joints at {len(self.theta)} crank angles"
+        if lost:
+            remark += f"; it does not close at {lost} of them"
+        place = f"{self._where(where, alone)}, crank angle {math.degrees(self.theta[self.worst]):.3f} deg"
+        return self._finding("MOTION_ERROR", self.error, self.limit, place, remark)
+
+    def play(self, where: str, alone: bool) -> Finding:
+        """LASH."""
+        limit, cause = self.lash
+        remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}"
+        return self._finding("LASH", 2 * self.band, limit, self._where(where, alone), remark)
+
+    def stroke(self, where: str, alone: bool) -> Finding:
+        """STROKE_ERROR."""
+        made, meant = self.scale * self.made, self.scale * self.meant
+        remark = f"{made:.6f} {self.unit} recovered, {meant:.6f} {self.unit} wanted"
+        return self._finding("STROKE_ERROR", abs(self.made - self.meant), self.limit, self._where(where, alone), remark)
+
+
+def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
+    """Of each measured joint: its fit, and what its play and its centres' shift do to each output at the worst angle."""
+    columns = [*COLUMNS]
+    for each in judged:
+        columns += [f"{each.output.name} by its play, {each.unit}", f"{each.output.name} by the shift, {each.unit}"]
+    rows: list[list[object]] = []
+    for name, fit in proof.fits.items():
+        row: list[object] = [name, fit.play, fit.meant, max(fit.shifts)]
+        for each in judged:
+            share = each.scale * each.reach[name]
+            row += [share * max(fit.play, 0.0) / 2, share * sum(fit.shifts)]
+        rows.append(row)
+    return Table(f"Joints as measured, {kind.upper()}", columns, rows)
+
+
+def _size(files: Mapping[str, Sections]) -> float:
+    return max(float(np.abs(shape.outer.points).max()) for sections in files.values() for shapes in sections for shape in shapes)
+
+
+def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
+    """The joint that fits worst: play against the spec's, each hole's own size, its centres at several heights.
+
+    Each hole by itself, for one that is too tight is not mended by another one that is too wide.
+    """
+    worst = max(fits, key=lambda name: fits[name].misfit)
+    fit = fits[worst]
+    return at_most(
+        "PIN_GAP", fit.misfit, limit, "mm", f"{where}, {worst}",
+        f"play {fit.play:.4f} mm, {fit.meant:.4f} mm wanted; worst of {len(fits)} joints, by each "
+        "hole's diameter and by the centres at several heights",
+    )  # fmt: skip
+
+
+def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]]) -> float:
+    """Difference of the output's extremes: from the judged angles, then by the secant of the slope. Of a path the larger
+    side of its box, from the judged angles alone."""
+    if np.iscomplexobj(output):
+        return float(max(np.ptp(output.real), np.ptp(output.imag)))
+    ends = []
+    for sign in (1, -1):
+        k = int(np.argmax(sign * output))
+        a, b = theta[k - 1] if k else theta[0] - (theta[1] - theta[0]), theta[(k + 1) % len(theta)]
+        b = b if b > theta[k] else 2 * theta[k] - a
+        t = np.array([a, b])
+        value, slope = both(t)
+        best = max(float(np.max(sign * value)), float(sign * output[k]))
+        for _ in range(8):
+            if slope[1] == slope[0]:
+                break
+            new = t[1] - slope[1] * (t[1] - t[0]) / (slope[1] - slope[0])
+            v, s = both(np.array([new]))
+            best = max(best, float(sign * v[0]))
+            t, slope = np.array([t[1], new]), np.array([slope[1], s[0]])
+        ends.append(sign * best)
+    return ends[0] - ends[1]
+

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
@@ -49,11 +49,12 @@ class Faces:
 
 @dataclass(frozen=True)
 class Flat:
-    """One straight face of a follower: a point of it, and the direction out of its material (rad, part's frame)."""
+    """One straight face of a follower, `width` long: its middle, and the direction out of its material (rad, part's frame)."""
 
     part: str
     at: complex
     facing: float
+    width: float
 
 
 @dataclass(frozen=True)
@@ -89,9 +90,10 @@ class SlotFaces:
 class CamOutline:
     """Of a Cam: the part whose outline is touched, and the follower's tip.
 
-    turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: the
-    centre of a round one, of `radius` mm (None: that of the eye, which is measured), or a flat face. leaves: +1 or -1,
-    the sense of s that takes the tip off the cam. inside: it comes from within to the part's largest hole.
+    turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
+    one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
+    the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
+    it comes from within to the part's largest hole.
     """
 
     joint: str
@@ -157,7 +159,11 @@ def eyes(feature: Feature) -> Iterator[Eye]:
     yield from (value for field in fields(feature) if isinstance(value := getattr(feature, field.name), Eye))
 
 
-def eyes_of(part: str, features: Sequence[Feature]) -> tuple[tuple[complex, float], ...]:
-    """Nominal centres and diameters of a part's eyes, mm; a pin's own rim is none, for its place is the hole's."""
+def eyes_of(part: str, contacts: Iterable[object]) -> tuple[tuple[complex, float], ...]:
+    """Nominal centres and diameters of a part's eyes, mm, in those of the contacts that are features.
+
+    A pin's own rim is none: its place is the hole's.
+    """
+    features = [contact for contact in contacts if isinstance(contact, Feature)]
     found = [eye for feature in features for eye in eyes(feature) if eye is not getattr(feature, "pin", None)]
     return tuple((eye.at, eye.diameter) for eye in found if eye.part == part)

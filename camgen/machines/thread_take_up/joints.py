@@ -1,0 +1,70 @@
+"""The take-up as a machine: bodies and joints, and on what of its parts these are measured."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.machine.features import Eye, Feature, Mark, Mount, PinEyes
+from camgen.machine.jets import thread_length
+from camgen.machine.linkages import direction
+from camgen.machine.model import GROUND, Body, Drive, Function, Machine, Output, Pin, Place, Pose
+
+if TYPE_CHECKING:
+    from camgen.machines.thread_take_up.mechanism import ThreadTakeUp
+
+
+def machine_of(spec: ThreadTakeUp) -> Machine:
+    """Input crank, bell crank and output crank; the thread from guide to eye to guide."""
+    g, slide, press, t = spec.geometry, spec.print.slide_clearance, spec.print.press_clearance, spec.take_up
+    at = t.linkage.solve(np.zeros(1))
+    a, c = complex(at["A"][0, 0]), complex(at["C"][0, 0])
+    coupler, output = (float(direction(at[x], at[y])[0, 0]) for x, y in ("AB", "CB"))
+    m, n = t.guides
+    thread = Function((Place(GROUND, m), Place("bell-crank", t.eye), Place(GROUND, n)), thread_length)
+    reach = complex(g.output_crank)
+    return Machine(
+        (Body("input-crank"), Body("bell-crank"), Body("output-crank")),
+        (
+            Pin("pin O", Place(GROUND), Place("input-crank"), slide + press),
+            Pin("pin A", Place("input-crank", complex(g.input_crank)), Place("bell-crank"), slide + press),
+            Pin("pin B", Place("output-crank", reach), Place("bell-crank", complex(g.coupler)), slide + press),
+            Pin("pin C", Place(GROUND, c), Place("output-crank"), slide),
+        ),
+        (Drive("shaft", "input-crank"),),
+        {"input-crank": Pose(0j, 0.0), "bell-crank": Pose(a, coupler), "output-crank": Pose(c, output)},
+        outputs=(Output("feed", thread),),
+    )  # fmt: skip
+
+
+def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
+    """Pins O, A, B and C; the eye and the guides, between which the thread is the output."""
+    g, p, slide, press = spec.geometry, spec.making, spec.print.slide_clearance, spec.print.press_clearance
+    shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * spec.bearing
+    return (
+        PinEyes(
+            "pin O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
+            Eye("shaft", 0j, shaft, True),
+        ),
+        PinEyes(
+            "pin A", Eye("input-crank", complex(g.input_crank), pressed), Eye("bell-crank", 0j, turning),
+            Eye("pin-a", 0j, p.pin_diameter, True),
+        ),
+        PinEyes(
+            "pin B", Eye("output-crank", complex(g.output_crank), pressed), Eye("bell-crank", complex(g.coupler), turning),
+            Eye("pin-b", 0j, p.pin_diameter, True),
+        ),
+        PinEyes("pin C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide)),
+        Mark(Eye("bell-crank", spec.take_up.eye, p.finger_diameter + press)),
+        *(Mark(Eye("frame", guide, p.guide_diameter + press)) for guide in spec.take_up.guides),
+    )  # fmt: skip
+
+
+def mounts_of(spec: ThreadTakeUp) -> Sequence[Mount]:
+    """Parts that make the joints."""
+    c = spec.take_up.frame * cmath.exp(1j * spec.take_up.tilt)
+    links = (Mount(name, name) for name in ("input-crank", "bell-crank", "output-crank"))
+    return (Mount("frame", GROUND), Mount("pivot", GROUND, c, spec.take_up.tilt), *links)
