@@ -173,7 +173,8 @@ class _Judged:
         self.reach = {name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()}
         outlines = sum(self.reach[j.name] for j in proof.machine.joints if isinstance(j, Cam) and j.name in self.reach)
         one = max([*self.reach.values(), outlines], default=0.0)
-        self.limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
+        bound = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
+        self.limit = max(bound, tolerances.SAME_POINT)  # what only a crank or a gear moves is off by rounding alone
         self.off = np.abs(self.moved.value - self.wanted(theta)[0])
         self.off[np.isnan(self.off)] = np.inf
         self.worst = int(np.argmax(self.off))
