@@ -302,25 +302,33 @@ class _Builder:
         return any((mount.part, mount.body) == (part, body) for mount in self.mounts)
 
     def _pin(self, feature: PinEyes, joint: Pin) -> Pin:
-        a, b = feature.a, feature.b
+        a, b = feature.a, feature.b  # in either order
         if self._on(a.part, joint.b.body) or self._on(b.part, joint.a.body):
             a, b = b, a
-        found, pin = self.found.eyes, feature.pin
-        if pin is not None:
-            play = found[a].diameter + found[b].diameter - 2 * found[pin].diameter
-        else:
-            play = (found[b].diameter - found[a].diameter) * (1 if a.shaft else -1)
         new = replace(joint, a=self._placed(a, joint.a), b=self._placed(b, joint.b))
-        # a pin is in two holes, so their play counts by the half
-        misfit = max(abs(play - joint.clearance) / (1 if pin is None else 2), self._size(a), self._size(b))
         shifts = (abs(new.a.at - joint.a.at), abs(new.b.at - joint.b.at))
-        self.fits[joint.name] = Fit(play, joint.clearance, misfit, shifts)
+        self._fit(joint.name, (a.diameter, b.diameter), (self._size(a), self._size(b)), shifts, (a, b), feature.pin, a.shaft)
         return new
 
     def _size(self, eye: Eye) -> float:
-        """How far an eye's own size is off, and its centres at several heights, mm."""
-        found = self.found.eyes[eye]
-        return max(found.spread, abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0)
+        return self.found.eyes[eye].diameter
+
+    def _fit(
+        self, joint: str, meant: tuple[float, float], made: tuple[float, float], shifts: tuple[float, float],
+        eyes: Sequence[Eye], pin: Eye | None = None, shaft: bool = False,
+    ) -> None:  # fmt: skip
+        """Write down a joint's fit, from what its two sides measure, mm; shaft: the first of them is in the second."""
+
+        def play(sizes: tuple[float, float], through: float) -> float:
+            a, b = sizes
+            return a + b - 2 * through if pin is not None else (b - a) * (1 if shaft else -1)
+
+        now, was = (play(made, self._size(pin)), play(meant, pin.diameter)) if pin else (play(made, 0.0), play(meant, 0.0))
+        misfit = abs(now - was) / (1 if pin is None else 2)  # a pin is in two holes, so their play counts by the half
+        for eye in eyes:  # each hole's own size, and its centres at several heights
+            found = self.found.eyes[eye]
+            misfit = max(misfit, found.spread, abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0)
+        self.fits[joint] = Fit(now, was, misfit, shifts)
 
     def _line(self, faces: Faces, place: Place, along: float) -> tuple[Place, float]:
         """The middle of two faces: where it crosses beside the place, square to the direction `along`, and its direction."""
@@ -338,19 +346,18 @@ class _Builder:
             raise ValueError(f"{joint.name}: {rails.part} is mounted on its runner")
         guide, angle = self._line(rails, joint.guide, joint.angle)
         block, own = self._line(runner, joint.runner, joint.angle - joint.turn)
-        play = self.found.faces[rails].width - self.found.faces[runner].width
+        found = (self.found.faces[rails].width, self.found.faces[runner].width)
         shifts = (abs(guide.at - joint.guide.at), abs(block.at - joint.runner.at))
-        self.fits[joint.name] = Fit(play, joint.clearance, abs(play - joint.clearance), shifts)
+        self._fit(joint.name, (rails.width, runner.width), found, shifts, ())
         return replace(joint, guide=guide, runner=block, angle=angle, turn=angle - own)
 
     def _slot(self, feature: SlotFaces, joint: Slot) -> Slot:
         guide, angle = self._line(feature.walls, joint.guide, joint.angle)
         runner = self._placed(feature.eye, joint.runner)
-        wide, eye, pin = self.found.faces[feature.walls].width, self.found.eyes[feature.eye], feature.pin
-        play = wide - eye.diameter if pin is None else wide + eye.diameter - 2 * self.found.eyes[pin].diameter
-        misfit = max(abs(play - joint.clearance) / (1 if pin is None else 2), self._size(feature.eye))
+        walls, eye = feature.walls, feature.eye
+        found = (self.found.faces[walls].width, self._size(eye))
         shifts = (abs(guide.at - joint.guide.at), abs(runner.at - joint.runner.at))
-        self.fits[joint.name] = Fit(play, joint.clearance, misfit, shifts)
+        self._fit(joint.name, (walls.width, eye.diameter), found, shifts, (eye,), feature.pin)
         return replace(joint, guide=guide, runner=runner, angle=angle)
 
     def _held(self, pin: str, body: str) -> tuple[complex, complex]:

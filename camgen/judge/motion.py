@@ -26,6 +26,9 @@ from camgen.machine.study import Table
 Floats = NDArray[np.float64]
 
 _RANGE = 0.5  # of an output's range: with more play a mechanism is none
+_ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
+_KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
+_CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
 COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
 
 
@@ -51,45 +54,75 @@ class Proof:
 
     def __init__(self, nominal: Machine, measured: Closable, theta: Floats) -> None:
         self.machine, self.fits = measured.machine, measured.fits
-        self._theta = np.sort(theta)
         self._meant, self._system = System(nominal), System(measured.machine)
-        self._known = self._meant.close(self._theta)
+        self._known = self._meant.close(np.linspace(float(theta.min()), float(theta.max()), _KNOWN))
+        self._block = max(1, _CELLS // max(1, self._system.width**2))
+        self._seen: dict[bytes, Mapping[str, Moved]] = {}
 
     def _near(self, theta: Floats) -> Floats:
-        """Poses by the joints as they are meant, from those at the nearest judged angle."""
-        if theta.shape == self._theta.shape and np.array_equal(theta, self._theta):
-            return self._known.q
-        k = np.clip(np.searchsorted(self._theta, theta), 1, len(self._theta) - 1)
-        k -= theta - self._theta[k - 1] < self._theta[k] - theta
-        return self._known.q[k] + (theta - self._theta[k])[:, None] * self._known.first[k]
+        """Poses by the joints as they are meant, from those at the nearest known angle."""
+        known = self._known
+        k = np.rint(np.interp(theta, known.theta, np.arange(len(known.theta)))).astype(int)
+        h = (theta - known.theta[k])[:, None]
+        return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
-        return self._outcome(self._meant, output, self._meant.close(theta, self._near(theta)))[:2]
+        parts = [_outcome(self._meant, output, self._meant.close(part, self._near(part))) for part in self._parts(theta)]
+        return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
     def moved(self, output: str, theta: Floats) -> Moved:
         """The output by the joints as they are, (n,)."""
-        closed = self._system.close(theta, self._near(theta))
-        value, slope, lost = self._outcome(self._system, output, closed)
-        reach, play = {}, np.zeros(len(theta))
-        shares = self._system.shares(output, np.where(np.isnan(closed.q), 0.0, closed.q), theta)
-        for joint in self.machine.joints:
-            share = np.where(lost, np.nan, shares[joint.name])
-            clearance = self.fits[joint.name].play if joint.name in self.fits else joint.clearance
-            play = play + share * max(clearance, 0.0) / 2
-            if isinstance(joint, Cam) and isinstance(joint.law, Rolled):
-                angle = self._system.angle(joint.cam, closed.q) - joint.phase
-                reach[joint.name] = share / joint.law.lever(np.broadcast_to(angle, theta.shape))
-            elif joint.name in self.fits:
-                reach[joint.name] = share
-        return Moved(value, slope, reach, play)
+        key = theta.tobytes()
+        if key not in self._seen:
+            parts = [self._at(part) for part in self._parts(theta)]
+            if len(self._seen) > 3:
+                del self._seen[next(reversed(self._seen))]  # the judged angles, which came first, stay
+            self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
+        return self._seen[key][output]
 
-    def _outcome(self, system: System, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
-        value, gradient = system.output(output, closed.q, closed.theta)
-        slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
-        slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
-        lost = np.asarray(np.isnan(closed.q).any(axis=1))
-        return np.where(lost, np.nan, value), np.where(lost, np.nan, slope), lost
+    def _parts(self, theta: Floats) -> Sequence[Floats]:
+        """So few angles at a time that their matrices stay small."""
+        return np.array_split(theta, -(-len(theta) // self._block))
+
+    def _at(self, theta: Floats) -> Mapping[str, Moved]:
+        """All outputs by the joints as they are, (n,)."""
+        closed = self._system.close(theta, self._near(theta))
+        poses = np.where(np.isnan(closed.q), 0.0, closed.q)
+        levers = {
+            joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
+            for joint in self.machine.joints
+            if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
+        }
+        found = {}
+        for output in self.machine.outputs:
+            value, slope, lost = _outcome(self._system, output.name, closed)
+            shares = self._system.shares(output.name, poses, theta)
+            reach, play = {}, np.zeros(len(theta))
+            for joint in self.machine.joints:
+                share = np.where(lost, np.nan, shares[joint.name])
+                clearance = self.fits[joint.name].play if joint.name in self.fits else joint.clearance
+                play = play + share * max(clearance, 0.0) / 2
+                if joint.name in levers or joint.name in self.fits:
+                    reach[joint.name] = share / levers.get(joint.name, 1.0)
+            found[output.name] = Moved(value, slope, reach, play)
+        return found
+
+
+def _joined(parts: Sequence[Moved]) -> Moved:
+    """The same at all angles."""
+    reach = {name: np.concatenate([part.reach[name] for part in parts]) for name in parts[0].reach}
+    value, slope, play = (np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play"))
+    return Moved(value, slope, reach, play)
+
+
+def _outcome(system: System, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
+    """An output, its slope to theta, and where it is lost, (n,)."""
+    value, gradient = system.output(output, closed.q, closed.theta)
+    slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
+    slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
+    lost = np.asarray(np.isnan(closed.q).any(axis=1))
+    return np.where(lost, np.nan, value), np.where(lost, np.nan, slope), lost
 
 
 @dataclass(frozen=True)
@@ -132,11 +165,11 @@ def judge_machine(
         return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", where, "; ".join(found.lost)),))
     try:
         measured = assembled(machine, features, mounts, found)
+        proof = Proof(machine, measured, theta)
     except ValueError as fault:
         return Verdict((at_most("MOTION_ERROR", math.nan, 0, "mm", where, str(fault)),))
     rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size(files)
     findings = [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, where)] if measured.fits else []
-    proof = Proof(machine, measured, theta)
     wishes = {each.output: each for each in asked}
     judged = [
         _Judged(output, wishes.get(output.name, Asked(output.name)), proof, theta, chord_tolerance, rounding)
@@ -173,8 +206,8 @@ class _Judged:
         self.reach = {name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()}
         outlines = sum(self.reach[j.name] for j in proof.machine.joints if isinstance(j, Cam) and j.name in self.reach)
         one = max([*self.reach.values(), outlines], default=0.0)
-        bound = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
-        self.limit = max(bound, tolerances.SAME_POINT)  # what only a crank or a gear moves is off by rounding alone
+        limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
+        self.limit = max(limit, _ROUNDING)
         self.off = np.abs(self.moved.value - self.wanted(theta)[0])
         self.off[np.isnan(self.off)] = np.inf
         self.worst = int(np.argmax(self.off))
@@ -300,6 +333,8 @@ def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]
             if slope[1] == slope[0]:
                 break
             new = t[1] - slope[1] * (t[1] - t[0]) / (slope[1] - slope[0])
+            if not a <= new <= b:  # on facets, or at the last digits
+                break
             v, s = both(np.array([new]))
             best = max(best, float(sign * v[0]))
             t, slope = np.array([t[1], new]), np.array([slope[1], s[0]])

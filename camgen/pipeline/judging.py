@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.files.readback import Mesh, read_3mf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
@@ -56,6 +56,7 @@ class Outcome:
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     columns: Mapping[str, Floats] = field(default_factory=dict)
+    not_judged: Sequence[NotJudged] = ()
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def judge(
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
-        not_judged(asked, files, findings, lacks), unheard(mechanism, files),
+        (*not_judged(asked, files, findings, lacks), *moved.not_judged), unheard(mechanism, files),
     )  # fmt: skip
     return report, columns
 
@@ -212,7 +213,7 @@ def _machine(
             curves[each.output].want(each.motion(theta, 0), each.motion(theta, 1))
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
-    tables = []
+    tables, nominal = [], []
     for kind in kinds:
         if any(kind not in part.sections for part in read.values()):
             continue
@@ -223,6 +224,7 @@ def _machine(
         )  # fmt: skip
         findings += verdict.findings
         numbers |= verdict.numbers
+        nominal += [each for each in verdict.not_judged if each not in nominal]
         if verdict.proof is not None and verdict.table is not None:
             tables.append(verdict.table)
             for curve in curves.values():
@@ -230,7 +232,8 @@ def _machine(
     columns = {"theta_deg": np.degrees(theta)}
     for curve in curves.values():
         columns |= curve.columns
-    return Outcome(findings, numbers, [plot for curve in curves.values() for plot in curve.plots()], tables), columns
+    plots = [plot for curve in curves.values() for plot in curve.plots()]
+    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns
 
 
 def _together(mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]) -> Outcome:

@@ -25,9 +25,9 @@ def machine_of(drive: EccentricDrive) -> Machine:
     return Machine(
         (Body("disc"), Body("rod"), Body("slider")),
         (
-            Pin("shaft", Place("disc"), Place(GROUND), 2 * press),
-            Pin("strap", Place("disc", complex(g.eccentricity)), Place("rod"), slide),
-            Pin("slider pin", Place("rod", complex(g.rod)), Place("slider"), slide + press),
+            Pin("O", Place("disc"), Place(GROUND), 2 * press),
+            Pin("E", Place("disc", complex(g.eccentricity)), Place("rod"), slide),
+            Pin("P", Place("rod", complex(g.rod)), Place("slider"), slide + press),
             Slide("guide", Place(GROUND, 1j * g.offset), Place("slider"), clearance=slide),
         ),
         (Drive("motor", "disc"),),
@@ -43,15 +43,15 @@ def features_of(drive: EccentricDrive) -> Sequence[Feature]:
     return (
         # the motor is the pin: its collar in the body, its shaft in the disc, and the mean of both counts twice
         PinEyes(
-            "shaft", Eye("disc", 0j, drive.bore), Eye("body", 0j, boss + press),
+            "O", Eye("disc", 0j, drive.bore), Eye("body", 0j, boss + press),
             Eye(None, 0j, (g.shaft_diameter + boss) / 2, shaft=True),
         ),
         PinEyes(
-            "strap", Eye("disc", complex(g.eccentricity), g.eccentric_diameter, shaft=True),
+            "E", Eye("disc", complex(g.eccentricity), g.eccentric_diameter, shaft=True),
             Eye("rod", 0j, g.eccentric_diameter + slide),
         ),
         PinEyes(
-            "slider pin", Eye("rod", complex(g.rod), p.pin_diameter + slide), Eye("slider", 0j, p.pin_diameter + press),
+            "P", Eye("rod", complex(g.rod), p.pin_diameter + slide), Eye("slider", 0j, p.pin_diameter + press),
             Eye("pin", 0j, p.pin_diameter, shaft=True),
         ),
         SlideFaces(

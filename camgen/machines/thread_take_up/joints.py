@@ -24,18 +24,18 @@ def machine_of(spec: ThreadTakeUp) -> Machine:
     a, c = complex(at["A"][0, 0]), complex(at["C"][0, 0])
     coupler, output = (float(direction(at[x], at[y])[0, 0]) for x, y in ("AB", "CB"))
     m, n = t.guides
-    thread = Function((Place(GROUND, m), Place("bell-crank", t.eye), Place(GROUND, n)), thread_length)
+    thread = Function((Place(GROUND, m), Place("coupler", t.eye), Place(GROUND, n)), thread_length)
     reach = complex(g.output_crank)
     return Machine(
-        (Body("input-crank"), Body("bell-crank"), Body("output-crank")),
+        (Body("crank"), Body("coupler"), Body("output")),
         (
-            Pin("pin O", Place(GROUND), Place("input-crank"), slide + press),
-            Pin("pin A", Place("input-crank", complex(g.input_crank)), Place("bell-crank"), slide + press),
-            Pin("pin B", Place("output-crank", reach), Place("bell-crank", complex(g.coupler)), slide + press),
-            Pin("pin C", Place(GROUND, c), Place("output-crank"), slide),
+            Pin("O", Place(GROUND), Place("crank"), slide + press),
+            Pin("A", Place("crank", complex(g.input_crank)), Place("coupler"), slide + press),
+            Pin("B", Place("output", reach), Place("coupler", complex(g.coupler)), slide + press),
+            Pin("C", Place(GROUND, c), Place("output"), slide),
         ),
-        (Drive("shaft", "input-crank"),),
-        {"input-crank": Pose(0j, 0.0), "bell-crank": Pose(a, coupler), "output-crank": Pose(c, output)},
+        (Drive("motor", "crank"),),
+        {"crank": Pose(0j, 0.0), "coupler": Pose(a, coupler), "output": Pose(c, output)},
         outputs=(Output("feed", thread),),
     )  # fmt: skip
 
@@ -46,18 +46,18 @@ def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
     shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * spec.bearing
     return (
         PinEyes(
-            "pin O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
+            "O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
             Eye("shaft", 0j, shaft, True),
         ),
         PinEyes(
-            "pin A", Eye("input-crank", complex(g.input_crank), pressed), Eye("bell-crank", 0j, turning),
+            "A", Eye("input-crank", complex(g.input_crank), pressed), Eye("bell-crank", 0j, turning),
             Eye("pin-a", 0j, p.pin_diameter, True),
         ),
         PinEyes(
-            "pin B", Eye("output-crank", complex(g.output_crank), pressed), Eye("bell-crank", complex(g.coupler), turning),
+            "B", Eye("output-crank", complex(g.output_crank), pressed), Eye("bell-crank", complex(g.coupler), turning),
             Eye("pin-b", 0j, p.pin_diameter, True),
         ),
-        PinEyes("pin C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide)),
+        PinEyes("C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide)),
         Mark(Eye("bell-crank", spec.take_up.eye, p.finger_diameter + press)),
         *(Mark(Eye("frame", guide, p.guide_diameter + press)) for guide in spec.take_up.guides),
     )  # fmt: skip
@@ -66,5 +66,5 @@ def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
 def mounts_of(spec: ThreadTakeUp) -> Sequence[Mount]:
     """Parts that make the joints."""
     c = spec.take_up.frame * cmath.exp(1j * spec.take_up.tilt)
-    links = (Mount(name, name) for name in ("input-crank", "bell-crank", "output-crank"))
+    links = (Mount("input-crank", "crank"), Mount("bell-crank", "coupler"), Mount("output-crank", "output"))
     return (Mount("frame", GROUND), Mount("pivot", GROUND, c, spec.take_up.tilt), *links)
