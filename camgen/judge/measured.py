@@ -31,6 +31,7 @@ _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
 _HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
 _ON_TIP = 0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
+_STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
 
 
@@ -222,8 +223,8 @@ class Rolled:
         return np.zeros_like(here)  # a facet has none; only the start of Newton's method asks for it
 
     def lever(self, theta: Floats) -> Floats:
-        """Way of the tip square to the outline per unit of s, (n,) mm."""
-        return np.asarray((self.arm or 1.0) * np.cos(self.contact.touch(theta).pressure_angle))
+        """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
+        return np.asarray((self.arm or 1.0) * np.maximum(np.cos(self.contact.touch(theta).pressure_angle), _STEEP))
 
 
 @dataclass(frozen=True)
@@ -237,11 +238,25 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class Between:
+    """A follower that two outlines hold: where each of them is touched, and the sense in which it leaves the first."""
+
+    drive: Rolled
+    other: Rolled
+    leaves: int
+
+    def play(self, theta: Floats) -> Floats:
+        """Way from the first outline to the second, rad or mm, (n,); below 0 they are in each other's way."""
+        return np.asarray(self.leaves * (self.other(theta) - self.drive(theta)))
+
+
+@dataclass(frozen=True)
 class Closable:
-    """The machine as measured, and the fit of each joint that was, by name."""
+    """The machine as measured; the fit of each joint that was, and what holds each cam's follower twice, by name."""
 
     machine: Machine
     fits: Mapping[str, Fit]
+    between: Mapping[str, Sequence[Between]]
 
 
 def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> Closable:
@@ -257,7 +272,7 @@ def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mo
     marks = [feature.eye for feature in features if isinstance(feature, Mark)]
     outputs = tuple(builder.output(output, marks) for output in machine.outputs)
     joints = tuple(builder.joints[joint.name] for joint in machine.joints)
-    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits)
+    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.between)
 
 
 class _Builder:
@@ -267,6 +282,7 @@ class _Builder:
         self.mounts, self.found = mounts, found
         self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
         self.fits: dict[str, Fit] = {}
+        self.between: dict[str, list[Between]] = {}
 
     def put(self, feature: PinEyes | SlideFaces | SlotFaces | CamOutline) -> None:
         """Put the feature's joint where it is."""
@@ -367,8 +383,22 @@ class _Builder:
         return (joint.a.at, joint.b.at) if joint.a.body == body else (joint.b.at, joint.a.at)
 
     def _cam(self, feature: CamOutline, joint: Cam) -> Cam:
+        try:
+            law = self._rolled(feature, joint)
+        except ValueError as fault:
+            raise ValueError(f"{joint.name}: {fault}") from None
+        if not isinstance(joint.law, Rolled):
+            return replace(joint, law=law)
+        self.between.setdefault(joint.name, []).append(Between(joint.law, law, -feature.leaves))
+        return joint
+
+    def _rolled(self, feature: CamOutline, joint: Cam) -> Rolled:
+        """What the follower rolls to on one outline."""
         own, centre = self._held(feature.turns, joint.cam)
-        mount = self._mount(feature.part, Place(joint.cam, own), 0j)
+        mounts = [mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)]
+        if len(mounts) <= feature.copy:
+            raise ValueError(f"{feature.part} is not mounted on {joint.cam}")
+        mount = mounts[feature.copy]
         turn = cmath.exp(1j * mount.turned) * (-1 if mount.flipped else 1)
         ring = self.found.rings[feature].moved(turn, mount.at - own, mirror=mount.flipped)
         ring = ring.moved(cmath.exp(1j * joint.phase))
@@ -395,10 +425,7 @@ class _Builder:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
             else:
                 form = SlideFace(start, along, feature.leaves)
-        try:
-            return replace(joint, law=Rolled(contact(ring, form), lever))
-        except ValueError as fault:
-            raise ValueError(f"{joint.name}: {fault}") from None
+        return Rolled(contact(ring, form), lever)
 
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
         """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from camgen import tolerances
 from camgen.findings import Finding, NotJudged, at_most
-from camgen.judge.measured import Closable, Fit, Rolled, Sections, assembled, read
+from camgen.judge.measured import Between, Closable, Fit, Rolled, Sections, assembled, read
 from camgen.machine.closure import Closed, System
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Angle, Cam, Machine, Output
@@ -29,6 +29,8 @@ _RANGE = 0.5  # of an output's range: with more play a mechanism is none
 _ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
 _KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
 _CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
+# Cam angles at which a follower between two outlines is looked at, rad.
+_ROUND: Floats = np.asarray((np.arange(3600) + 0.381966) * (2 * math.pi / 3600), float)
 COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
 
 
@@ -54,6 +56,9 @@ class Proof:
 
     def __init__(self, nominal: Machine, measured: Closable, theta: Floats) -> None:
         self.machine, self.fits = measured.machine, measured.fits
+        self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
+        self.plays |= {name: fit.play for name, fit in self.fits.items()}
+        self.plays |= {name: min(float(np.max(b.play(_ROUND))) for b in held) for name, held in measured.between.items()}
         self._meant, self._system = System(nominal), System(measured.machine)
         self._known = self._meant.close(np.linspace(float(theta.min()), float(theta.max()), _KNOWN))
         self._block = max(1, _CELLS // max(1, self._system.width**2))
@@ -101,8 +106,7 @@ class Proof:
             reach, play = {}, np.zeros(len(theta))
             for joint in self.machine.joints:
                 share = np.where(lost, np.nan, shares[joint.name])
-                clearance = self.fits[joint.name].play if joint.name in self.fits else joint.clearance
-                play = play + share * max(clearance, 0.0) / 2
+                play = play + share * max(self.plays[joint.name], 0.0) / 2
                 if joint.name in levers or joint.name in self.fits:
                     reach[joint.name] = share / levers.get(joint.name, 1.0)
             found[output.name] = Moved(value, slope, reach, play)
@@ -170,6 +174,8 @@ def judge_machine(
         return Verdict((at_most("MOTION_ERROR", math.nan, 0, "mm", where, str(fault)),))
     rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size(files)
     findings = [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, where)] if measured.fits else []
+    held = [(name, each) for name, pairs in measured.between.items() for each in pairs]
+    findings += [_overlap(name, each, machine, chord_tolerance + 2 * rounding, where) for name, each in held]
     wishes = {each.output: each for each in asked}
     judged = [
         _Judged(output, wishes.get(output.name, Asked(output.name)), proof, theta, chord_tolerance, rounding)
@@ -313,6 +319,20 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
         "PIN_GAP", fit.misfit, limit, "mm", f"{where}, {worst}",
         f"play {fit.play:.4f} mm, {fit.meant:.4f} mm wanted; worst of {len(fits)} joints, by each "
         "hole's diameter and by the centres at several heights",
+    )  # fmt: skip
+
+
+def _overlap(name: str, between: Between, machine: Machine, outline: float, where: str) -> Finding:
+    """INTERFERENCE of a follower that two outlines hold; the limit is what outlines within the tolerance may overlap."""
+    joint, play = machine.joint(name), between.play(_ROUND)
+    unit, scale = ("deg", math.degrees(1)) if isinstance(joint, Cam) and joint.slide is None else ("mm", 1.0)
+    worst = int(np.argmin(np.where(np.isnan(play), -np.inf, play)))
+    there = _ROUND[worst : worst + 1]
+    limit = sum(outline * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0]) for law in (between.drive, between.other))
+    return at_most(
+        "INTERFERENCE", scale * max(0.0, -float(play[worst])), scale * limit, unit,
+        f"{where}, {name}, cam angle {math.degrees(_ROUND[worst]):.3f} deg",
+        "largest overlap of the follower with both outlines; the limit is the outline tolerance at both",
     )  # fmt: skip
 
 

@@ -88,12 +88,13 @@ class SlotFaces:
 
 @dataclass(frozen=True)
 class CamOutline:
-    """Of a Cam: the part whose outline is touched, and the follower's tip.
+    """Of a Cam: the part whose outline is touched, and the follower's tip. A joint's first outline drives; a further one, such
+    as the other cam of a pair or the outer wall of a groove, limits its free play.
 
     turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
     one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
     the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
-    it comes from within to the part's largest hole.
+    it comes from within to the part's largest hole. copy: which of the part's mounts on the cam's body it is.
     """
 
     joint: str
@@ -104,6 +105,7 @@ class CamOutline:
     radius: float | None = None
     leaves: Literal[1, -1] = 1
     inside: bool = False
+    copy: int = 0
 
 
 @dataclass(frozen=True)

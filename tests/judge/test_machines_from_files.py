@@ -229,13 +229,13 @@ def rocking_cam(flipped: bool = False) -> Case:
         outputs=(Output("ram", Along("guide")),),
     )  # fmt: skip
 
-    def regions(mirrored: bool = False, tip: complex = 0j, bore: complex = 0j) -> Regions:
+    def regions(mirrored: bool = False, tip: complex = 0j, bore: complex = 0j, disc: float = DISC) -> Regions:
         off = -OFF.conjugate() if mirrored is not flipped else OFF
         return {
             "base": Region(
                 box(80 + 10j, 240, 90), (circle(0j, HOLE / 2), circle(PIVOT, HOLE / 2), box(complex(far, high), 60, 10.2))
             ),
-            "cam": Region(circle(off, DISC), (circle(bore, HOLE / 2),)),
+            "cam": Region(circle(off, disc), (circle(bore, HOLE / 2),)),
             "rocker": Region(hull([(0j, 6), (ARM + tip, TIP), (OTHER, 5)]), (circle(0j, HOLE / 2), circle(OTHER, HOLE / 2))),
             "rod": link(0j, ROD), "ram": Region(box(0j, 30, 10), (circle(0j, HOLE / 2),)),
         }  # fmt: skip
@@ -274,6 +274,27 @@ def test_a_damaged_cam_machine(kind: str, damage: dict[str, object], tmp_path: P
     verdict = case.judged(kind, tmp_path, case.wanted(), **damage)
     assert {"MOTION_ERROR"} <= failing(verdict) <= {"MOTION_ERROR", "STROKE_ERROR"}
     assert verdict.numbers[f"motion_error_{kind}_mm"] > 0.005
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_follower_that_misses_its_cam_is_told(kind: str, tmp_path: Path) -> None:
+    """A disc so small that the arm's tip, never nearer to the shaft than 5 mm, loses it."""
+    verdict = rocking_cam().judged(kind, tmp_path, disc=5.6)
+    (wrong,) = (finding for finding in verdict.findings if not finding.ok)
+    assert wrong.code == "MOTION_ERROR" and math.isinf(wrong.measured) and "it does not close at" in wrong.message
+    assert verdict.proof is None
+
+
+def test_a_lost_outline_and_a_wrong_pin_are_told(tmp_path: Path) -> None:
+    case = rocking_cam()
+    files = {name: sections(name, region, "dxf", tmp_path) for name, region in case.regions().items()}
+    for changed, code, words in (
+        ({"cam": [[]]}, "PIN_GAP", "the outline of cam is lost"),
+        ({"rocker": files["rod"]}, "PIN_GAP", "no eye of 6 mm near 40.000 in rocker"),
+    ):
+        found = judge_machine("dxf", "f", files | changed, case.machine, case.features, case.mounts, THETA, TOLERANCE)  # type: ignore[arg-type]
+        (wrong,) = (finding for finding in found.findings if not finding.ok)
+        assert wrong.code == code and words in wrong.message
 
 
 # ---- a flat face on an eccentric, and a pair of gears -----------------------------------------------------------------
@@ -332,3 +353,38 @@ def test_a_flat_face_and_gears_from_their_files(kind: str, tmp_path: Path) -> No
     (told,) = sound.not_judged
     assert told.why.startswith("wheels counts as meant")
     assert failing(case.judged(kind, tmp_path, ahead=0.02)) == {"MOTION_ERROR"}
+
+
+def yoke() -> Case:
+    """The same between two faces: an eccentric disc is of constant breadth, so the play is the same all round."""
+    case = flat_faced()
+    machine = Machine(
+        case.machine.bodies[:2], case.machine.joints[:3], case.machine.drives,
+        {name: case.machine.start[name] for name in ("cam", "follower")}, outputs=case.machine.outputs[:1],
+    )  # fmt: skip
+
+    def regions(gap: float = 0.1) -> Regions:
+        window = box(complex(-DISC - gap / 2, 0), 2 * DISC + gap, 50)
+        return {
+            "base": Region(box(0j, 220, 60), (circle(0j, HOLE / 2), box(65, 40, 10.2))),
+            "cam": case.regions()["cam"],
+            "follower": Region(
+                polygon([-40 - 30j, 10 - 30j, 10 - 5j, 70 - 5j, 70 + 5j, 10 + 5j, 10 + 30j, -40 + 30j]), (window,)
+            ),
+        }
+
+    features = (
+        case.features[0], case.features[3],
+        SlideFaces("stem", Faces("base", 65 + 0j, 0.0, 10.2), Faces("follower", 30 + 0j, 0.0, 10)),
+        CamOutline("lift", "cam", "shaft", None, Flat("follower", complex(-2 * DISC - 0.1), 0.0, 24), leaves=-1),
+    )  # fmt: skip
+    return Case(machine, features, regions, case.mounts)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_follower_between_two_faces(kind: str, tmp_path: Path) -> None:
+    case = yoke()
+    sound = case.judged(kind, tmp_path)
+    assert failing(sound) == set() and "INTERFERENCE" in {f.code for f in sound.findings}
+    assert sound.numbers[f"clearance_band_{kind}_mm"] == pytest.approx(0.05, abs=0.003)  # the stem's own is across
+    assert failing(case.judged(kind, tmp_path, gap=-0.01)) == {"INTERFERENCE"}
