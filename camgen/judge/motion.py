@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from camgen import tolerances
 from camgen.findings import Finding, NotJudged, at_most
-from camgen.judge.measured import Between, Closable, Fit, Rolled, Sections, assembled, read
+from camgen.judge.joints import Between, Closable, Fit, Rolled, assembled
+from camgen.judge.measured import Sections, read
 from camgen.machine.closure import Closed, System
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Angle, Cam, Machine, Output

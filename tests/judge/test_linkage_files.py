@@ -31,7 +31,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("sound")
     report = pipeline.build(SPEC, out, frozenset({"dxf", "stl", "3mf"}), ["name='drive'"])
     assert report.ok
+    tables = {table.title: {row[0] for row in table.rows} for table in report.tables}
     for kind in ("dxf", "stl", "3mf"):
+        assert tables[f"Joints as measured, {kind.upper()}"] == {"O", "E", "P", "guide"}
         assert report.numbers[f"stroke_recovered_{kind}_mm"] == pytest.approx(3.0, abs=1e-6)
         assert report.numbers[f"motion_error_{kind}_mm"] < 1e-6
         # 0.2 mm of play in strap, pin and guide; at 90 deg the rod leans by asin(1/32)
