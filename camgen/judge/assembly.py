@@ -19,7 +19,8 @@ from camgen.findings import Finding, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.contacts import Apart, Moved, Pin, Pose, Poses, Rolling, Slide, StandIn
+from camgen.machine.contacts import Apart, Moved, Pose, Poses, Rolling, StandIn
+from camgen.machine.features import PinEyes, SlideFaces
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
@@ -93,13 +94,13 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
             case Rolling(part=part, tip_part=tip_part):
                 rolling = [tip_part] if tip_part is not None and not contact.seat else tips
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
-            case Pin(a=a, b=b, pin=pin):
+            case PinEyes(a=a, b=b, pin=pin):
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
                     if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:
                         yield one.part, other.part, max(0.0, -2 * air) + spare
-            case Slide(eye=eye, rails=rails) if eye.part and contact.clearance / 2 <= machine.gap + spare / 2:
-                yield eye.part, rails, spare
+            case SlideFaces(rails=rails, runner=runner) if (rails.width - runner.width) / 2 <= machine.gap + spare / 2:
+                yield runner.part, rails.part, spare
             case Apart(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
                 yield a, b, spare
 

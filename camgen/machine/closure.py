@@ -240,11 +240,12 @@ class System:
         """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones."""
         self._square()
         theta = np.asarray(theta, float)
-        signs = np.zeros(theta.size)
         if guess is None:
             guess, signs = self._followed(theta)
-        q, open_ = self._newton(guess, theta)
-        open_ |= signs * self._sign(q, theta) < 0
+            q, open_ = self._newton(guess, theta)
+            open_ |= signs * self._sign(q, theta) < 0
+        else:
+            q, open_ = self._newton(guess, theta)
         q[open_] = 0
         first, second = self.derivatives(q, theta)
         for rows in (q, first, second):
@@ -282,7 +283,8 @@ class System:
 
     def _sign(self, q: Floats, theta: Floats) -> Floats:
         """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
-        return np.asarray(np.linalg.slogdet(self.evaluate(q, theta)[1])[0])
+        with np.errstate(all="ignore"):
+            return np.asarray(np.linalg.slogdet(self.evaluate(q, theta)[1])[0])
 
     def _followed(self, theta: Floats) -> tuple[Floats, Floats]:
         """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the

@@ -1,4 +1,4 @@
-"""How bodies touch and where they are: poses, rolling contacts, pins, slides, mounts of an assembly."""
+"""How bodies touch and where they are: poses, rolling contacts, mounts of an assembly."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
+from camgen.machine.features import Feature
 
 
 @dataclass(frozen=True)
@@ -75,79 +76,6 @@ class Rolling:
     def output(self) -> str:
         """What people call s."""
         return "lift" if self.slides else "swing"
-
-
-@dataclass(frozen=True)
-class Eye:
-    """A round feature of a part that belongs to a joint: a hole, or the rim of a disc that is itself the pin (`shaft`).
-
-    part: its name, None for the ground itself (exact, such as a bought motor's shaft); at: centre, complex mm in the
-    part's frame (the ground's for None); diameter: nominal, mm. Place and diameter are read from each file; diameter 0 is a
-    point of the part's frame, which no file shows.
-    """
-
-    part: str | None
-    at: complex
-    diameter: float
-    shaft: bool = False
-
-
-@dataclass(frozen=True)
-class Pin:
-    """A turning joint: the centres of two eyes coincide.
-
-    clearance: the diametral play meant between both, mm. Where one eye is a shaft the play is hole less shaft; where
-    both are holes, `pin` is the eye (a shaft) that goes through both, and its play in either counts.
-    """
-
-    name: str
-    a: Eye
-    b: Eye
-    clearance: float
-    pin: Eye | None = None
-
-
-@dataclass(frozen=True)
-class Slide:
-    """A straight guide of the ground: the eye's centre stays on the line through `through` at `angle` (rad), unturned.
-
-    The part keeps the angle of its pose. Its two faces are `width` apart, the eye between them; those of the part `rails`
-    are clearance (mm) wider. Faces are read from each file, a drawing's only where `drawn` says that it shows the rails;
-    so a guide may lie off its line, or lean.
-    """
-
-    name: str
-    eye: Eye
-    through: complex
-    angle: float
-    width: float
-    clearance: float
-    rails: str
-    drawn: bool = True
-
-
-@dataclass(frozen=True)
-class Traced:
-    """What of a linkage is the wanted motion, and what drives it.
-
-    crank: part that turns with theta (its pose's angle at theta = 0 is its mounting); ground: parts that stand still.
-    The bodies are these and all parts named by Pin and Slide, one copy of each. eye: the point whose path is traced;
-    output(path, *places): the wanted motion from that path, (n,) complex mm in the ground's frame -> (n,) mm, and from the
-    places of the eyes that stand `still` (complex mm), such as thread guides;
-    gradient(path, *places): its slope, (n,) complex, so that d output = Re(conj(gradient) d path).
-    stroke: whether the difference of the output's extremes is what the spec asks for, and judged as STROKE_ERROR.
-    lash: free play of the output that the designer accepts, mm; never more than half of its stroke.
-    """
-
-    name: str
-    crank: str
-    ground: tuple[str, ...]
-    eye: Eye
-    output: Callable[..., Floats]
-    gradient: Callable[..., Points]
-    stroke: bool = True
-    still: tuple[Eye, ...] = ()
-    lash: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -222,7 +150,7 @@ class Apart:
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
-Contact = Rolling | Pin | Slide | Traced | Apart
+Contact = Rolling | Apart
 
 
 Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
@@ -230,14 +158,14 @@ Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 
 @dataclass(frozen=True)
 class Moved:
-    """A machine as the sweep needs it: its parts' names, their poses, how they touch, what else is in the way.
+    """A machine as the sweep needs it: its parts' names, their poses, contacts and features, what else is in the way.
 
     gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm.
     """
 
     parts: Sequence[str]
     poses: Poses
-    contacts: Sequence[Contact]
+    contacts: Sequence[Contact | Feature]
     stand_ins: Sequence[StandIn]
     gap: float
     tolerance: float

@@ -1,9 +1,10 @@
-"""The one interface: a mechanism is a frozen record whose fields are its spec and which answers seven questions as data.
+"""The one interface: a mechanism is a frozen record whose fields are its spec and which answers some questions as data.
 
 machine()              its bodies, joints, drive, loads and outputs
 motion(theta, order)   the wanted output
 parts()                what to make
 poses(theta)           where each body is
+features(), mounts()   on what of which parts its joints are measured
 contacts()             how parts touch
 limits()               closed-form design checks, as findings
 study()                named numbers, curves and tables for the report
@@ -25,6 +26,7 @@ from numpy.typing import ArrayLike
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Machine
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study, Table
@@ -65,9 +67,25 @@ class Mechanism(Spec, ABC):
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """Poses of each part's copies (in order) and of each sketch, by name."""
 
-    @abstractmethod
     def contacts(self) -> Sequence[Contact]:
-        """How parts touch: a cam's Rolling tips, or a linkage's Pins and Slides with the one Traced point."""
+        """How parts touch beside the joints: a cam's Rolling tips, and parts that pass by each other."""
+        return ()
+
+    def features(self) -> Sequence[Feature]:
+        """On what of its parts the machine's joints are measured; none where it is judged by its contacts."""
+        return ()
+
+    def touching(self) -> Sequence[Contact | Feature]:
+        """Contacts and features."""
+        return (*self.contacts(), *self.features())
+
+    def mounts(self) -> Sequence[Mount]:
+        """Which parts with features stand on which of the machine's bodies."""
+        return ()
+
+    def asked(self) -> Sequence[Asked]:
+        """What is asked of the machine's outputs."""
+        return ()
 
     @abstractmethod
     def limits(self) -> Sequence[Finding]:
@@ -133,7 +151,7 @@ class Mechanism(Spec, ABC):
     def moved(self) -> Moved:
         """What the sweep needs."""
         names, tolerance = [part.name for part in self.parts()], self.accuracy.chord_tolerance
-        return Moved(names, self.poses, self.contacts(), self.stand_ins(), self.running_gap, tolerance)
+        return Moved(names, self.poses, self.touching(), self.stand_ins(), self.running_gap, tolerance)
 
     @property
     def running_gap(self) -> float:

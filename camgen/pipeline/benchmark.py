@@ -28,7 +28,7 @@ from camgen.geometry.facets import facet_contour, theoretical_vertices
 from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.rolling import judged_angles
-from camgen.machine.contacts import Apart, Rolling, Traced
+from camgen.machine.contacts import Apart, Rolling
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
 from camgen.parts.part import Part
@@ -98,8 +98,7 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
     contacts, parts = mechanism.contacts(), {part.name: part for part in mechanism.parts()}
     rolled = {contact.part for contact in contacts if isinstance(contact, Rolling)}
     passing = {name for contact in contacts if isinstance(contact, Apart) for name in (contact.a, contact.b)}
-    linked = any(isinstance(contact, Traced) for contact in contacts)
-    touching = set(parts) if linked else rolled | passing
+    touching = set(parts) if mechanism.features() else rolled | passing
     even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
     flat = rolled | touching & even or even
     inside = _inside(mechanism)
@@ -192,13 +191,14 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
     mechanism, contacts = case.mechanism, case.mechanism.contacts()
     if any(kind not in part.sections for part in read.values()):
         return []
-    if any(isinstance(contact, Traced) for contact in contacts) and len(read) == len(case.parts):
-        from camgen.judge.linkage import judge_linkage
+    machine = mechanism.machine()
+    if mechanism.features() and machine is not None and len(read) == len(case.parts):
+        from camgen.judge.motion import judge_machine
 
         sections = {name: part.sections[kind] for name, part in read.items()}
-        verdict = judge_linkage(
-            kind, f"{mechanism.name}-*.{kind}", sections, contacts, mechanism.poses, mechanism.motion, judged_angles(),
-            mechanism.accuracy.chord_tolerance,
+        verdict = judge_machine(
+            kind, f"{mechanism.name}-*.{kind}", sections, machine, mechanism.features(), mechanism.mounts(), judged_angles(),
+            mechanism.accuracy.chord_tolerance, asked=mechanism.asked(),
         )  # fmt: skip
         return list(verdict.findings)
     pairs = [contact for contact in contacts if isinstance(contact, Apart)]

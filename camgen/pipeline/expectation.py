@@ -14,7 +14,8 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.round_trip import Expected, Section, Undo
-from camgen.machine.contacts import Contact, Rolling, Traced
+from camgen.machine.contacts import Contact, Rolling
+from camgen.machine.features import Feature, eyes_of
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 
@@ -23,7 +24,8 @@ _BESIDE = 4.0  # chord tolerances from the ends of a layer
 
 
 def expected(
-    part: Part, tolerance: float, contacts: Sequence[Contact] = (), fit: Compensation | None = None, marked: bool = False
+    part: Part, tolerance: float, contacts: Sequence[Contact | Feature] = (), fit: Compensation | None = None,
+    marked: bool = False,
 ) -> Expected:
     """What a file of a part should hold, as plain numbers and points for the judge; marked: with centre marks.
 
@@ -31,11 +33,6 @@ def expected(
     chamfer, and those through an engraving beside holes that were made larger, as they were sent.
     """
     turns = any(isinstance(each, Rolling) and part.name in (each.part, each.tip_part) for each in contacts)
-    eyes: Sequence[tuple[complex, float]] = ()
-    if any(isinstance(contact, Traced) for contact in contacts):
-        from camgen.judge.linkage import eyes_of
-
-        eyes = eyes_of(part.name, contacts)
     sent = compensated(part, fit) if fit is not None else part
     levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
     low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
@@ -61,7 +58,7 @@ def expected(
         min_wall=part.min_wall,
         chord_tolerance=tolerance,
         bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
-        eyes=tuple(eyes),
+        eyes=eyes_of(part.name, contacts),
         stacked=part.crossed is None,
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if marked else ()),

@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.files.readback import Mesh, read_3mf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.rolling import judge_motion, judge_pair, judge_tip, judged_angles, mounted
 from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
-from camgen.machine.contacts import Apart, Rolling, Traced
+from camgen.machine.contacts import Apart, Rolling
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
@@ -36,7 +36,7 @@ from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, passing_by, rea
 from camgen.report.report import Report, motion_plots
 
 if TYPE_CHECKING:
-    from camgen.judge.linkage import Sections
+    from camgen.judge.measured import Sections
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
@@ -56,6 +56,7 @@ class Outcome:
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     columns: Mapping[str, Floats] = field(default_factory=dict)
+    not_judged: Sequence[NotJudged] = ()
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def judge(
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
-        not_judged(asked, files, findings, lacks), unheard(mechanism, files),
+        (*not_judged(asked, files, findings, lacks), *moved.not_judged), unheard(mechanism, files),
     )  # fmt: skip
     return report, columns
 
@@ -124,7 +125,7 @@ def judge(
 def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
     """Read one part's files and roll the tips on them that it drives."""
     mechanism, part = case.mechanism, case.parts[name]
-    contacts, tolerance, fit = mechanism.contacts(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    contacts, tolerance, fit = mechanism.touching(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
     drives = [contact for contact in contacts if isinstance(contact, Rolling) and contact.part == name]
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
@@ -167,9 +168,8 @@ def _moved(
     mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
 ) -> tuple[Outcome, dict[str, Floats], Study]:
     """The motion over a turn as the files give it: for the report, as columns of motion.csv, and what follows from it."""
-    traced = next((contact for contact in mechanism.contacts() if isinstance(contact, Traced)), None)
-    if traced is not None:
-        outcome, columns = _linkage(mechanism, traced, kinds, read)
+    if mechanism.features():
+        outcome, columns = _machine(mechanism, kinds, read)
         return outcome, columns, Study()
     drive = _drive(mechanism, read)
     if drive is None:
@@ -194,42 +194,43 @@ def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
     return next((contact for contact in rollings if read[contact.part].shapes), None)
 
 
-def _linkage(
-    mechanism: Mechanism, traced: Traced, kinds: Sequence[str], read: Mapping[str, Read]
+def _machine(
+    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
 ) -> tuple[Outcome, dict[str, Floats]]:
-    """The linkage closed on the holes of the files: findings, plots of travel, speed, error and play, motion.csv."""
-    from camgen.judge.linkage import judge_linkage
+    """The machine closed on what was measured: findings, plots of each output, its speed, error and play, motion.csv."""
+    from camgen.judge.motion import judge_machine
+    from camgen.pipeline.curves import Curves
 
-    theta, fit = np.linspace(0, 2 * math.pi, _ROWS), compensation(mechanism)
-    wanted, speed = mechanism.motion(theta), mechanism.motion(theta, 1)
-    degrees, label = np.degrees(theta), "crank angle, deg"
-    columns = {"theta_deg": degrees, f"{traced.name}_mm": wanted}
-    travel, speeds = [("wanted", degrees, wanted)], [("wanted", degrees, speed)]
-    errors, bands = [], []
+    machine, fit = mechanism.machine(), compensation(mechanism)
+    assert machine is not None, "features are those of a machine's joints"
+    theta = np.linspace(0, 2 * math.pi, _ROWS)
+    curves = {output.name: Curves(output, theta, len(machine.outputs) == 1) for output in machine.outputs}
+    for each in mechanism.asked():
+        if each.motion is not None:
+            curves[each.output].want(each.motion(theta, 0), each.motion(theta, 1))
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
+    tables, nominal = [], []
     for kind in kinds:
         if any(kind not in part.sections for part in read.values()):
             continue
-        verdict = judge_linkage(
-            kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()},
-            mechanism.contacts(), mechanism.poses, mechanism.motion, judged_angles(), mechanism.accuracy.chord_tolerance,
-            Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None and kind != "dxf" else 0.0,
+        verdict = judge_machine(
+            kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()}, machine,
+            mechanism.features(), mechanism.mounts(), judged_angles(), mechanism.accuracy.chord_tolerance,
+            Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None and kind != "dxf" else 0.0, mechanism.asked(),
         )  # fmt: skip
         findings += verdict.findings
         numbers |= verdict.numbers
-        if verdict.chain is None:
-            continue
-        closed, source = verdict.chain.close(theta), f"from {kind.upper()}"
-        columns[f"{traced.name}_mm_{kind}"] = closed.output
-        travel.append((source, degrees, closed.output))
-        speeds.append((source, degrees, closed.slope))
-        errors.append((source, degrees, closed.output - wanted))
-        bands.append((f"+- {source}", degrees, verdict.band(closed)))
-    plots = [Plot(traced.name.capitalize(), label, "mm", travel), Plot("Speed", label, "mm/rad", speeds)]
-    if errors:
-        plots += [Plot("Motion error", label, "mm", errors), Plot("Worst case of the joints' play", label, "mm", bands)]
-    return Outcome(findings, numbers, plots), columns
+        nominal += [each for each in verdict.not_judged if each not in nominal]
+        if verdict.proof is not None and verdict.table is not None:
+            tables.append(verdict.table)
+            for curve in curves.values():
+                curve.add(kind, verdict.proof)
+    columns = {"theta_deg": np.degrees(theta)}
+    for curve in curves.values():
+        columns |= curve.columns
+    plots = [plot for curve in curves.values() for plot in curve.plots()]
+    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns
 
 
 def _together(mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]) -> Outcome:
@@ -327,7 +328,7 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
         originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
         for name, mesh in originals.items():
-            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.contacts())
+            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.touching())
             findings += [f for f in judge_solid(mesh, meant, f"{path.name}, {name}").findings if not f.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from camgen.findings import Finding, NotJudged
-from camgen.machine.contacts import Apart, Rolling, Traced
+from camgen.machine.contacts import Apart, Rolling
 from camgen.machines.mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -56,9 +56,9 @@ def reading(mechanism: Mechanism) -> list[Stage]:
         stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", ANY))
     if any(rolling.reach is not None for rolling in rollings):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", ANY))
-    for traced in (contact for contact in contacts if isinstance(contact, Traced)):
-        codes = ("MOTION_ERROR", "PIN_GAP", "LASH", *(("STROKE_ERROR",) if traced.stroke else ()))
-        stages.append(Stage(codes, "the linkage, closed on the holes of its parts", ANY))
+    if mechanism.features():
+        strokes = ("STROKE_ERROR",) if any(asked.stroke for asked in mechanism.asked()) else ()
+        stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *strokes), "the linkage, closed on the holes of its parts", ANY))
     return stages
 
 

@@ -29,13 +29,15 @@ Change = Callable[[np.ndarray, np.ndarray], np.ndarray]
 def made(built: Callable[..., Path]) -> Path:
     """A sound build, never changed."""
     folder = built("eccentric-drive")
-    numbers = json.loads((folder / "report.json").read_text())["numbers"]
+    report = json.loads((folder / "report.json").read_text("utf-8"))
+    tables = {table["title"]: {row[0] for row in table["rows"]} for table in report["tables"]}
     for kind in ("dxf", "stl", "3mf"):
-        assert numbers[f"stroke_recovered_{kind}_mm"] == pytest.approx(3.0, abs=1e-6)
-        assert numbers[f"motion_error_{kind}_mm"] < 1e-6
+        assert tables[f"Joints as measured, {kind.upper()}"] == {"O", "E", "P", "guide"}
+        assert report["numbers"][f"stroke_recovered_{kind}_mm"] == pytest.approx(3.0, abs=1e-6)
+        assert report["numbers"][f"motion_error_{kind}_mm"] < 1e-6
         # 0.2 mm of play in strap, pin and guide; at 90 deg the rod leans by asin(1/32)
         band = (0.1 + 0.1) / math.cos(math.asin(1 / 32)) + 0.1 * math.tan(math.asin(1 / 32))
-        assert numbers[f"clearance_band_{kind}_mm"] == pytest.approx(band, abs=2e-5)
+        assert report["numbers"][f"clearance_band_{kind}_mm"] == pytest.approx(band, abs=2e-5)
     return folder
 
 

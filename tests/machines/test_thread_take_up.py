@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from camgen import spec
 from camgen.errors import DesignError, SpecError
 from camgen.geometry.facets import facet_contour
+from camgen.machine.jets import thread_length
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.mechanism import ThreadTakeUp
 from camgen.parts.part import clearance, hull, rod
@@ -241,10 +242,10 @@ def test_turned_and_mirrored_take_ups_feed_alike(tilt: float, branch: int, eye: 
     np.testing.assert_allclose(turned.feed(THETA + tilt), base.feed(THETA), atol=1e-10)
     mirrored = TakeUp(30, 19, 30, 9, eye, angle, -branch, (m.conjugate(), n.conjugate()))
     np.testing.assert_allclose(mirrored.feed(-THETA), base.feed(THETA), atol=1e-10)
-    path = base.path(THETA)
-    np.testing.assert_allclose(base.thread(path), base.feed(THETA), atol=1e-12)
-    velocity = base.path(THETA, 1)
-    np.testing.assert_allclose(np.real(np.conj(base.thread_slope(path)) * velocity), base.feed(THETA, 1), atol=1e-9)
+    still = [np.array([[guide], [0]]) * np.ones(len(THETA)) for guide in (m, n)]
+    length = thread_length(still[0], np.stack([base.path(THETA, order) for order in (0, 1)]), still[1])
+    np.testing.assert_allclose(length[0], base.feed(THETA), atol=1e-12)
+    np.testing.assert_allclose(length[1], base.feed(THETA, 1), atol=1e-9)
 
 
 # Consumption of thread

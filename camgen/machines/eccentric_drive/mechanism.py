@@ -27,8 +27,10 @@ from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats, Points, Region, circle, polygon
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.contacts import Contact, Eye, Pin, Pose, Slide, Traced
+from camgen.machine.contacts import Pose
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.study import Study
+from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, turning_text
@@ -145,7 +147,7 @@ class EccentricDrive(Mechanism):
             )  # fmt: skip
         disc, rod, slider = (self.masses or Masses.none()).bodies(g.eccentricity, g.rod)
         start, end = complex(g.eccentricity), g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset)) + across
-        outermost = model.Place(ground, self._outermost + across)
+        outermost = model.Place(ground, self.outermost + across)
         return model.Machine(
             (model.Body(ground), disc, rod, slider),
             (model.Pin("O", disc.at("O"), model.Place(ground)), model.Pin("E", rod.at("E"), disc.at("E")),
@@ -157,7 +159,7 @@ class EccentricDrive(Mechanism):
         )  # fmt: skip
 
     @cached_property
-    def _outermost(self) -> float:
+    def outermost(self) -> float:
         """The slider pin's greatest x, mm: crank and rod in one line."""
         g = self.geometry
         return math.sqrt((g.rod + g.eccentricity - g.offset) * (g.rod + g.eccentricity + g.offset))
@@ -169,14 +171,15 @@ class EccentricDrive(Mechanism):
             begun = 0.0
             if g.offset:  # at theta = 0 the slider is not outermost; the difference of two squares, without cancellation
                 at_zero = g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset))
-                begun = self._outermost - at_zero
+                begun = self.outermost - at_zero
             return begun + slider_travel(theta, g.eccentricity, g.rod, g.offset)
         return np.asarray(self.solve(theta, order).derivatives("travel")[order], float).reshape(np.shape(theta))
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _bore(self) -> float:
+    def bore(self) -> float:
+        """Of the disc, mm."""
         return self.geometry.shaft_diameter + self.print.press_clearance
 
     @cached_property
@@ -184,7 +187,7 @@ class EccentricDrive(Mechanism):
         """Least x of the slider and greatest of the rod's end, mm."""
         g, p = self.geometry, self.making
         x_in = math.sqrt((g.rod - g.eccentricity) ** 2 - g.offset**2)
-        return x_in - p.slider_width / 2, self._outermost + max(self._eye_radius, p.pin_diameter / 2 + 1)
+        return x_in - p.slider_width / 2, self.outermost + max(self._eye_radius, p.pin_diameter / 2 + 1)
 
     @cached_property
     def _eye_radius(self) -> float:
@@ -210,7 +213,7 @@ class EccentricDrive(Mechanism):
         g, p, wall = self.geometry, self.making, self.allowed.min_wall
         self._check_sizes()
         slide, press = self.print.slide_clearance, self.print.press_clearance
-        bore, pin_hole = circle(0j, self._bore / 2), p.pin_diameter + press
+        bore, pin_hole = circle(0j, self.bore / 2), p.pin_diameter + press
         keeper = Region(circle(complex(g.eccentricity), self._strap_radius), (bore,))
         rim = Region(circle(complex(g.eccentricity), g.eccentric_diameter / 2), (bore,))
         disc_height = p.rod_thickness + slide
@@ -236,9 +239,9 @@ class EccentricDrive(Mechanism):
     def _check_sizes(self) -> None:
         """Raise DesignError where the disc has no wall, the strap meets the guide, or rod and slider cannot be made."""
         g, need = self.geometry, self.allowed.min_wall
-        thin = g.eccentric_diameter / 2 - g.eccentricity - self._bore / 2
+        thin = g.eccentric_diameter / 2 - g.eccentricity - self.bore / 2
         if thin < need - SAME_POINT:
-            works = 2 * (need + g.eccentricity + self._bore / 2)
+            works = 2 * (need + g.eccentricity + self.bore / 2)
             raise DesignError(
                 "MIN_WALL of the eccentric disc", thin, need, "mm", "the thin side of its bore",
                 f"D/2 - e - d/2 must reach it: geometry.eccentric_diameter of {works:g} mm or more works",
@@ -279,7 +282,7 @@ class EccentricDrive(Mechanism):
         p, (neck, length, screw) = self.making, self._head
         half, groove, front = p.slider_width / 2, p.wire_diameter / 2, neck + length
         wide = max(half, screw.imag + self._rim)
-        hook = self._inner[1] - self._outermost + 1 + p.wire_diameter
+        hook = self._inner[1] - self.outermost + 1 + p.wire_diameter
         rear = [complex(-half, half), complex(-half, -half)]
         shoulder = [complex(neck, -half), complex(neck, -wide)] if wide > half else []
         under = [*rear, *shoulder, complex(front, -wide)]
@@ -440,32 +443,17 @@ class EccentricDrive(Mechanism):
             "motor-bar": [Pose(flat, still, z=-self.motor.length - bed)],
         }
 
-    def contacts(self) -> Sequence[Contact]:
-        """The shaft in disc and body, the disc in the strap, the pin in rod and slider, the slider on its guide."""
-        g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
-        boss = self.motor.boss_diameter
-        slider = Eye("slider", 0j, p.pin_diameter + press)
-        return (
-            # the motor is the pin: its collar in the body, its shaft in the disc, and the mean of both counts twice
-            Pin(
-                "shaft", Eye("disc", 0j, self._bore), Eye("body", 0j, boss + press), 2 * press,
-                Eye(None, 0j, (g.shaft_diameter + boss) / 2, shaft=True),
-            ),
-            Pin(
-                "strap", Eye("disc", complex(g.eccentricity), g.eccentric_diameter, shaft=True),
-                Eye("rod", 0j, g.eccentric_diameter + slide), slide,
-            ),
-            Pin(
-                "slider pin", Eye("rod", complex(g.rod), p.pin_diameter + slide), slider, slide + press,
-                Eye("pin", 0j, p.pin_diameter, shaft=True),
-            ),
-            Slide("guide", slider, 1j * g.offset, 0.0, p.slider_width, slide, "body", drawn=False),
-            Traced(
-                "travel", "disc", ("body", "cover"), Eye("slider", 0j, 0.0),
-                lambda path: self._outermost - path.real, lambda path: np.full(path.shape, -1 + 0j),
-                lash=self.allowed.lash,
-            ),
-        )  # fmt: skip
+    def features(self) -> Sequence[Feature]:
+        """What its joints are measured on."""
+        return features_of(self)
+
+    def mounts(self) -> Sequence[Mount]:
+        """Parts that make the joints."""
+        return mounts_of(self)
+
+    def asked(self) -> Sequence[Asked]:
+        """The travel, with its stroke."""
+        return (Asked("travel", self.motion, stroke=True, lash=self.allowed.lash),)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
@@ -487,9 +475,9 @@ class EccentricDrive(Mechanism):
         """Stroke, peak speed and its angle, harmonics, travel; the published table where the lengths are the paper's."""
         g = self.geometry
         numbers = {
-            "stroke_mm": self._outermost - self._inner[0] - self.making.slider_width / 2,
+            "stroke_mm": self.outermost - self._inner[0] - self.making.slider_width / 2,
             "motor_shaft_length_mm": self.shaft_length,
-            "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self._bore / 2,
+            "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self.bore / 2,
         }
         found = study(self.model, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses is not None)
         return replace(found, numbers={**numbers, **found.numbers})

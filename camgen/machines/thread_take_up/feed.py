@@ -181,15 +181,6 @@ class TakeUp:
         """
         return np.asarray(self.run(theta, order).derivatives("feed")[order], float).reshape(np.shape(theta))
 
-    def thread(self, path: Points, *guides: complex) -> Floats:
-        """Thread between the guides (the spec's, or those given) for an eye at the places of a path, (n,) mm."""
-        return np.asarray(sum(np.abs(path - guide) for guide in guides or self.guides), float)
-
-    def thread_slope(self, path: Points, *guides: complex) -> Points:
-        """Slope of `thread`: (n,) complex, so that d thread = Re(conj(slope) d path); nan at a guide."""
-        with np.errstate(all="ignore"):
-            return np.asarray(sum((path - guide) / np.abs(path - guide) for guide in guides or self.guides), complex)
-
     @cached_property
     def diagram(self) -> FeedDiagram:
         """Extremes of the feed."""

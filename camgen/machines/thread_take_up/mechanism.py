@@ -28,11 +28,13 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
-from camgen.machine.contacts import Contact, Eye, Pin, Pose, Traced
+from camgen.machine.contacts import Pose
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machine.study import Sketch, Study
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.feed import TakeUp
+from camgen.machines.thread_take_up.joints import features_of, mounts_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, strengths, study
 from camgen.motion.synthesis import Variable, Wish, search
 from camgen.parts.catalogue import Bought, turning_text
@@ -42,7 +44,7 @@ from camgen.tolerances import SAME_POINT
 
 Disc = tuple[complex, float]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-Place = tuple[Coordinate, Coordinate]
+Point = tuple[Coordinate, Coordinate]
 
 _LASH = "free play of the feed by that of all joints, mm; 7: what it gives or takes is excess, and the source bears 7 mm of it"
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
@@ -59,7 +61,7 @@ class Geometry(Record):
     eye_distance: Length
     eye_angle_deg: Annotated[float, Field(gt=-180, le=180)]
     branch: Literal[1, -1]
-    guides: tuple[Place, Place]
+    guides: tuple[Point, Point]
     frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
 
 
@@ -180,7 +182,7 @@ class ThreadTakeUp(Mechanism):
         return self.making.thickness + self.print.slide_clearance
 
     @cached_property
-    def _bearing(self) -> float:
+    def bearing(self) -> float:
         """Radius of the disc about C: round the shaft and two dowels with a wall each, mm."""
         p, shaft, dowel = self.making, (self.making.shaft_diameter + self.print.slide_clearance) / 2, self._dowel_hole
         room = shaft + dowel + p.wall
@@ -197,9 +199,9 @@ class ThreadTakeUp(Mechanism):
         g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
         self.take_up  # noqa: B018  refuses lengths that do not assemble before any part is drawn
         back = -complex(g.frame)
-        dowels = tuple((1j * side * (self._bearing - p.wall - self._dowel_hole), self._dowel_hole) for side in (1, -1))
+        dowels = tuple((1j * side * (self.bearing - p.wall - self._dowel_hole), self._dowel_hole) for side in (1, -1))
         shaft, turning, pressed = p.shaft_diameter / 2, (p.pin_diameter + slide) / 2, (p.pin_diameter + press) / 2
-        ring, finger, guide = self._bearing + slide / 2, (p.finger_diameter + press) / 2, (p.guide_diameter + press) / 2
+        ring, finger, guide = self.bearing + slide / 2, (p.finger_diameter + press) / 2, (p.guide_diameter + press) / 2
         eye, c, tilt = self.take_up.eye, -back * cmath.exp(1j * self.take_up.tilt), cmath.exp(1j * self.take_up.tilt)
 
         def hubs(*holes: Disc) -> tuple[Disc, ...]:
@@ -212,8 +214,8 @@ class ThreadTakeUp(Mechanism):
         plate = ((0j, shaft + slide / 2), *((c + tilt * z, r) for z, r in dowels), *posts)
         mounts = tuple((z, p.mount_diameter / 2) for z in self._mounts(c, self.take_up.guides))
         return {
-            "frame": ((*hubs(*posts, *mounts), (c, self._bearing)), (*plate, *mounts)),
-            "pivot": (((0j, self._bearing),), ((back, shaft + slide / 2), *dowels)),
+            "frame": ((*hubs(*posts, *mounts), (c, self.bearing)), (*plate, *mounts)),
+            "pivot": (((0j, self.bearing),), ((back, shaft + slide / 2), *dowels)),
             "input-crank": (hubs(*crank), crank),
             "output-crank": (hubs(*output), output),
             "bell-crank": (hubs(*bell), bell),
@@ -226,7 +228,7 @@ class ThreadTakeUp(Mechanism):
         middle = sum(z / abs(z) for z in away if z)
         sides = [*away, -middle if abs(middle) > SAME_POINT else 1j * away[0]]
         past = p.wall + p.mount_diameter / 2
-        reach = [*(abs(z) + (p.guide_diameter + self.print.press_clearance) / 2 for z in away), self._bearing]
+        reach = [*(abs(z) + (p.guide_diameter + self.print.press_clearance) / 2 for z in away), self.bearing]
         return tuple(pivot + z / abs(z) * (r + past) for z, r in zip(sides, reach, strict=True) if z)
 
     def parts(self) -> Sequence[Part]:
@@ -331,30 +333,17 @@ class ThreadTakeUp(Mechanism):
             "eye path": [Pose(zero, still)],
         }
 
-    def contacts(self) -> Sequence[Contact]:
-        """Pins O, A, B and C; the eye traced, its output the feed."""
-        g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
-        shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * self._bearing
-        return (
-            Pin(
-                "pin O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
-                slide + press, Eye("shaft", 0j, shaft, True),
-            ),
-            Pin(
-                "pin A", Eye("input-crank", complex(g.input_crank), pressed), Eye("bell-crank", 0j, turning),
-                slide + press, Eye("pin-a", 0j, p.pin_diameter, True),
-            ),
-            Pin(
-                "pin B", Eye("output-crank", complex(g.output_crank), pressed),
-                Eye("bell-crank", complex(g.coupler), turning), slide + press, Eye("pin-b", 0j, p.pin_diameter, True),
-            ),
-            Pin("pin C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide), slide),
-            Traced(
-                "feed", "input-crank", ("frame", "pivot"), Eye("bell-crank", self.take_up.eye, p.finger_diameter + press),
-                self.take_up.thread, self.take_up.thread_slope, lash=self.allowed.lash,
-                still=tuple(Eye("frame", guide, p.guide_diameter + press) for guide in self.take_up.guides),
-            ),
-        )  # fmt: skip
+    def features(self) -> Sequence[Feature]:
+        """What its joints are measured on."""
+        return features_of(self)
+
+    def mounts(self) -> Sequence[Mount]:
+        """Parts that make the joints."""
+        return mounts_of(self)
+
+    def asked(self) -> Sequence[Asked]:
+        """The feed, with its stroke."""
+        return (Asked("feed", self.motion, stroke=True, lash=self.allowed.lash),)
 
     def limits(self) -> Sequence[Finding]:
         """Fold, transmission angle, gaps between what moves and what stands, excess thread, and the wishes."""
@@ -473,7 +462,7 @@ class ThreadTakeUp(Mechanism):
             t = take_up(x)
             gaps = [gap for gap, _ in self._gaps(t, theta).values()]
             mounts = ((z, mount) for z in self._mounts(t.pivot, t.guides))
-            hubs = ((t.pivot, self._bearing), *((guide, rim) for guide in t.guides), *mounts)
+            hubs = ((t.pivot, self.bearing), *((guide, rim) for guide in t.guides), *mounts)
             corners = np.array([centre + side * r for centre, r in hubs for side in (1 + 1j, -1 - 1j)])
             spare = (width - float(np.ptp(corners.real)), height - float(np.ptp(corners.imag)))
             # 0.1 mm beyond the limit, since a search looks at fewer angles than the check

@@ -1,0 +1,280 @@
+"""A machine with its joints where its features are: what the judge closes.
+
+An eye counts with the centre of its circle, two faces with their middle line, a cam with what its follower rolls to on the
+outline. What no file shows stays where it is meant.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.judge.contact import RollingContact, contact
+from camgen.judge.contact_faces import ArmFace, SlideFace
+from camgen.judge.contact_tips import ArmTip, Form, SlideTip
+from camgen.judge.measured import Readings
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, Mark, Mount, PinEyes, SlideFaces, SlotFaces
+from camgen.machine.model import Cam, Function, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
+from camgen.tolerances import SAME_POINT
+
+Floats = NDArray[np.float64]
+
+_STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
+_SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
+
+
+@dataclass(frozen=True)
+class Rolled:
+    """A cam's law as its follower rolls: theta is the cam's angle less the phase; s in rad, or mm where it slides."""
+
+    contact: RollingContact
+    arm: float | None
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """s at theta, (n,), or its derivative."""
+        if order == 0:
+            return self.contact.angle(theta)
+        before, here, after = (self.contact.angle(theta + k * _SLOPE) for k in (-1, 0, 1))
+        if order == 1:
+            return np.asarray((after - before) / (2 * _SLOPE))
+        return np.zeros_like(here)  # a facet has none; only the start of Newton's method asks for it
+
+    def lever(self, theta: Floats) -> Floats:
+        """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
+        return np.asarray((self.arm or 1.0) * np.maximum(np.cos(self.contact.touch(theta).pressure_angle), _STEEP))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A joint's play as measured and as meant, mm, how much the worst of its features is off, and the shift of each side."""
+
+    play: float
+    meant: float
+    misfit: float
+    shifts: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Between:
+    """A follower that two outlines hold: where each of them is touched, and the sense in which it leaves the first."""
+
+    drive: Rolled
+    other: Rolled
+    leaves: int
+
+    def play(self, theta: Floats) -> Floats:
+        """Way from the first outline to the second, rad or mm, (n,); below 0 they are in each other's way."""
+        return np.asarray(self.leaves * (self.other(theta) - self.drive(theta)))
+
+
+@dataclass(frozen=True)
+class Closable:
+    """The machine as measured; the fit of each joint that was, and what holds each cam's follower twice, by name."""
+
+    machine: Machine
+    fits: Mapping[str, Fit]
+    between: Mapping[str, Sequence[Between]]
+
+
+def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> Closable:
+    """The same machine with its joints and outputs where the features are.
+
+    ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
+    """
+    builder = _Builder(machine, mounts, found)
+    for kind in (PinEyes, SlideFaces, SlotFaces, CamOutline):  # a cam asks for the pins that hold it
+        for feature in features:
+            if isinstance(feature, kind):
+                builder.put(feature)
+    marks = [feature.eye for feature in features if isinstance(feature, Mark)]
+    outputs = tuple(builder.output(output, marks) for output in machine.outputs)
+    joints = tuple(builder.joints[joint.name] for joint in machine.joints)
+    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.between)
+
+
+class _Builder:
+    """Joints, put one by one where their features are."""
+
+    def __init__(self, machine: Machine, mounts: Sequence[Mount], found: Readings) -> None:
+        self.mounts, self.found = mounts, found
+        self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
+        self.fits: dict[str, Fit] = {}
+        self.between: dict[str, list[Between]] = {}
+
+    def put(self, feature: PinEyes | SlideFaces | SlotFaces | CamOutline) -> None:
+        """Put the feature's joint where it is."""
+        joint = self.joints[feature.joint]
+        match feature, joint:
+            case PinEyes(), Pin():
+                new: Joint = self._pin(feature, joint)
+            case SlideFaces(), Slide():
+                new = self._slide(feature, joint)
+            case SlotFaces(), Slot():
+                new = self._slot(feature, joint)
+            case CamOutline(), Cam():
+                new = self._cam(feature, joint)
+            case _:
+                raise ValueError(f"{joint.name} is no joint for {type(feature).__name__}")
+        self.joints[feature.joint] = new
+
+    def _mount(self, part: str, place: Place, at: complex) -> Mount:
+        """The copy of the part on the place's body whose point `at` is nearest to it."""
+        mounts = [mount for mount in self.mounts if (mount.part, mount.body) == (part, place.body)]
+        if not mounts:
+            raise ValueError(f"{part} is not mounted on {place.body}")
+        return min(mounts, key=lambda mount: abs(mount.place(at) - place.at))
+
+    def _placed(self, eye: Eye, place: Place) -> Place:
+        """The place moved to where its eye was found."""
+        if eye.part is None:
+            return place
+        mount = self._mount(eye.part, place, eye.at)
+        return Place(place.body, place.at + mount.place(self.found.eyes[eye].centre) - mount.place(eye.at))
+
+    def _on(self, part: str | None, body: str) -> bool:
+        return any((mount.part, mount.body) == (part, body) for mount in self.mounts)
+
+    def _pin(self, feature: PinEyes, joint: Pin) -> Pin:
+        a, b = feature.a, feature.b  # in either order
+        if self._on(a.part, joint.b.body) or self._on(b.part, joint.a.body):
+            a, b = b, a
+        new = replace(joint, a=self._placed(a, joint.a), b=self._placed(b, joint.b))
+        shifts = (abs(new.a.at - joint.a.at), abs(new.b.at - joint.b.at))
+        self._fit(joint.name, (a.diameter, b.diameter), (self._size(a), self._size(b)), shifts, (a, b), feature.pin, a.shaft)
+        return new
+
+    def _size(self, eye: Eye) -> float:
+        return self.found.eyes[eye].diameter
+
+    def _fit(
+        self, joint: str, meant: tuple[float, float], made: tuple[float, float], shifts: tuple[float, float],
+        eyes: Sequence[Eye], pin: Eye | None = None, shaft: bool = False,
+    ) -> None:  # fmt: skip
+        """Write down a joint's fit, from what its two sides measure, mm; shaft: the first of them is in the second."""
+
+        def play(sizes: tuple[float, float], through: float) -> float:
+            a, b = sizes
+            return a + b - 2 * through if pin is not None else (b - a) * (1 if shaft else -1)
+
+        now, was = (play(made, self._size(pin)), play(meant, pin.diameter)) if pin else (play(made, 0.0), play(meant, 0.0))
+        misfit = abs(now - was) / (1 if pin is None else 2)  # a pin is in two holes, so their play counts by the half
+        for eye in eyes:  # each hole's own size, and its centres at several heights
+            found = self.found.eyes[eye]
+            misfit = max(misfit, found.spread, abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0)
+        self.fits[joint] = Fit(now, was, misfit, shifts)
+
+    def _line(self, faces: Faces, place: Place, along: float) -> tuple[Place, float]:
+        """The middle of two faces: where it crosses beside the place, square to the direction `along`, and its direction."""
+        mount, found = self._mount(faces.part, place, faces.at), self.found.faces[faces]
+        through = mount.place(faces.at + 1j * cmath.exp(1j * faces.angle) * found.offset)
+        angle = mount.direction(faces.angle + found.lean)
+        angle += round((along - angle) / math.pi) * math.pi
+        meant, way = cmath.exp(1j * along), cmath.exp(1j * angle)
+        reach = ((place.at - through) * meant.conjugate()).real / (way * meant.conjugate()).real
+        return Place(place.body, through + reach * way), angle
+
+    def _slide(self, feature: SlideFaces, joint: Slide) -> Slide:
+        rails, runner = feature.rails, feature.runner
+        if self._on(rails.part, joint.runner.body) and not self._on(rails.part, joint.guide.body):
+            raise ValueError(f"{joint.name}: {rails.part} is mounted on its runner")
+        guide, angle = self._line(rails, joint.guide, joint.angle)
+        block, own = self._line(runner, joint.runner, joint.angle - joint.turn)
+        found = (self.found.faces[rails].width, self.found.faces[runner].width)
+        shifts = (abs(guide.at - joint.guide.at), abs(block.at - joint.runner.at))
+        self._fit(joint.name, (rails.width, runner.width), found, shifts, ())
+        return replace(joint, guide=guide, runner=block, angle=angle, turn=angle - own)
+
+    def _slot(self, feature: SlotFaces, joint: Slot) -> Slot:
+        guide, angle = self._line(feature.walls, joint.guide, joint.angle)
+        runner = self._placed(feature.eye, joint.runner)
+        walls, eye = feature.walls, feature.eye
+        found = (self.found.faces[walls].width, self._size(eye))
+        shifts = (abs(guide.at - joint.guide.at), abs(runner.at - joint.runner.at))
+        self._fit(joint.name, (walls.width, eye.diameter), found, shifts, (eye,), feature.pin)
+        return replace(joint, guide=guide, runner=runner, angle=angle)
+
+    def _held(self, pin: str, body: str) -> tuple[complex, complex]:
+        """Where a pin holds a body: in the body's frame and on the ground."""
+        joint = self.joints[pin]
+        assert isinstance(joint, Pin), f"{pin} is no pin"
+        return (joint.a.at, joint.b.at) if joint.a.body == body else (joint.b.at, joint.a.at)
+
+    def _cam(self, feature: CamOutline, joint: Cam) -> Cam:
+        try:
+            law = self._rolled(feature, joint)
+        except ValueError as fault:
+            raise ValueError(f"{joint.name}: {fault}") from None
+        if not isinstance(joint.law, Rolled):
+            return replace(joint, law=law)
+        self.between.setdefault(joint.name, []).append(Between(joint.law, law, -feature.leaves))
+        return joint
+
+    def _rolled(self, feature: CamOutline, joint: Cam) -> Rolled:
+        """What the follower rolls to on one outline."""
+        own, centre = self._held(feature.turns, joint.cam)
+        mounts = [mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)]
+        if len(mounts) <= feature.copy:
+            raise ValueError(f"{feature.part} is not mounted on {joint.cam}")
+        mount = mounts[feature.copy]
+        turn = cmath.exp(1j * mount.turned) * (-1 if mount.flipped else 1)
+        ring = self.found.rings[feature].moved(turn, mount.at - own, mirror=mount.flipped)
+        ring = ring.moved(cmath.exp(1j * joint.phase))
+        tip, facing, radius = self._tip(feature, joint)
+        form: Form
+        if feature.swings is not None:
+            held, pivot = self._held(feature.swings, joint.follower)
+            turned = cmath.exp(1j * joint.rest)
+            arm, start = turned * (tip - held), pivot - centre
+            if facing is None:
+                form = ArmTip(start, arm, radius, feature.leaves, feature.inside)
+            else:
+                normal = -turned * facing
+                form = ArmFace(start, normal, (normal.conjugate() * arm).real, feature.leaves)
+            lever: float | None = abs(arm)
+        else:
+            assert joint.slide is not None
+            slide = self.joints[joint.slide]
+            assert isinstance(slide, Slide)
+            along = cmath.exp(1j * slide.angle)
+            start = slide.guide.at + along * joint.rest + cmath.exp(1j * slide.turn) * (tip - slide.runner.at) - centre
+            lever = None
+            if facing is None:
+                form = SlideTip(start, along, radius, feature.leaves, feature.inside)
+            else:
+                form = SlideFace(start, along, feature.leaves)
+        return Rolled(contact(ring, form), lever)
+
+    def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
+        """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""
+        tip, body = feature.tip, joint.follower
+        if isinstance(tip, Flat):
+            face = self.found.flats[tip]
+            mount = self._mount(tip.part, Place(body), tip.at)
+            return mount.place(face.at), cmath.exp(1j * mount.direction(face.facing)), 0.0
+        found = self.found.eyes[tip]
+        radius = found.diameter / 2 if feature.radius is None else feature.radius
+        if tip.part is None:
+            return tip.at, None, radius
+        return self._mount(tip.part, Place(body), tip.at).place(found.centre), None, radius
+
+    def output(self, output: Output, marks: Sequence[Eye]) -> Output:
+        """The output with its places where their marks are."""
+
+        def seen(place: Place) -> Place:
+            for eye in marks:
+                for mount in self.mounts:
+                    if (mount.part, mount.body) == (eye.part, place.body) and abs(mount.place(eye.at) - place.at) < SAME_POINT:
+                        return self._placed(eye, place)
+            return place
+
+        of = output.of
+        if isinstance(of, Path):
+            return replace(output, of=Path(seen(of.of)))
+        if isinstance(of, Function):
+            return replace(output, of=replace(of, of=tuple(seen(place) for place in of.of)))
+        return output

@@ -1,0 +1,189 @@
+"""Measuring: eyes, faces and outlines as the sections of files show them."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.geometry.rings import Circle, Ring, Shape, fit_circle, hole_circles
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, SlideFaces, SlotFaces, eyes
+
+Floats = NDArray[np.float64]
+Sections = Sequence[Sequence[Shape]]
+
+_PARALLEL = 0.01  # rad, leaning more is another face
+_SAME_FACE = 0.02  # of the width: faces at two heights that are further apart are two faces
+_FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
+_SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
+_HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
+_ON_TIP = 0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
+
+
+@dataclass(frozen=True)
+class Measured:
+    """An eye as found in a file: centre and free diameter, mm (a shaft's: over its vertices), and how far the centres at
+    several heights lie apart."""
+
+    centre: complex
+    diameter: float
+    spread: float = 0.0
+
+
+def measure(eye: Eye, sections: Sections) -> Measured | None:
+    """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
+    found: list[tuple[Circle, float]] = []
+    least = min(_SAME_HOLE * eye.diameter, max(_HEAD, 0.02 * eye.diameter))
+    for shapes in sections:
+        for shape in shapes:
+            rings: Sequence[Ring] = [shape.outer] if eye.shaft else shape.holes
+            near = [ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter]
+            circles = hole_circles(Shape(shape.outer, tuple(near)))
+            pairs = zip(circles, near, strict=True)
+            found += [(c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least]
+    if not found:
+        return None
+    centres = np.array([c.centre for c, _ in found])
+    sizes = [c.diameter if eye.shaft else free for c, free in found]
+    spread = float(np.max(np.abs(centres - centres[0])))
+    return Measured(complex(centres.mean()), max(sizes) if eye.shaft else min(sizes), spread)
+
+
+def _free(circle: Circle, ring: Ring) -> float:
+    """The free diameter of a hole's round part, mm: a flat, longer than any facet, is left out."""
+    straight = ring.bulges == 0
+    flat = straight & (np.abs(ring.ends - ring.points) > _FLAT * circle.diameter)
+    if not flat.any():
+        return circle.clear_diameter
+    facets = np.abs((ring.points + ring.ends)[straight & ~flat] / 2 - circle.centre)
+    return min(circle.diameter, 2 * float(facets.min(initial=np.inf)))
+
+
+def measure_end(eye: Eye, sections: Sections) -> Measured | None:
+    """A rounded end of an outline, such as a follower's own tip: the circle through what lies near the nominal one."""
+    found = []
+    for ring in (shape.outer for shapes in sections for shape in shapes):
+        points = ring.samples()
+        near = points[np.abs(np.abs(points - eye.at) - eye.diameter / 2) <= _ON_TIP * eye.diameter]
+        if len(near) > 4:
+            found.append(fit_circle(near)[:2])
+    if not found:
+        return None
+    centres = np.array([centre for centre, _ in found])
+    return Measured(complex(centres.mean()), 2 * max(r for _, r in found), float(np.max(np.abs(centres - centres[0]))))
+
+
+@dataclass(frozen=True)
+class MeasuredFaces:
+    """Two parallel faces as found: how far their middle lies to the left of the line they were sought at, mm, how far they
+    lean from it, rad, and their distance, mm."""
+
+    offset: float
+    lean: float
+    width: float
+
+
+def measure_faces(through: complex, angle: float, width: float, sections: Sections) -> MeasuredFaces | None:
+    """The two faces of a part, `width` apart, on either side of a line: the mean of all heights; None where one is missing."""
+    sides = [_face(through, angle, side * width / 2, width, sections) for side in (-1, 1)]
+    right, left = sides
+    if right is None or left is None:
+        return None
+    return MeasuredFaces((left[0] + right[0]) / 2, (left[1] + right[1]) / 2, left[0] - right[0])
+
+
+def _face(through: complex, angle: float, aside: float, width: float, sections: Sections) -> tuple[float, float] | None:
+    """The straight face of a part sought `aside` to the left of a line: where it crosses beside `through`, mm, and its lean."""
+    along, found = cmath.exp(1j * angle), []
+    for shapes in sections:
+        rings = [ring for shape in shapes for ring in (shape.outer, *shape.holes)]
+        a, b = (np.concatenate([getattr(ring, end)[ring.bulges == 0] for ring in rings]) for end in ("points", "ends"))
+        long = np.abs(b - a) > width / 4
+        start, way = (a[long] - through) / along, (b[long] - a[long]) / along
+        lean = np.arctan2(np.where(way.real < 0, -way.imag, way.imag), np.abs(way.real))
+        away = start.imag - start.real * np.tan(lean)  # of the face, across from `through`
+        off = np.where(np.abs(lean) < _PARALLEL, np.abs(away - aside), np.inf)
+        nearest = int(np.argmin(off)) if len(off) else 0
+        if len(off) and off[nearest] < _SAME_HOLE * width:
+            found.append((off[nearest], away[nearest], lean[nearest]))
+    if not found:
+        return None
+    away, lean = np.mean([row[1:] for row in found if row[0] <= min(found)[0] + _SAME_FACE * width], axis=0)
+    return float(away), float(lean)
+
+
+@dataclass
+class Readings:
+    """All features of a machine as the files of one kind show them; lost: sentences on what they do not show."""
+
+    eyes: dict[Eye, Measured] = field(default_factory=dict)
+    faces: dict[Faces, MeasuredFaces] = field(default_factory=dict)
+    flats: dict[Flat, Flat] = field(default_factory=dict)
+    rings: dict[CamOutline, Ring] = field(default_factory=dict)
+    lost: list[str] = field(default_factory=list)
+
+
+def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bool) -> Readings:
+    """Measure all features in the sections of the parts' files."""
+    found = Readings()
+    tips = {feature.tip for feature in features if isinstance(feature, CamOutline)}
+    for eye in dict.fromkeys(eye for feature in features for eye in eyes(feature)):
+        if eye.part is None or not eye.diameter:
+            found.eyes[eye] = Measured(eye.at, eye.diameter)
+            continue
+        seen = measure(eye, files[eye.part])
+        if seen is None and eye.shaft and eye in tips:
+            seen = measure_end(eye, files[eye.part])
+        if seen is None:
+            found.lost.append(f"no eye of {eye.diameter:g} mm near {eye.at:.3f} in {eye.part}")
+        else:
+            found.eyes[eye] = seen
+    for feature in features:
+        match feature:
+            case SlideFaces(joint=joint, rails=rails, runner=runner):
+                pairs = [rails, runner]
+            case SlotFaces(joint=joint, walls=walls):
+                pairs = [walls]
+            case CamOutline(joint=joint, part=part, tip=tip):
+                pairs = []
+                ring = _outline(files[part], feature.inside)
+                face = _flat(tip, files[tip.part]) if isinstance(tip, Flat) else None
+                if ring is None or (isinstance(tip, Flat) and face is None):
+                    found.lost.append(f"{joint}: {'the face' if ring is not None else f'the outline of {part}'} is lost")
+                    continue
+                found.rings[feature] = ring
+                if isinstance(tip, Flat) and face is not None:
+                    found.flats[tip] = face
+            case _:
+                continue
+        for pair in pairs:
+            hidden = drawing and not pair.drawn
+            meant = MeasuredFaces(0.0, 0.0, pair.width)
+            faces = meant if hidden else measure_faces(pair.at, pair.angle, pair.width, files[pair.part])
+            if faces is None:
+                found.lost.append(f"{joint}: a face or its eye is lost")
+                break
+            found.faces[pair] = faces
+    return found
+
+
+def _outline(sections: Sections, inside: bool) -> Ring | None:
+    """What a follower runs on: the largest outline of a part (of its heights), or hole, material on its left."""
+    rings = [ring for shapes in sections for shape in shapes for ring in (shape.holes if inside else [shape.outer])]
+    if not rings:
+        return None
+    ring = max(rings, key=lambda ring: abs(ring.area)).counter_clockwise()
+    return ring.reversed() if inside else ring
+
+
+def _flat(flat: Flat, sections: Sections) -> Flat | None:
+    """A follower's face as it is."""
+    along = flat.facing + math.pi / 2
+    face = _face(flat.at, along, 0.0, flat.width, sections)
+    if face is None:
+        return None
+    return replace(flat, at=flat.at + 1j * cmath.exp(1j * along) * face[0], facing=flat.facing + face[1])

@@ -1,0 +1,171 @@
+"""On what of its parts a machine is measured: which features make its joints, which part stands on which body. Data alone.
+
+    eye       a round feature of a part: a hole, or the rim of a disc that is itself the pin (`shaft`)
+    faces     two parallel straight faces of a part: rails, the walls of a slot, a runner
+    outline   what a cam's follower runs on
+    mount     where a part stands on its body: body = at + exp(i turned) * part
+
+Places and diameters here are nominal, mm in the part's frame; the judge reads the true ones from each file.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+from camgen.machine.model import Floats
+
+
+@dataclass(frozen=True)
+class Eye:
+    """A hole, or with `shaft` the rim of a disc or of a rounded end.
+
+    part: its name, None for what no file shows and counts as exact, such as a bought motor's shaft; at: centre; diameter:
+    mm, 0 for a point of the part's frame, which no file shows either.
+    """
+
+    part: str | None
+    at: complex
+    diameter: float
+    shaft: bool = False
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Two parallel faces `width` apart, mm, beside the line through `at` at `angle` (rad, part's frame).
+
+    drawn: whether the part's own drawing shows them; otherwise they count as meant in a DXF.
+    """
+
+    part: str
+    at: complex
+    angle: float
+    width: float
+    drawn: bool = True
+
+
+@dataclass(frozen=True)
+class Flat:
+    """One straight face of a follower, `width` long: its middle, and the direction out of its material (rad, part's frame)."""
+
+    part: str
+    at: complex
+    facing: float
+    width: float
+
+
+@dataclass(frozen=True)
+class PinEyes:
+    """Of a Pin: its eyes, in either order. `pin`: the third that goes through both where both are holes."""
+
+    joint: str
+    a: Eye
+    b: Eye
+    pin: Eye | None = None
+
+
+@dataclass(frozen=True)
+class SlideFaces:
+    """Of a Slide: the faces of its rails, and those that run between (or round) them."""
+
+    joint: str
+    rails: Faces
+    runner: Faces
+
+
+@dataclass(frozen=True)
+class SlotFaces:
+    """Of a Slot: its walls, and the eye whose centre runs between them; `pin`: what goes through where that is a hole."""
+
+    joint: str
+    walls: Faces
+    eye: Eye
+    pin: Eye | None = None
+
+
+@dataclass(frozen=True)
+class CamOutline:
+    """Of a Cam: the part whose outline is touched, and the follower's tip. A joint's first outline drives; a further one, such
+    as the other cam of a pair or the outer wall of a groove, limits its free play.
+
+    turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
+    one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
+    the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
+    it comes from within to the part's largest hole. copy: which of the part's mounts on the cam's body it is.
+    """
+
+    joint: str
+    part: str
+    turns: str
+    swings: str | None
+    tip: Eye | Flat
+    radius: float | None = None
+    leaves: Literal[1, -1] = 1
+    inside: bool = False
+    copy: int = 0
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An eye whose centre is a place of an output: a thread guide, the hole of a pen."""
+
+    eye: Eye
+
+
+Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | Mark
+
+
+@dataclass(frozen=True)
+class Mount:
+    """One copy of a part on a body: body = at + exp(i turned) * part, first turned over about its Oy where `flipped`.
+
+    z: height of its underside in the assembly, mm.
+    """
+
+    part: str
+    body: str
+    at: complex = 0j
+    turned: float = 0.0
+    flipped: bool = False
+    z: float = 0.0
+
+    def place(self, z: complex) -> complex:
+        """A point of the part in the body's frame, complex mm."""
+        return self.at + cmath.exp(1j * self.turned) * (-z.conjugate() if self.flipped else z)
+
+    def direction(self, angle: float) -> float:
+        """A direction of the part in the body's frame, rad."""
+        return self.turned + (math.pi - angle if self.flipped else angle)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of an output beside its motion.
+
+    motion(theta, order): the wanted one, (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine with
+    all joints where they are meant. stroke: whether the difference of its extremes is judged; lash: free play that the
+    designer accepts, mm or rad, never more than half of its range.
+    """
+
+    output: str
+    motion: Callable[[Floats, int], Any] | None = None
+    stroke: bool = False
+    lash: float = math.inf
+
+
+def eyes(feature: Feature) -> Iterator[Eye]:
+    """All eyes of a feature."""
+    yield from (value for field in fields(feature) if isinstance(value := getattr(feature, field.name), Eye))
+
+
+def eyes_of(part: str, contacts: Iterable[object]) -> tuple[tuple[complex, float], ...]:
+    """Nominal centres and diameters of a part's eyes, mm, in those of the contacts that are features.
+
+    A pin's own rim is none: its place is the hole's.
+    """
+    features = [contact for contact in contacts if isinstance(contact, Feature)]
+    found = [eye for feature in features for eye in eyes(feature) if eye is not getattr(feature, "pin", None)]
+    return tuple((eye.at, eye.diameter) for eye in found if eye.part == part)
