@@ -191,7 +191,7 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
     mechanism, contacts = case.mechanism, case.mechanism.contacts()
     if any(kind not in part.sections for part in read.values()):
         return []
-    machine = mechanism.machine()
+    machine = mechanism.model
     if mechanism.features() and machine is not None and len(read) == len(case.parts):
         from camgen.judge.motion import judge_machine
 

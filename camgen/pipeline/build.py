@@ -99,7 +99,7 @@ def animation(mechanism: Mechanism) -> Animation:
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
     bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in mechanism.study().sketches]
-    machine = mechanism.machine()
+    machine = mechanism.model
     if machine is not None and mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), machine.outputs[0].name, "mm")
     drive = next((contact for contact in mechanism.contacts() if isinstance(contact, Rolling)), None)

@@ -201,7 +201,7 @@ def _machine(
     from camgen.judge.motion import judge_machine
     from camgen.pipeline.curves import Curves
 
-    machine, fit = mechanism.machine(), compensation(mechanism)
+    machine, fit = mechanism.model, compensation(mechanism)
     assert machine is not None, "features are those of a machine's joints"
     theta = np.linspace(0, 2 * math.pi, _ROWS)
     curves = {output.name: Curves(output, theta, len(machine.outputs) == 1) for output in machine.outputs}
