@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,37 @@ class Moved:
     play: Floats
 
 
+class _Meant:
+    """The machine with its joints where they are meant, from which all others start."""
+
+    def __init__(self, machine: Machine, low: float, high: float) -> None:
+        self.system = System(machine)
+        self._known = self.system.close(np.linspace(low, high, _KNOWN))
+        self._seen: dict[tuple[str, bytes], tuple[Any, Any]] = {}
+
+    def near(self, theta: Floats) -> Floats:
+        """Poses from those at the nearest known angle, (n, 3 bodies)."""
+        known = self._known
+        k = np.rint(np.interp(theta, known.theta, np.arange(len(known.theta)))).astype(int)
+        h = (theta - known.theta[k])[:, None]
+        return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
+
+    def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
+        key = (output, theta.tobytes())
+        if key in self._seen:
+            return self._seen[key]
+        parts = [_outcome(self.system, output, self.system.close(part, self.near(part))) for part in _parts(self.system, theta)]
+        found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+        if len(theta) > _KNOWN:
+            self._seen[key] = found
+        return found
+
+
+# A machine is the same object for all kinds of its files.
+_meant = lru_cache(maxsize=1)(_Meant)
+
+
 class Proof:
     """A machine on its measured joints, ready at any angle."""
 
@@ -60,40 +91,26 @@ class Proof:
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
         self.plays |= {name: fit.play for name, fit in self.fits.items()}
         self.plays |= {name: min(float(np.max(b.play(_ROUND))) for b in held) for name, held in measured.between.items()}
-        self._meant, self._system = System(nominal), System(measured.machine)
-        self._known = self._meant.close(np.linspace(float(theta.min()), float(theta.max()), _KNOWN))
-        self._block = max(1, _CELLS // max(1, self._system.width**2))
+        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), System(measured.machine)
         self._seen: dict[bytes, Mapping[str, Moved]] = {}
-
-    def _near(self, theta: Floats) -> Floats:
-        """Poses by the joints as they are meant, from those at the nearest known angle."""
-        known = self._known
-        k = np.rint(np.interp(theta, known.theta, np.arange(len(known.theta)))).astype(int)
-        h = (theta - known.theta[k])[:, None]
-        return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
-        parts = [_outcome(self._meant, output, self._meant.close(part, self._near(part))) for part in self._parts(theta)]
-        return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+        return self._meant.outcome(output, theta)
 
     def moved(self, output: str, theta: Floats) -> Moved:
         """The output by the joints as they are, (n,)."""
         key = theta.tobytes()
         if key not in self._seen:
-            parts = [self._at(part) for part in self._parts(theta)]
+            parts = [self._at(part) for part in _parts(self._system, theta)]
             if len(self._seen) > 3:
                 del self._seen[next(reversed(self._seen))]  # the judged angles, which came first, stay
             self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
         return self._seen[key][output]
 
-    def _parts(self, theta: Floats) -> Sequence[Floats]:
-        """So few angles at a time that their matrices stay small."""
-        return np.array_split(theta, -(-len(theta) // self._block))
-
     def _at(self, theta: Floats) -> Mapping[str, Moved]:
         """All outputs by the joints as they are, (n,)."""
-        closed = self._system.close(theta, self._near(theta))
+        closed = self._system.close(theta, self._meant.near(theta))
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
         levers = {
             joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
@@ -112,6 +129,11 @@ class Proof:
                     reach[joint.name] = share / levers.get(joint.name, 1.0)
             found[output.name] = Moved(value, slope, reach, play)
         return found
+
+
+def _parts(system: System, theta: Floats) -> Sequence[Floats]:
+    """So few angles at a time that their matrices stay small."""
+    return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
 
 
 def _joined(parts: Sequence[Moved]) -> Moved:
