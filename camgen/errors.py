@@ -56,7 +56,7 @@ class SpecError(CamgenError):
         self.faults = tuple(faults)
         self.source = source
         lines = "\n".join(f"  {fault}" for fault in self.faults)
-        super().__init__(f"{source}: {len(self.faults)} fault(s)\n{lines}")
+        super().__init__(f"{source}: {len(self.faults)} fault{'' if len(self.faults) == 1 else 's'}\n{lines}")
 
 
 class DesignError(CamgenError):

@@ -82,8 +82,9 @@ class Report:
     @property
     def verdict(self) -> str:
         """One line: how many checks hold or fail, and what was not judged."""
-        failed = sum(not finding.ok for finding in self.findings)
-        said = f"{failed} of {len(self.findings)} checks fail" if failed else f"All {len(self.findings)} checks hold"
+        failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
+        held = "The one check holds" if count == 1 else f"All {count} checks hold"
+        said = f"{failed} of {count} checks fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
     def _repr_html_(self) -> str:
