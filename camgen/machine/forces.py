@@ -203,7 +203,9 @@ def _acting(system: System, q: Floats, rates: Floats) -> Floats:
         elif isinstance(load, Resistance):
             value, gradient = system.measured(load.of, q)
             speed = np.sum(gradient[:, 0] * rates, axis=1)
-            force = load.force - load.rate * value - load.damping * speed
+            force = load.force - load.rate * value - load.damping * speed - load.friction * np.sign(speed)
+            if load.law is not None:
+                force = force + load.law(value)
             acting += (force / (MM if isinstance(load.of, Angle) else 1.0))[:, None] * gradient[:, 0]
         else:
             a, b = (load.on, load.by) if isinstance(load, Torque) else (load.a, load.b)

@@ -229,9 +229,10 @@ class Along:
 
 @dataclass(frozen=True)
 class Resistance:
-    """A force along a slide (N) or torque on an angle (N m): force - rate * measure - damping * its speed.
+    """A force along a slide (N) or torque on an angle (N m), by the measure x: force + law(x) - rate x - damping v - friction
+    against v, its speed.
 
-    rate: N/mm or N m/rad; damping: N s/mm or N m s/rad.
+    rate: N/mm or N m/rad; damping: N s/mm or N m s/rad; friction: N or N m, none at rest.
     """
 
     name: str
@@ -239,6 +240,8 @@ class Resistance:
     force: float = 0.0
     rate: float = 0.0
     damping: float = 0.0
+    friction: float = 0.0
+    law: Callable[[Floats], Floats] | None = None
 
 
 Load = Force | Torque | Spring | TorsionSpring | Gravity | Resistance

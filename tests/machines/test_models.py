@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from camgen.machine.closure import System
+from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline import build as pipeline
 
@@ -56,3 +57,20 @@ def test_the_model_moves_as_the_mechanism(spec: str, overrides: list[str], outpu
     # power put in is what the energy and the loads take
     forces = run.forces()
     np.testing.assert_allclose(forces.power, forces.power_in + forces.loads, atol=1e-9 * max(1e-9, np.abs(forces.power).max()))
+
+
+@pytest.mark.parametrize("overrides", [[], ["geometry.closure='force'", "load.closing_n_m=2"], ["motor.speed_rpm=-30"]])
+def test_the_indexing_cams_forces_are_its_torques(overrides: list[str]) -> None:
+    """Link, friction and unloader through gears, by the Jacobian and by sums; the normal by the pressure angle."""
+    made = pipeline.read_mechanism(SPECS / "indexing-cam.toml", overrides)
+    assert isinstance(made, IndexingCam)
+    theta = made._study.fine
+    forces, torques, closing = made.solve(theta).forces(), made._study.at(theta), made.load.closing_n_m
+    np.testing.assert_allclose(forces.contacts["contact"], torques.follower + closing, atol=1e-12)
+    np.testing.assert_allclose(forces.drives["motor"], torques.shaft + closing * made.program(theta, 1), atol=1e-12)
+    cams = list(made.cams.values())
+    effort = torques.follower + closing
+    steep = np.where((effort >= 0) | (len(cams) == 1), cams[0].steepness(theta), cams[-1].steepness(theta))
+    lever = made.geometry.follower.arm * 1e-3 * np.cos(steep)
+    np.testing.assert_allclose(np.abs(forces.pressing["contact"]), np.abs(effort) / lever, rtol=1e-9, atol=1e-9)
+    assert made.study().numbers["peak_contact_force_n"] == pytest.approx(np.abs(effort / lever).max())

@@ -31,11 +31,11 @@ from camgen.machine.cam_drive import Load as CamLoad
 from camgen.machine.cam_drive import cam_machine
 from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Pose, Rolling
-from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place
+from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
-from camgen.machine.study import Sketch, Study
+from camgen.machine.study import Plot, Sketch, Study
 from camgen.machines.indexing_cam.study import IndexingStudy
-from camgen.machines.indexing_cam.unloader import CrankSpring, Load, SpringTorque, antisymmetric, law_torque
+from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
@@ -312,12 +312,15 @@ class IndexingCam(Mechanism):
         pressed = CamLoad(self.load.follower_inertia_kg_m2, preload=self.load.closing_n_m)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
         link, ratio = Body("driven-link", inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
+        spring = None if self._spring is None else OnLink(self._spring, ratio * self.swing)
+        borne = Resistance("unloader and friction", Angle(link.name), friction=self.load.friction_n_m, law=spring)
         return replace(
             drive,
             bodies=(*drive.bodies, link),
             joints=(*drive.joints, Pin("link's axle", Place(link.name), Place(GROUND, self._link_centre)),
                     Gear("gears", "follower", link.name, ratio)),
             start={**drive.start, link.name: Start(self._link_centre, ratio * drive.start["follower"].angle)},
+            loads=(*drive.loads, borne),
             outputs=(*drive.outputs, Output("link", Angle(link.name), "rad")),
         )  # fmt: skip
 
@@ -457,7 +460,14 @@ class IndexingCam(Mechanism):
         wanted = self.synthesis
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
         found = self._study.study(self.cams, asked)
-        return Study(numbers | dict(found.numbers), found.plots, found.tables, self._sketches(), found.notes)
+        theta = self._study.fine
+        forces = self.solve(theta).forces()
+        pressing = forces.pressing["contact"]
+        numbers |= dict(found.numbers)
+        numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
+                    "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
+        drawn = Plot("Contact force", "cam angle, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
+        return Study(numbers, (*found.plots, drawn), found.tables, self._sketches(), found.notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""

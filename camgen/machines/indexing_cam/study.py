@@ -76,6 +76,11 @@ class IndexingStudy:
         return theta, turning, self.at(theta)
 
     @property
+    def fine(self) -> Floats:
+        """Cam angles at which torques are looked at, (n,) rad, the joints from either side."""
+        return self._fine[0]
+
+    @property
     def residual(self) -> float:
         """Peak of the demand while the link turns, as a share of that without the unloader."""
         _, turning, found = self._fine

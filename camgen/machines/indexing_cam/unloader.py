@@ -82,6 +82,18 @@ class CrankSpring:
 
 
 @dataclass(frozen=True)
+class OnLink:
+    """The spring's torque by the link's angle, which runs from 0 to `stroke`, rad, of either sign."""
+
+    spring: SpringTorque
+    stroke: float
+
+    def __call__(self, angle: Floats) -> Floats:
+        """Torque on the link, N m, (n,)."""
+        return np.asarray(math.copysign(1.0, self.stroke) * self.spring(angle / self.stroke))
+
+
+@dataclass(frozen=True)
 class Load:
     """What the follower drives: inertia of the link and of the follower, friction at the link, gear ratio link / follower."""
 
