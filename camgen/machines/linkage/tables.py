@@ -6,12 +6,14 @@ lengths override drawn distances. Two links that share a point are pinned there.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Iterable
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
+from camgen.errors import Fault
 from camgen.motion.segments import NamedLaw
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, unknown
 
 Name = Annotated[
     str,
@@ -111,8 +113,58 @@ def pair(key: str) -> tuple[str, str] | None:
     return (names[0].strip(), names[1].strip()) if len(names) == 2 and all(names) else None
 
 
+class Shape(Record):
+    """The body of one link, where it differs from the others."""
+
+    thickness: Length | None = Field(None, description="mm")
+    hub_diameter: Length | None = Field(None, description="mm, of the hubs and of the bands between them")
+
+
+class Parts(Record):
+    """Sizes of the bodies; a further table by a link's name is the shape of that link."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Shape] = Field(init=False)
+
+    thickness: Length = Field(4.0, description="mm, of a link")
+    pin_diameter: Length = Field(5.0, description="mm, of pins")
+    wall: Length = Field(2.0, description="mm, round each hole")
+    head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
+    base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
+    shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
+    shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
+    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field("M3", description="thread of the plate's screws")
+    pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
+    )
+
+    def shape(self, link: str) -> Shape:
+        """What is special to a link."""
+        return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
+
+    def faults(self, links: Iterable[str], nozzle: float) -> list[Fault]:
+        """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
+        known = [*type(self).model_fields, *links]
+        found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
+        least = f"at least the nozzle, {nozzle:g} mm"
+        thin = [key for key in ("thickness", "wall", "head", "base_thickness") if getattr(self, key) < nozzle]
+        found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
+        if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
+            right = "between a twentieth and half of shaft_diameter, so that it turns the link"
+            found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
+        return found
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(30.0, description="deg, least of each loop")
+    lash: Annotated[float, Field(ge=0, le=1e6)] = Field(1e6, description="mm, free play of an output by all joints' play")
+    min_wall: Length = Field(0.8, description="mm")
+
+
 Points = dict[Name, Place]
 Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=60)]]
 Lengths = dict[str, Length]
-Layers = dict[Name, Annotated[int, Field(ge=0, le=60)]]
-Tables = dict[str, Any]
+Layers = dict[Name, Annotated[int, Field(ge=1, le=60)]]

@@ -1,0 +1,189 @@
+"""Any planar machine from a spec: `mechanism = "linkage"`.
+
+    [points]   roughly where things are at theta = 0          [lengths]  exact distances
+    [links]    bodies by the points that they carry           [drive]    what turns: all round, or to and fro over range_deg
+    signal     one number over theta that an output gives: an angle, a place, or a coordinate of a path
+
+theta is the driven link's angle from its drawn position. Of a drive that goes to and fro the poses are asked for over a
+whole period: a harmonic motion from the least angle of the range to the greatest and back.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault
+from camgen.findings import Finding, at_least
+from camgen.geometry.outlines import Floats
+from camgen.machine import model as m
+from camgen.machine.contacts import Contact, Pose
+from camgen.machine.run import Run, solve
+from camgen.machine.study import Study
+from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
+from camgen.machines.linkage import figures
+from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.drawing import Drawing
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.part import Part
+from camgen.spec import Output, unknown
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One number of an output: column's name without its unit, unit for people ("deg" or "mm").
+
+    of: the output's name; turned: unit complex that the output is divided by before its real part is taken.
+    """
+
+    name: str
+    unit: str
+    of: str
+    turned: complex = 1.0
+
+    @property
+    def scale(self) -> float:
+        """How many of the unit one rad or mm is."""
+        return math.degrees(1) if self.unit == "deg" else 1.0
+
+    def rows(self, run: Run) -> Floats:
+        """It with its derivatives to theta, (order + 1, n) rad or mm."""
+        return np.asarray(np.real(run.derivatives(self.of) / self.turned))
+
+
+class Linkage(Mechanism):
+    """Spec and answers of a linkage; angles rad, places mm."""
+
+    points: t.Points
+    links: t.Links
+    lengths: t.Lengths = Field({}, description='mm, exact distances of two points of one link, "A-B"')
+    drive: t.Drive
+    slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = ()
+    slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
+    gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = ()
+    cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
+    wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
+    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
+    masses: dict[t.Name, t.Masses] = {}
+    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
+    layers: t.Layers = Field({}, description="level of a link, 1 is the lowest; what is left out is found")
+    allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        moving = [link for link in self.links if link != m.GROUND]
+        found = self._drawing.faults()
+        found += [unknown(f"layers.{link}", link, moving) for link in self.layers if link not in moving]
+        return [*found, *self.making.faults(self.links, self.print.nozzle)]
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _drawing(self) -> Drawing:
+        return Drawing(
+            self.points, self.links, self.lengths, self.drive, self.slides, self.slots, self.gears, self.cams, self.wanted,
+            self.masses,
+        )  # fmt: skip
+
+    def machine(self) -> m.Machine:
+        """The model, closed as drawn; DesignError where it does not close, is loose or locked, or cannot turn as asked."""
+        return self._machine
+
+    @cached_property
+    def _machine(self) -> m.Machine:
+        machine = self._drawing.machine()
+        if self.drive.range_deg is None:
+            refuse_partial(machine)
+        else:
+            self._refuse_range(machine)
+        refuse_folds(machine, *self.range)
+        return machine
+
+    def _refuse_range(self, machine: m.Machine) -> None:
+        """Raise DesignError where the range asked for is more than the chain has."""
+        can = turn(machine)
+        low, high = math.degrees(can.low), math.degrees(can.high)
+        asked, said = self.drive.range_deg or (0.0, 0.0), f"it closes from {low:.6g} to {high:.6g} deg"
+        for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
+                                             can.ends[1])):  # fmt: skip
+            if not can.full and beyond:
+                where = f"joint {', '.join(joints)}: {said}"
+                raise DesignError("drive.range_deg", value, limit, "deg", where, "ask for a range within it")
+
+    @property
+    def speed(self) -> float:
+        """Speed of the driven link, rad/s; of one that goes to and fro its greatest, a period being a turn."""
+        return self.drive.speed_rpm * math.tau / 60
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and greatest theta, rad."""
+        low, high = self.drive.range_deg or (0.0, 360.0)
+        return math.radians(low), math.radians(high)
+
+    def course(self, phase: Floats) -> Floats:
+        """theta at a phase of the period, (n,) rad: the same where the drive turns."""
+        if self.drive.range_deg is None:
+            return phase
+        low, high = self.range
+        return np.asarray(low + (high - low) * (1 - np.cos(phase)) / 2)
+
+    def solve(self, theta: ArrayLike, order: int = 2) -> Run:
+        """The machine at theta, (n,) rad."""
+        return solve(self.machine(), theta, order)
+
+    @cached_property
+    def signals(self) -> tuple[Signal, ...]:
+        """What the outputs give, as single numbers."""
+
+        found = []
+        for output in self.machine().outputs:
+            if isinstance(output.of, m.Path):
+                found += [Signal(f"{output.name}_x", "mm", output.name), Signal(f"{output.name}_y", "mm", output.name, 1j)]
+            else:
+                unit = "deg" if isinstance(output.of, m.Angle) else "mm"
+                found.append(Signal(output.name, unit, output.name))
+        return tuple(found)
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """The first signal over a period, rad or mm; its derivatives are to theta."""
+        found: Floats = self.signals[0].rows(self.solve(self.course(np.asarray(theta, float)), order))[order]
+        return found
+
+    # ---- bodies -----------------------------------------------------------------------------------------------------
+
+    def parts(self) -> Sequence[Part]:
+        """None yet."""
+        raise DesignError("bodies of a linkage", 0, 1, "", self.name, "links as parts are not made yet")
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        """Of nothing yet."""
+        return {}
+
+    def contacts(self) -> Sequence[Contact]:
+        """None yet."""
+        return ()
+
+    def limits(self) -> Sequence[Finding]:
+        """How near each loop comes to a fold."""
+        low, high = self.range
+        found = []
+        for fold in folds(self.machine(), low, high):
+            angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
+            found.append(at_least(
+                "TRANSMISSION_ANGLE", angle, self.allowed.transmission_angle_deg, "deg",
+                f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+                "least over the motion; at 0 the chain folds and may go on either way",
+            ))  # fmt: skip
+        return found
+
+    def study(self) -> Study:
+        """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar."""
+        return figures.study(self)

@@ -1,0 +1,150 @@
+"""Any planar machine from a spec: motion against closed forms, what is refused and how, the bodies and their proof."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import CamgenError, DesignError, SpecError
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.spec import read, validate
+
+THETA = np.linspace(0.1, 6.2, 97)
+
+SLIDER_CRANK = {
+    "points": {"O": [0, 0], "R": [50, 0], "A": [21, 0], "B": [80, 0]},
+    "links": {"ground": ["O", "R"], "crank": ["O", "A"], "rod": ["A", "B"], "ram": ["B"]},
+    "lengths": {"O-A": 20, "A-B": 60},
+    "slide": [{"link": "ram", "along": ["O", "R"]}],
+    "output": [{"name": "ram", "link": "ram"}],
+}
+YOKE = {
+    "points": {"O": [0, 0], "R": [50, 0], "A": [20, 0], "D": [20, -30], "E": [20, 30]},
+    "links": {"ground": ["O", "R"], "crank": ["O", "A"], "yoke": ["D", "E"]},
+    "slide": [{"link": "yoke", "along": ["O", "R"]}],
+    "slot": [{"pin": "A", "link": "yoke", "along": ["D", "E"]}],
+    "output": [{"name": "yoke", "link": "yoke"}],
+}
+WHITWORTH = {
+    "points": {"O": [0, 0], "A": [0, 20], "D": [0, -50], "E": [0, 60]},
+    "links": {"ground": ["O", "D"], "crank": ["O", "A"], "arm": ["D", "E"]},
+    "slot": [{"pin": "A", "link": "arm", "along": ["D", "E"]}],
+    "output": [{"name": "arm", "link": "arm"}],
+}
+
+
+def spec(**tables: Any) -> dict[str, Any]:
+    return {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables}
+
+
+def linkage(**tables: Any) -> Linkage:
+    return validate(Linkage, spec(**tables))
+
+
+@pytest.fixture
+def four_bar(root: Path) -> dict[str, Any]:
+    return read(root / "specs" / "linkage.toml")
+
+
+# ---- motion ----------------------------------------------------------------------------------------------------------
+
+
+def test_four_bar_by_freudenstein(four_bar: dict[str, Any]) -> None:
+    ground, crank, coupler, rocker = 70, 20, 60, 50
+    run = validate(Linkage, four_bar).solve(THETA)
+    k1, k2 = ground / crank, ground / rocker
+    k3 = (crank**2 - coupler**2 + rocker**2 + ground**2) / (2 * crank * rocker)
+    psi = run["swing"]
+    assert np.max(np.abs(k1 * np.cos(psi) - k2 * np.cos(THETA) + k3 - np.cos(THETA - psi))) < 1e-12
+    a = crank * np.exp(1j * THETA)
+    b = ground + rocker * np.exp(1j * psi)
+    drawn = (complex(22, 52) - 20) / abs(complex(55, 48) - 20)
+    assert np.max(np.abs(np.abs(run["pen"] - a) - abs(drawn) * abs(complex(55, 48) - 20))) < 1e-12
+    assert np.all(((run["pen"] - a) / (b - a)).imag > 0)
+
+
+def test_slider_crank() -> None:
+    machine = linkage(**SLIDER_CRANK)
+    run = machine.solve(THETA)
+    x = 20 * np.cos(THETA) + np.sqrt(60**2 - (20 * np.sin(THETA)) ** 2)
+    assert np.max(np.abs(run["ram"] - x)) < 1e-12
+    assert machine.study().numbers["ram_stroke_mm"] == pytest.approx(40, abs=1e-6)
+
+
+def test_scotch_yoke_is_a_sine() -> None:
+    run = linkage(**YOKE).solve(THETA)
+    rate = math.tau  # 60 rpm
+    assert np.max(np.abs(run["yoke"] - 20 * np.cos(THETA))) < 1e-12
+    assert np.max(np.abs(run.acceleration["yoke"] + rate**2 * 20 * np.cos(THETA))) < 1e-9
+
+
+def test_quick_return() -> None:
+    machine = linkage(**WHITWORTH)
+    run = machine.solve(THETA)
+    pin = 20j * np.exp(1j * THETA) + 50j
+    assert np.max(np.abs(np.exp(1j * run["arm"]) - pin / np.abs(pin))) < 1e-12
+    swing = 2 * math.degrees(math.asin(20 / 50))
+    assert machine.study().numbers["arm_stroke_deg"] == pytest.approx(swing, abs=1e-6)
+
+
+# ---- what is refused -------------------------------------------------------------------------------------------------
+
+
+def twice(e: dict[str, Any]) -> None:
+    e["output"].append(dict(e["output"][0]))
+
+
+def long_crank(e: dict[str, Any], **drive: Any) -> None:
+    e["points"] |= {"A": [30, 52], "B": [85, 45]}
+    e["lengths"]["O-A"] = 60
+    e["drive"] |= drive
+
+
+def many(e: dict[str, Any]) -> None:
+    for k in range(200):
+        e["points"][f"N{k}"] = [k, 7]
+        e["links"][f"l{k}"] = ["A", f"N{k}"]
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "said"),
+    [
+        (twice, SpecError, "output.2.name"),
+        (lambda e: e["points"].update(X=[1, 2]), SpecError, "points.X"),
+        (lambda e: e["points"].update({"1 x": [1, 2]}), SpecError, "a letter first"),
+        (lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])), SpecError, "nothing holds it"),
+        (lambda e: e["links"].update(hung=["A"]), DesignError, "freedoms left"),
+        (lambda e: e["links"].update(strut=["A", "B"]), DesignError, "conditions too many"),
+        (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "lengths that can meet"),
+        (lambda e: e["lengths"].update({"C-B": 5}), DesignError, "gap of the joints as drawn"),
+        (lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]), SpecError, "two different points"),
+        (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "drive"),
+        (lambda e: e["layers"].update(rocer=1) if "layers" in e else e.update(layers={"rocer": 1}), SpecError, "'rocker'"),
+        (lambda e: e["parts"].update(rocker={"thicknes": 3}), SpecError, "'thickness'"),
+        (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
+        (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
+        (many, SpecError, "at most 200"),
+        (long_crank, DesignError, "range of the drive"),
+        (lambda e: long_crank(e, range_deg=[-40, 170]), DesignError, "drive.range_deg"),
+        (lambda e: e.pop("output"), SpecError, "missing"),
+    ],
+)  # fmt: skip
+def test_bad_specs(
+    four_bar: dict[str, Any], change: Callable[[dict[str, Any]], object], kind: type[CamgenError], said: str
+) -> None:
+    change(four_bar)
+    with pytest.raises(kind) as caught:
+        validate(Linkage, four_bar).machine()
+    assert said in str(caught.value) and caught.value.exit_code == (2 if kind is SpecError else 3)
+
+
+def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:
+    long_crank(four_bar, range_deg=[-20, 10])
+    machine = validate(Linkage, four_bar)
+    assert np.isfinite(machine.motion(np.linspace(0, math.tau, 100))).all()
+    assert np.ptp(np.degrees(machine.course(np.linspace(0, math.tau, 361)))) == pytest.approx(30)
