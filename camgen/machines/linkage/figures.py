@@ -22,7 +22,7 @@ def study(linkage: Linkage) -> Study:
     theta = np.linspace(*linkage.range, ROWS)
     run, degrees, label = linkage.solve(theta), np.degrees(theta), f"{linkage.drive.link}, deg"
     numbers: dict[str, float] = {}
-    plots, rows, sketches = [], [], []
+    plots, rows = [], []
     columns: dict[str, Floats] = {"theta_deg": degrees}
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
@@ -43,7 +43,6 @@ def study(linkage: Linkage) -> Study:
             marks = path[::60]  # of equal time where the drive turns evenly
             series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
             plots.append(Plot(f"Path of {output.name}", "x, mm", "y, mm", series, equal=True))
-            sketches.append(Sketch(f"path of {output.name}", (path,)))
     heads = ("output", "unit", "least", "greatest", "stroke", "peak speed, /s", "peak acceleration, /s^2")
     tables = [Table("Outputs", heads, rows)]
     notes = []
@@ -54,7 +53,14 @@ def study(linkage: Linkage) -> Study:
                      f"{bar.margin:.6g} mm.")  # fmt: skip
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
-    return Study(numbers, plots, tables, sketches, notes, columns)
+    return Study(numbers, plots, tables, paths(linkage), notes, columns)
+
+
+def paths(linkage: Linkage) -> tuple[Sketch, ...]:
+    """Paths of points, on the ground."""
+    run = linkage.solve(np.linspace(*linkage.range, ROWS // 2), 0)
+    outputs = [output for output in linkage.machine().outputs if isinstance(output.of, m.Path)]
+    return tuple(Sketch(f"path of {each.name}", (np.asarray(run[each.name], complex),)) for each in outputs)
 
 
 def four_bar_of(machine: m.Machine, driven: str) -> FourBar | None:

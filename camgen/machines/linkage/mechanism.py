@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated
 
@@ -23,17 +23,22 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
+from camgen.machine import contacts
 from camgen.machine import model as m
 from camgen.machine.contacts import Contact, Pose
+from camgen.machine.features import Eye, PinEyes
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines.linkage import figures
 from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.bodies import Bodies, placed
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
+
+_SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
 @dataclass(frozen=True)
@@ -159,17 +164,41 @@ class Linkage(Mechanism):
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
+    @cached_property
+    def bodies(self) -> Bodies:
+        """What is made of it; levels that [layers] leaves open are found."""
+        bodies = Bodies(self.machine(), self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers)
+        if set(self.links) - {m.GROUND} <= set(self.layers):
+            return bodies
+        return replace(bodies, given=bodies.levels(self.solve(self.course(_SAMPLES), 0)))
+
+    def found(self) -> Mapping[str, object]:
+        """Levels, and what every mechanism fills in."""
+        return {**super().found(), **{f"layers.{link}": level for link, level in self.bodies.given.items()}}
+
     def parts(self) -> Sequence[Part]:
-        """None yet."""
-        raise DesignError("bodies of a linkage", 0, 1, "", self.name, "links as parts are not made yet")
+        """Ground plate, links, pins, spacers, shaft and collar."""
+        return self.bodies.parts
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Of nothing yet."""
-        return {}
+        """Every copy on its body; theta is the phase of the period."""
+        run, found = self.solve(self.course(np.asarray(theta, float)), 0), dict[str, list[Pose]]()
+        still = m.Pose(np.zeros(run.theta.shape, complex), np.zeros(run.theta.shape))
+        poses = {body.name: still if body.name == m.GROUND else run.pose(body.name) for body in run.machine.bodies}
+        for mount in self.bodies.mounts:
+            found.setdefault(mount.part, []).append(Pose(*placed(mount, poses[mount.body]), mount.flipped, mount.z))
+        for sketch in figures.paths(self):
+            found[sketch.name] = [Pose(still.angle, still.place)]
+        return found
 
     def contacts(self) -> Sequence[Contact]:
-        """None yet."""
-        return ()
+        """All pins; the point that is traced."""
+        clearance = {joint.name: joint.clearance for joint in self.bodies.fitted().joints}
+        eyes: list[Contact] = [
+            contacts.Pin(each.joint, _eye(each.a), _eye(each.b), clearance[each.joint], _eye(each.pin) if each.pin else None)
+            for each in self.bodies.features() if isinstance(each, PinEyes)
+        ]  # fmt: skip
+        return eyes
 
     def limits(self) -> Sequence[Finding]:
         """How near each loop comes to a fold."""
@@ -187,3 +216,7 @@ class Linkage(Mechanism):
     def study(self) -> Study:
         """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar."""
         return figures.study(self)
+
+
+def _eye(eye: Eye) -> contacts.Eye:
+    return contacts.Eye(eye.part, eye.at, eye.diameter, eye.shaft)

@@ -116,7 +116,6 @@ def pair(key: str) -> tuple[str, str] | None:
 class Shape(Record):
     """The body of one link, where it differs from the others."""
 
-    thickness: Length | None = Field(None, description="mm")
     hub_diameter: Length | None = Field(None, description="mm, of the hubs and of the bands between them")
 
 
@@ -134,7 +133,7 @@ class Parts(Record):
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
-    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field("M3", description="thread of the plate's screws")
+    mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
     )
@@ -148,6 +147,12 @@ class Parts(Record):
         known = [*type(self).model_fields, *links]
         found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
+        if self.head > self.thickness:
+            right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
+            found.append(Fault("parts.head", f"{self.head:g}", right))
+        if self.shaft_length < self.thickness + 2:
+            right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
+            found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
         thin = [key for key in ("thickness", "wall", "head", "base_thickness") if getattr(self, key) < nozzle]
         found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
         if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:

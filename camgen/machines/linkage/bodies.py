@@ -1,0 +1,302 @@
+"""A linkage as parts: links round their hubs, a ground plate, pins, spacers and the shaft that drives.
+
+    link     a band round its hubs, a plate where it has three and more; it lies on its level
+    plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
+    pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it
+    spacer   round a pin, where levels between its links are empty
+    shaft    at the driven link's pivot: its flat turns that link, the highest there; it turns in the plate, held by a collar
+    pen      a hole at a point that is an output and no pin
+
+A level is one thickness and one play high, so that flat faces run on each other.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour, Floats, Region, circle
+from camgen.machine import model as m
+from camgen.machine.features import Eye, Feature, Mark, Mount, PinEyes
+from camgen.machine.run import Run
+from camgen.machines.linkage.tables import Parts
+from camgen.parts.hardware import plate, spacer
+from camgen.parts.levels import Axis, Band, hull_corners, levels
+from camgen.parts.part import Layer, Part, d_bore, hull
+from camgen.spec import Print
+
+GROUND = m.GROUND
+_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}"}
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What is made of a machine of pins.
+
+    machine: closed as drawn; driven: link on the shaft; given: levels that are asked for; min_wall: mm.
+    """
+
+    machine: m.Machine
+    driven: str
+    sizes: Parts
+    fits: Print
+    min_wall: float
+    given: Mapping[str, int]
+
+    # ---- what is where ----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def pivots(self) -> dict[str, tuple[str, ...]]:
+        """Links at each point with a pin, the ground first, by the point's name."""
+        for joint in self.machine.joints:
+            if not isinstance(joint, m.Pin):
+                kind = f"{type(joint).__name__.lower()} {joint.name}"
+                raise DesignError(
+                    "joints other than pins", sum(not isinstance(j, m.Pin) for j in self.machine.joints), 0, "", kind,
+                    "bodies are made of chains of pins alone so far: make this joint of links and pins",
+                )  # fmt: skip
+        bodies = self.machine.bodies
+        carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
+        return {
+            name: tuple(sorted(links, key=lambda link: link != GROUND)) for name, links in carriers.items() if len(links) > 1
+        }
+
+    @cached_property
+    def pens(self) -> dict[str, str]:
+        """The link of each point that is an output and no pin."""
+        found = {}
+        for output in self.machine.outputs:
+            if isinstance(output.of, m.Path) and self.sizes.pen_diameter and output.of.of.body != GROUND:
+                body = self.machine.body(output.of.of.body)
+                name = next(name for name, z in body.points.items() if z == output.of.of.at)
+                if name not in self.pivots:
+                    found[name] = body.name
+        return found
+
+    @cached_property
+    def shaft(self) -> str:
+        """The point at which the driven link is pinned to the ground."""
+        return next(name for name, links in self.pivots.items() if links[0] == GROUND and self.driven in links)
+
+    def _turning(self, point: str) -> float:
+        """Diameter of what turns at a point, mm."""
+        return self.sizes.shaft_diameter if point == self.shaft else self.sizes.pin_diameter
+
+    def _pressed_in(self, point: str) -> str:
+        """The link in which the pin or the shaft of a point is fixed."""
+        if point == self.shaft:
+            return self.driven
+        links = self.pivots[point]
+        return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
+
+    def hole(self, point: str, link: str) -> float:
+        """Diameter of a link's hole at a point, mm."""
+        if point in self.pens:
+            return self.sizes.pen_diameter
+        return self._turning(point) + self._fit(point, link)
+
+    def _fit(self, point: str, link: str) -> float:
+        return self.fits.press_clearance if link == self._pressed_in(point) else self.fits.slide_clearance
+
+    def _hub(self, point: str, link: str) -> float:
+        """Radius of a link's hub, mm, whichever fit its hole gets."""
+        wide = max(self.fits.press_clearance, self.fits.slide_clearance)
+        hole = self.sizes.pen_diameter if point in self.pens else self._turning(point) + wide
+        return max(hole / 2 + self.sizes.wall, (self.sizes.shape(link).hub_diameter or 0.0) / 2)
+
+    def points_of(self, link: str) -> dict[str, complex]:
+        """The points of a link that have a hole, in its frame."""
+        points = self.machine.body(link).points.items()
+        return {name: complex(z) for name, z in points if name in self.pivots or self.pens.get(name) == link}
+
+    # ---- levels -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def level(self) -> dict[str, int]:
+        """Level of each link, 0 the ground's plate."""
+        if all(body.name in self.given for body in self.machine.moving):
+            return {GROUND: 0, **self.given}
+        raise ValueError("levels are found before bodies are made")
+
+    def levels(self, run: Run) -> dict[str, int]:
+        """Level of each link, those given kept; run: samples over the whole motion."""
+        bands, axes = [], []
+        for body in self.machine.moving:
+            points = self.points_of(body.name)
+            places = list(points.values())
+            at = np.array([run.point(body.name, places[k])[0] for k in hull_corners(places)])
+            bands.append(Band(body.name, at, max(self._hub(point, body.name) for point in points)))
+        for point, links in self.pivots.items():
+            moving = tuple(link for link in links if link != GROUND)
+            driven = point == self.shaft
+            place = run.point(moving[0], point)[0]
+            radius = self._turning(point) / 2 + self.sizes.head
+            axes.append(Axis(point, moving, place, radius, links[0] == GROUND, not driven, self.driven if driven else None))
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given)
+
+    def floor(self, level: int) -> float:
+        """Height of a level's floor over the plate's underside, mm."""
+        step = self.sizes.thickness + self.fits.slide_clearance
+        return 0.0 if level == 0 else self.sizes.base_thickness + self.fits.slide_clearance + (level - 1) * step
+
+    def _top(self, level: int) -> float:
+        return self.floor(level) + (self.sizes.thickness if level else self.sizes.base_thickness)
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _made(self) -> tuple[list[Part], list[Mount]]:
+        parts = [self._plate(), *(self._link(body.name) for body in self.machine.moving)]
+        mounts = [Mount(part_name(GROUND), GROUND)]
+        mounts += [Mount(part_name(body.name), body.name, z=self.floor(self.level[body.name])) for body in self.machine.moving]
+        bought: list[tuple[Part, Mount]] = []
+        for point in self.pivots:
+            bought += self._stack(point)
+        names: dict[Part, str] = {}
+        for part, mount in bought:  # what is alike is one part
+            like = replace(part, name=part.name, title=part.title)
+            if like not in names:
+                count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
+                names[like] = f"{part.name}-{count}" if part.name in _ABOUT else part.name
+            mounts.append(replace(mount, part=names[like]))
+        copies = Counter(mount.part for mount in mounts)
+        for like, name in names.items():
+            title = _ABOUT[like.name].format(name.rpartition("-")[2]) if like.name in _ABOUT else like.title
+            parts.append(replace(like, name=name, title=title, count=copies[name]))
+        return parts, mounts
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """Plate, links, then what holds them together."""
+        return self._made[0]
+
+    @property
+    def mounts(self) -> Sequence[Mount]:
+        """Every copy of every part on its body."""
+        return self._made[1]
+
+    def _link(self, link: str) -> Part:
+        points = self.points_of(link)
+        holes: dict[str, Contour] = {}
+        for point, z in points.items():
+            holes[f"hole {point}"] = circle(z, self.hole(point, link) / 2)
+            if point == self.shaft and link == self.driven:
+                holes[f"hole {point}"] = self._profile(self.fits.press_clearance).moved(1, z)
+        outer = hull([(z, self._hub(point, link)) for point, z in points.items()])
+        region = plate(f"link {link}", outer, holes, self.min_wall)
+        first = next(iter(points))
+        bore = self.hole(first, link) if points[first] == 0 else None
+        return Part(
+            part_name(link), f"Link {link}", (Layer(region, 0.0, self.sizes.thickness),), centres=tuple(points.values()),
+            notes=(f"level {self.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
+        )  # fmt: skip
+
+    def _pressed(self, link: str) -> list[str]:
+        fixed = [point for point in self.points_of(link) if point in self.pivots and self._pressed_in(point) == link]
+        return [f"pressed in here: {', '.join(fixed)}"] if fixed else []
+
+    def _plate(self) -> Part:
+        points = {name: z for name, z in self.points_of(GROUND).items() if name in self.pivots}
+        holes = {f"hole {point}": circle(z, self.hole(point, GROUND) / 2) for point, z in points.items()}
+        hubs = [(z, self._hub(point, GROUND)) for point, z in points.items()]
+        screw = self.sizes.mount_diameter / 2
+        a, b = max(((a, b) for a in hubs for b in hubs), key=lambda pair: abs(pair[1][0] - pair[0][0]))
+        way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
+        screws = [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
+        holes |= {f"screw {k}": circle(z, screw) for k, z in enumerate(screws, 1)}
+        outer = hull([*hubs, *((z, screw + self.sizes.wall) for z in screws)])
+        region = plate("ground plate", outer, holes, self.min_wall)
+        return Part(
+            part_name(GROUND), "Ground plate", (Layer(region, 0.0, self.sizes.base_thickness),),
+            centres=(*points.values(), *screws), min_wall=self.min_wall,
+            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)),
+        )  # fmt: skip
+
+    def _profile(self, fit: float) -> Contour:
+        """Outline of the shaft, a circle with a flat, or of its hole."""
+        return d_bore(self.sizes.shaft_diameter + fit, self.sizes.shaft_flat)
+
+    def _stack(self, point: str) -> list[tuple[Part, Mount]]:
+        """Pin or shaft of a point, and what is threaded on it."""
+        s, play, body = self.sizes, self.fits.slide_clearance, self._pressed_in(point)
+        held = sorted(self.level[link] for link in self.pivots[point])
+        at, top, found = self._at(body, point), self._top(held[-1]), []
+        if point == self.shaft:
+            found.append((self._shaft(top), Mount("shaft", body, at, z=-s.shaft_length)))
+            ring = Region(circle(0j, s.shaft_diameter / 2 + s.head + s.wall), (self._profile(self.fits.press_clearance),))
+            collar = Part(
+                "collar", "Collar of the shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
+                notes=("pressed and glued on the shaft under the plate",),
+            )  # fmt: skip
+            found.append((collar, Mount("collar", body, at, z=-play - s.thickness)))
+        else:
+            bottom = self.floor(held[0])
+            found.append((self._headed(top + play - bottom), Mount("pin", body, at, flipped=True, z=bottom)))
+        for low, high in zip(held, held[1:], strict=False):
+            height = self.floor(high) - self._top(low) - 2 * play
+            if high - low > 1:
+                wide = self._turning(point)
+                ring_part = spacer("spacer", "Spacer", wide + play, wide + 2 * s.head, height, self.min_wall)
+                found.append((ring_part, Mount("spacer", body, at, z=self._top(low) + play)))
+        return found
+
+    def _at(self, body: str, point: str) -> complex:
+        return complex(self.machine.body(body).points[point])
+
+    def _shaft(self, top: float) -> Part:
+        length = self.sizes.shaft_length + top
+        layer = Layer(Region(self._profile(0.0)), 0.0, length)
+        return Part("shaft", "Shaft", (layer,), centres=(0j,), notes=(f"glued into link {self.driven} and the collar",))
+
+    def _headed(self, length: float) -> Part:
+        """A round pin so long below its head, printed head down."""
+        s = self.sizes
+        head = Layer(Region(circle(0j, s.pin_diameter / 2 + s.head)), 0.0, s.head)
+        shank = Layer(Region(circle(0j, s.pin_diameter / 2)), s.head, s.head + length)
+        return Part("pin", "Pin", (head, shank), centres=(0j,), notes=("pressed and glued in",), cut=1)
+
+    # ---- joints -----------------------------------------------------------------------------------------------------
+
+    def joints(self) -> dict[str, tuple[str, str, str]]:
+        """Point and both links of each joint of the machine, by its name."""
+        found = {}
+        for joint in self.machine.joints:
+            assert isinstance(joint, m.Pin)
+            point = next(n for n, z in self.machine.body(joint.a.body).points.items() if z == joint.a.at and n in self.pivots
+                         and joint.b.body in self.pivots[n])  # fmt: skip
+            found[joint.name] = (point, joint.a.body, joint.b.body)
+        return found
+
+    def features(self) -> Sequence[Feature]:
+        """Holes and pins of every joint, and pens."""
+        on = {(mount.body, mount.at): mount.part for mount in self.mounts if mount.part.startswith("pin-")}
+        found: list[Feature] = []
+        for name, (point, a, b) in self.joints().items():
+            fixed = self._pressed_in(point)
+            part = "shaft" if point == self.shaft else on[fixed, self._at(fixed, point)]
+            one, other = (Eye(part_name(link), self._at(link, point), self.hole(point, link)) for link in (a, b))
+            found.append(PinEyes(name, one, other, Eye(part, 0j, self._turning(point), True)))
+        return [*found, *(Mark(Eye(part_name(link), self._at(link, point), self.sizes.pen_diameter))
+                          for point, link in self.pens.items())]  # fmt: skip
+
+    def fitted(self) -> m.Machine:
+        """The machine with the clearances of its fits, diametral, mm."""
+        play = {name: self._fit(point, a) + self._fit(point, b) for name, (point, a, b) in self.joints().items()}
+        joints = tuple(replace(joint, clearance=play[joint.name]) for joint in self.machine.joints)
+        return replace(self.machine, joints=joints)
+
+
+def part_name(link: str) -> str:
+    """Name of a link's part: such that its files are not taken for those of the whole machine."""
+    return f"link-{link}" if link.lower().startswith(("plate", "assembly", "parts")) else link
+
+
+def placed(mount: Mount, pose: m.Pose) -> tuple[Floats, m.Points]:
+    """Angle and position of a mount's part on the ground, (n,), from those of its body."""
+    turn = np.exp(1j * np.asarray(pose.angle))
+    return np.asarray(pose.angle + mount.turned), np.asarray(pose.place + turn * mount.at, complex)
