@@ -17,7 +17,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from operator import getitem
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -33,7 +33,12 @@ from camgen.spec import Spec, validate
 
 
 class Mechanism(Spec, ABC):
-    """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
+    """Base of all mechanisms; theta is the input angle, rad, counter-clockwise.
+
+    many_outputs: whether columns of motion.csv bear the outputs' names, "foot_x_mm", "foot_x_mm_dxf".
+    """
+
+    many_outputs: ClassVar[bool] = False
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -88,6 +93,11 @@ class Mechanism(Spec, ABC):
         """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""
         motor = getattr(self, "motor", None)
         return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and greatest theta, rad: of a drive that goes to and fro less than a turn."""
+        return 0.0, math.tau
 
     @property
     def sense(self) -> int:

@@ -27,8 +27,8 @@ class Curves:
     def want(self, value: Any, slope: Any) -> None:
         """The wanted motion and its slope, (n,)."""
         self._wanted = value
-        self._put(self.output.name.capitalize(), "wanted", value, f"wanted_{self.unit}")
-        self._put(_SPEED, "wanted", slope, f"wanted_{self.unit}_rad")
+        self._put(self.output.name.capitalize(), "wanted", value, "wanted", "")
+        self._put(_SPEED, "wanted", slope, "wanted", "rad")
 
     def add(self, kind: str, proof: Proof) -> None:
         """What a kind of file gives."""
@@ -36,19 +36,26 @@ class Curves:
         if self._wanted is None:
             self.want(*proof.wanted(name, self.theta))
         moved = proof.moved(name, self.theta)
-        self._put(name.capitalize(), source, moved.value, f"recovered_{kind}_{self.unit}")
+        self._put(name.capitalize(), source, moved.value, "recovered", kind)
         self._put(_SPEED, source, moved.slope)
         self._put(_ERROR, source, moved.value - self._wanted)
-        self._put(_BAND, f"+- {source}", moved.play, f"band_{kind}_{self.unit}")
+        self._put(_BAND, f"+- {source}", moved.play, "band", kind)
 
-    def _put(self, title: str, label: str, values: Any, column: str = "") -> None:
+    def _put(self, title: str, label: str, values: Any, what: str = "", of: str = "") -> None:
+        """Add a curve to a plot, and as a column where it says what it is and of what kind of file, or "rad" of a slope."""
         parts = {"x": values.real, "y": values.imag} if np.iscomplexobj(values) else {"": values}
         for axis, part in parts.items():
             shown = self.scale * part
             self._plots.setdefault(title, []).append((f"{axis} {label}".strip(), np.degrees(self.theta), shown))
-            if column:
-                words = ([] if self.alone else [self.output.name.replace(" ", "_")]) + ([axis] if axis else []) + [column]
-                self.columns["_".join(words)] = shown
+            if what:
+                self.columns[self._column(axis, what, of)] = shown
+
+    def _column(self, axis: str, what: str, of: str) -> str:
+        if self.alone:
+            words = [axis, what, self.unit, of] if of == "rad" else [axis, what, of, self.unit]
+        else:
+            words = [self.output.name.replace(" ", "_"), axis, "" if what in ("wanted", "recovered") else what, self.unit, of]
+        return "_".join(word for word in words if word)
 
     def plots(self) -> list[Plot]:
         """One plot a quantity: the output itself, its speed, error and play."""

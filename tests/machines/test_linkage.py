@@ -139,7 +139,7 @@ def test_bad_specs(
 ) -> None:
     change(four_bar)
     with pytest.raises(kind) as caught:
-        validate(Linkage, four_bar).machine()
+        validate(Linkage, four_bar).chain  # noqa: B018
     assert said in str(caught.value) and caught.value.exit_code == (2 if kind is SpecError else 3)
 
 

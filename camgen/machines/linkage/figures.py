@@ -37,7 +37,7 @@ def study(linkage: Linkage) -> Study:
         }  # fmt: skip
         rows.append((signal.name, unit, low, high, high - low, speed, hard))
         plots.append(Plot(signal.name, label, unit, [(signal.name, degrees, value)]))
-    for output in linkage.machine().outputs:
+    for output in linkage.chain.outputs:
         if isinstance(output.of, m.Path):
             path = np.asarray(run[output.name], complex)
             marks = path[::60]  # of equal time where the drive turns evenly
@@ -46,7 +46,7 @@ def study(linkage: Linkage) -> Study:
     heads = ("output", "unit", "least", "greatest", "stroke", "peak speed, /s", "peak acceleration, /s^2")
     tables = [Table("Outputs", heads, rows)]
     notes = []
-    bar = four_bar_of(linkage.machine(), linkage.drive.link)
+    bar = four_bar_of(linkage.chain, linkage.drive.link)
     if bar is not None:
         numbers["grashof_margin_mm"] = bar.margin
         notes.append(f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
@@ -59,7 +59,7 @@ def study(linkage: Linkage) -> Study:
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:
     """Paths of points, on the ground."""
     run = linkage.solve(np.linspace(*linkage.range, ROWS // 2), 0)
-    outputs = [output for output in linkage.machine().outputs if isinstance(output.of, m.Path)]
+    outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
     return tuple(Sketch(f"path of {each.name}", (np.asarray(run[each.name], complex),)) for each in outputs)
 
 

@@ -23,10 +23,9 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
-from camgen.machine import contacts
 from camgen.machine import model as m
-from camgen.machine.contacts import Contact, Pose
-from camgen.machine.features import Eye, PinEyes
+from camgen.machine.contacts import Pose
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
@@ -35,6 +34,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies, placed
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
 
@@ -65,6 +65,8 @@ class Signal:
 
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
+
+    many_outputs = True
 
     points: t.Points
     links: t.Links
@@ -98,18 +100,29 @@ class Linkage(Mechanism):
         )  # fmt: skip
 
     def machine(self) -> m.Machine:
-        """The model, closed as drawn; DesignError where it does not close, is loose or locked, or cannot turn as asked."""
-        return self._machine
+        """The model with the play of its parts' fits; DesignError where no such parts can be made."""
+        return self._fitted
 
     @cached_property
-    def _machine(self) -> m.Machine:
-        machine = self._drawing.machine()
+    def _fitted(self) -> m.Machine:
+        return self.bodies.fitted()
+
+    @cached_property
+    def chain(self) -> m.Machine:
+        """The model, closed as drawn; DesignError where it does not close, is loose or locked, or cannot move as asked.
+
+        Each pin has the play of one that is pressed into one of its links.
+        """
+        play = self.print.slide_clearance + self.print.press_clearance
+        chain = self._drawing.machine()
+        joints = (replace(joint, clearance=play) if isinstance(joint, m.Pin) else joint for joint in chain.joints)
+        chain = replace(chain, joints=tuple(joints))
         if self.drive.range_deg is None:
-            refuse_partial(machine)
+            refuse_partial(chain)
         else:
-            self._refuse_range(machine)
-        refuse_folds(machine, *self.range)
-        return machine
+            self._refuse_range(chain)
+        refuse_folds(chain, *self.range)
+        return chain
 
     def _refuse_range(self, machine: m.Machine) -> None:
         """Raise DesignError where the range asked for is more than the chain has."""
@@ -142,14 +155,14 @@ class Linkage(Mechanism):
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad."""
-        return solve(self.machine(), theta, order)
+        return solve(self.chain, theta, order)
 
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
         """What the outputs give, as single numbers."""
 
         found = []
-        for output in self.machine().outputs:
+        for output in self.chain.outputs:
             if isinstance(output.of, m.Path):
                 found += [Signal(f"{output.name}_x", "mm", output.name), Signal(f"{output.name}_y", "mm", output.name, 1j)]
             else:
@@ -167,7 +180,7 @@ class Linkage(Mechanism):
     @cached_property
     def bodies(self) -> Bodies:
         """What is made of it; levels that [layers] leaves open are found."""
-        bodies = Bodies(self.machine(), self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers)
+        bodies = Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers)
         if set(self.links) - {m.GROUND} <= set(self.layers):
             return bodies
         return replace(bodies, given=bodies.levels(self.solve(self.course(_SAMPLES), 0)))
@@ -191,20 +204,42 @@ class Linkage(Mechanism):
             found[sketch.name] = [Pose(still.angle, still.place)]
         return found
 
-    def contacts(self) -> Sequence[Contact]:
-        """All pins; the point that is traced."""
-        clearance = {joint.name: joint.clearance for joint in self.bodies.fitted().joints}
-        eyes: list[Contact] = [
-            contacts.Pin(each.joint, _eye(each.a), _eye(each.b), clearance[each.joint], _eye(each.pin) if each.pin else None)
-            for each in self.bodies.features() if isinstance(each, PinEyes)
-        ]  # fmt: skip
-        return eyes
+    def features(self) -> Sequence[Feature]:
+        """Holes and pins of the joints."""
+        return self._features
+
+    @cached_property
+    def _features(self) -> Sequence[Feature]:
+        return self.bodies.features()
+
+    def mounts(self) -> Sequence[Mount]:
+        """Every copy of every part on its body."""
+        return self.bodies.mounts
+
+    def asked(self) -> Sequence[Asked]:
+        """The play that is borne."""
+        lash = {"mm": self.allowed.lash, "rad": math.radians(self.allowed.lash_deg)}
+        return [Asked(output.name, lash=lash[output.unit]) for output in self.chain.outputs]
+
+    def printed(self) -> Sequence[Part]:
+        """All of them."""
+        return self.parts()
+
+    def bought(self) -> Sequence[Bought]:
+        """Drive and screws."""
+        p = self.making
+        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
+        shaft = f"{turning_text(self.drive.speed_rpm)}, " if self.drive.speed_rpm else ""
+        return (
+            Bought("drive", "", f"{shaft}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep", 1),
+            Bought("screw of the plate, from behind", "", screw, 2),
+        )
 
     def limits(self) -> Sequence[Finding]:
         """How near each loop comes to a fold."""
         low, high = self.range
         found = []
-        for fold in folds(self.machine(), low, high):
+        for fold in folds(self.chain, low, high):
             angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
             found.append(at_least(
                 "TRANSMISSION_ANGLE", angle, self.allowed.transmission_angle_deg, "deg",
@@ -217,6 +252,3 @@ class Linkage(Mechanism):
         """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar."""
         return figures.study(self)
 
-
-def _eye(eye: Eye) -> contacts.Eye:
-    return contacts.Eye(eye.part, eye.at, eye.diameter, eye.shaft)
