@@ -12,6 +12,7 @@ import pytest
 
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.pipeline.build import KINDS, build, check
 from camgen.spec import read, validate
 
 THETA = np.linspace(0.1, 6.2, 97)
@@ -90,6 +91,85 @@ def test_quick_return() -> None:
     assert np.max(np.abs(np.exp(1j * run["arm"]) - pin / np.abs(pin))) < 1e-12
     swing = 2 * math.degrees(math.asin(20 / 50))
     assert machine.study().numbers["arm_stroke_deg"] == pytest.approx(swing, abs=1e-6)
+
+
+# ---- bodies ---------------------------------------------------------------------------------------------------------
+
+
+def shifted_hole(file: Path, near: complex, by: float) -> None:
+    """Move the circle of a drawing that lies nearest to a place, mm."""
+    import ezdxf
+
+    document = ezdxf.readfile(file)
+    hole = min(document.modelspace().query("CIRCLE"), key=lambda c: abs(complex(c.dxf.center.x, c.dxf.center.y) - near))
+    hole.dxf.center = (hole.dxf.center.x + by, hole.dxf.center.y, 0)
+    document.saveas(file)
+
+
+def failing(folder: Path) -> set[str]:
+    return {finding.code for finding in check(folder).findings if not finding.ok}
+
+
+def test_four_bar_from_spec_to_verdict(root: Path, tmp_path: Path) -> None:
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset(KINDS))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    codes = {finding.code for finding in report.findings}
+    assert {"MOTION_ERROR", "LASH", "PIN_GAP", "INTERFERENCE", "TRANSMISSION_ANGLE", "BED_FIT"} <= codes
+    folder = tmp_path / "linkage"
+    with open(folder / "motion.csv", encoding="utf-8") as file:
+        head = file.readline().strip().split(",")
+        rows = np.loadtxt(file, delimiter=",")
+    columns = dict(zip(head, rows.T, strict=True))
+    assert len(rows) == 1441 and columns["theta_deg"][-1] == 360
+    for name in ("pen_x_mm", "pen_y_mm", "swing_deg"):
+        for kind in ("dxf", "stl", "3mf"):
+            assert np.max(np.abs(columns[f"{name}_{kind}"] - columns[name])) < 1e-4
+    psi = np.radians(columns["swing_deg_dxf"])
+    theta = np.radians(columns["theta_deg"])
+    k3 = (20**2 - 60**2 + 50**2 + 70**2) / (2 * 20 * 50)
+    assert np.max(np.abs(70 / 20 * np.cos(psi) - 70 / 50 * np.cos(theta) + k3 - np.cos(theta - psi))) < 1e-6
+    levels = read(folder / "spec.toml")["layers"]
+    assert levels == {"crank": 1, "coupler": 2, "rocker": 1}
+    again = build(folder / "spec.toml", tmp_path / "again", frozenset({"dxf"}))
+    assert again.ok
+    assert (folder / "linkage-coupler.dxf").read_bytes() == (tmp_path / "again" / "linkage" / "linkage-coupler.dxf").read_bytes()
+
+
+@pytest.mark.parametrize(("part", "near"), [("coupler", 60 + 0j), ("rocker", 50 + 0j), ("crank", 20 + 0j), ("ground", 70 + 0j)])
+def test_a_hole_off_by_30_um_is_found(root: Path, tmp_path: Path, part: str, near: complex) -> None:
+    assert build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf"})).ok
+    shifted_hole(tmp_path / "linkage" / f"linkage-{part}.dxf", near, 0.03)
+    assert "MOTION_ERROR" in failing(tmp_path / "linkage")
+
+
+def test_two_links_swapped_are_found(root: Path, tmp_path: Path) -> None:
+    assert build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf"})).ok
+    folder = tmp_path / "linkage"
+    (folder / "linkage-rocker.dxf").rename(folder / "other.dxf")
+    (folder / "linkage-coupler.dxf").rename(folder / "linkage-rocker.dxf")
+    (folder / "other.dxf").rename(folder / "linkage-coupler.dxf")
+    assert {"PIN_GAP", "ROUND_TRIP"} <= failing(folder)
+
+
+def test_links_on_one_level_meet(root: Path, tmp_path: Path) -> None:
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.crank=1"])
+    assert report.ok
+    with pytest.raises(DesignError, match="rocker and coupler|coupler and rocker"):
+        build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.coupler=1", "layers.rocker=1"])
+
+
+@pytest.mark.parametrize("tables", [SLIDER_CRANK, YOKE, WHITWORTH])
+def test_bodies_of_other_joints_are_not_made_yet(tables: dict[str, Any]) -> None:
+    with pytest.raises(DesignError, match="joints other than pins"):
+        linkage(**tables).resolved()
+
+
+def test_a_rocker_that_is_driven_to_and_fro(root: Path, tmp_path: Path) -> None:
+    settings = ["drive.link=rocker", "drive.range_deg=[-2, 25]", "limits.transmission_angle_deg=10"]
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), settings)
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    rows = np.loadtxt(tmp_path / "linkage" / "motion.csv", delimiter=",", skiprows=1)
+    assert rows[0, 0] == -2 and rows[-1, 0] == 25 and len(rows) == 4 * 27 + 1
 
 
 # ---- what is refused -------------------------------------------------------------------------------------------------

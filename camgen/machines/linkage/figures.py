@@ -20,13 +20,11 @@ ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both
 def study(linkage: Linkage) -> Study:
     """Numbers, plots and tables of a linkage over its turn or range."""
     theta = np.linspace(*linkage.range, ROWS)
-    run, degrees, label = linkage.solve(theta), np.degrees(theta), f"{linkage.drive.link}, deg"
+    run = linkage.solve(theta)
     numbers: dict[str, float] = {}
     plots, rows = [], []
-    columns: dict[str, Floats] = {"theta_deg": degrees}
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
-        columns[f"{signal.name}_{signal.unit}"] = value
         low, high = _extremes(linkage, signal, theta, value)
         speed, hard = float(np.abs(first).max() * abs(linkage.speed)), float(np.abs(second).max() * linkage.speed**2)
         unit = signal.unit
@@ -36,7 +34,6 @@ def study(linkage: Linkage) -> Study:
             f"{signal.name}_peak_speed_{unit}_s": speed, f"{signal.name}_peak_acceleration_{unit}_s2": hard,
         }  # fmt: skip
         rows.append((signal.name, unit, low, high, high - low, speed, hard))
-        plots.append(Plot(signal.name, label, unit, [(signal.name, degrees, value)]))
     for output in linkage.chain.outputs:
         if isinstance(output.of, m.Path):
             path = np.asarray(run[output.name], complex)
@@ -53,7 +50,7 @@ def study(linkage: Linkage) -> Study:
                      f"{bar.margin:.6g} mm.")  # fmt: skip
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
-    return Study(numbers, plots, tables, paths(linkage), notes, columns)
+    return Study(numbers, plots, tables, paths(linkage), notes)
 
 
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:
