@@ -173,5 +173,6 @@ def test_arrow_torque_and_picture_turn_with_the_shaft() -> None:
 def test_speed_of_nothing_is_refused(name: str, speed: str) -> None:
     from camgen.errors import SpecError
 
-    with pytest.raises(SpecError, match="motor.speed_rpm"):
-        machine(name, f"motor.speed_rpm={speed}")
+    table = "drive" if name == "linkage" else "motor"
+    with pytest.raises(SpecError, match=f"{table}.speed_rpm"):
+        machine(name, f"{table}.speed_rpm={speed}")

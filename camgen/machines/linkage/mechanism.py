@@ -14,7 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -189,6 +189,12 @@ class Linkage(Mechanism):
         """Levels, and what every mechanism fills in."""
         return {**super().found(), **{f"layers.{link}": level for link, level in self.bodies.given.items()}}
 
+    def resolved(self) -> Self:
+        """The same with its levels, on the same chain."""
+        found = super().resolved()
+        found.__dict__["chain"] = self.chain  # cached: nothing that it depends on was filled in
+        return found
+
     def parts(self) -> Sequence[Part]:
         """Ground plate, links, pins, spacers, shaft and collar."""
         return self.bodies.parts
@@ -229,11 +235,8 @@ class Linkage(Mechanism):
         """Drive and screws."""
         p = self.making
         screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
-        shaft = f"{turning_text(self.drive.speed_rpm)}, " if self.drive.speed_rpm else ""
-        return (
-            Bought("drive", "", f"{shaft}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep", 1),
-            Bought("screw of the plate, from behind", "", screw, 2),
-        )
+        drive = f"{turning_text(self.drive.speed_rpm)}, for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
+        return (Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2))
 
     def limits(self) -> Sequence[Finding]:
         """How near each loop comes to a fold."""

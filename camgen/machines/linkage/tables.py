@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field
 
 from camgen.errors import Fault
 from camgen.motion.segments import NamedLaw
-from camgen.spec import Length, Record, unknown
+from camgen.spec import Length, Record, Rpm, turning, unknown
 
 Name = Annotated[
     str,
@@ -33,7 +33,7 @@ class Drive(Record):
     """What turns: a link that is pinned to the ground, all the way round or to and fro."""
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
-    speed_rpm: Annotated[float, Field(ge=-1e6, le=1e6)] = Field(60.0, description="rpm; below 0: clockwise")
+    speed_rpm: Annotated[Rpm, turning(0.001)] = Field(60.0, description="rpm, not 0; below 0: clockwise")
     range_deg: tuple[Degrees, Degrees] | None = Field(
         None, description="deg from the drawn position, least and greatest: to and fro instead of turns"
     )
