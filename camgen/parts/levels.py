@@ -41,8 +41,8 @@ class Band:
 class Axis:
     """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
 
-    radius: of its head and spacers, mm; headed: whether its head takes the level over its highest link; top: the link that
-    must be the highest.
+    radius: of its head and spacers, mm; headed: whether its head takes the level over its highest link; over: pairs of its
+    links, the first of which must lie over the second.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Axis:
     radius: float
     ground: bool = False
     headed: bool = True
-    top: str | None = None
+    over: tuple[tuple[str, str], ...] = ()
 
 
 Thing = Band | Axis
@@ -179,12 +179,12 @@ def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
 
 
 def _allowed(axes: Sequence[Axis], level: Mapping[str, int]) -> bool:
-    """Whether all that is to be the highest is."""
-    return all(level[axis.top] > level[link] for axis in axes if axis.top for link in axis.links if link != axis.top)
+    """Whether all that is to lie over another does."""
+    return all(level[upper] > level[lower] for axis in axes for upper, lower in axis.over)
 
 
 def _no_levels() -> DesignError:
-    remedy = "leave [layers] out, or set the link that the shaft drives highest on its pivot"
+    remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
     return DesignError("levels found", 0, 1, "", "[layers]", remedy)
 
 
@@ -232,11 +232,10 @@ def integer_program(
     for axis in axes:
         low, high = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
         ends[_key(axis)] = (low, high)
+        rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in axis.over]
         for link in axis.links:
             rows.append(({high: 1, level[link]: -1}, float(axis.headed)))
             rows.append(({level[link]: 1, low: -1}, 0))
-            if axis.top is not None and link != axis.top:
-                rows.append(({level[axis.top]: 1, level[link]: -1}, 1))
     big = 2.0 * most + 4
     for rule in rules:
         (a0, a1), (b0, b1) = ends[_key(rule.a)], ends[_key(rule.b)]

@@ -188,9 +188,23 @@ def test_links_on_one_level_meet(root: Path, tmp_path: Path) -> None:
         build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.coupler=1", "layers.rocker=1"])
 
 
-@pytest.mark.parametrize("tables", [SLIDER_CRANK, YOKE, WHITWORTH])
+def test_quick_return_from_its_files(tmp_path: Path) -> None:
+    import tomli_w
+
+    file = tmp_path / "q.toml"
+    file.write_text(tomli_w.dumps(spec(**WHITWORTH)), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    rows = np.loadtxt(tmp_path / "own" / "motion.csv", delimiter=",", skiprows=1)
+    with open(tmp_path / "own" / "motion.csv", encoding="utf-8") as text:
+        found = rows[:, text.readline().strip().split(",").index("arm_deg_3mf")]
+    pin = 20j * np.exp(1j * np.radians(rows[:, 0])) + 50j
+    assert np.max(np.abs(np.exp(1j * np.radians(found)) - pin / np.abs(pin))) < 1e-6
+
+
+@pytest.mark.parametrize("tables", [SLIDER_CRANK, YOKE])
 def test_bodies_of_other_joints_are_not_made_yet(tables: dict[str, Any]) -> None:
-    with pytest.raises(DesignError, match="joints other than pins"):
+    with pytest.raises(DesignError, match="joints other than pins and slots"):
         linkage(**tables).resolved()
 
 

@@ -25,7 +25,7 @@ def four_bar() -> tuple[list[lv.Band], list[lv.Axis]]:
         lv.Band("rocker", np.array([70 * STILL, b]), 5),
     ]  # fmt: skip
     axes = [
-        lv.Axis("O", ("crank",), 0j * STILL, 4, True, False, "crank"), lv.Axis("A", ("crank", "coupler"), a, 4),
+        lv.Axis("O", ("crank",), 0j * STILL, 4, True, False), lv.Axis("A", ("crank", "coupler"), a, 4),
         lv.Axis("B", ("coupler", "rocker"), b, 4), lv.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
     ]  # fmt: skip
     return bands, axes
@@ -55,6 +55,12 @@ def test_four_bar_lies_on_two_levels() -> None:
 
 def test_levels_that_are_given_are_kept() -> None:
     assert lv.levels(*four_bar(), THETA, 0.2, {"rocker": 4}) == {"crank": 1, "coupler": 2, "rocker": 4}
+
+
+def test_what_must_lie_over_another_does() -> None:
+    bands, axes = four_bar()
+    axes[2] = lv.Axis("B", ("coupler", "rocker"), axes[2].place, 4, over=(("rocker", "coupler"),))
+    assert lv.levels(bands, axes, THETA, 0.2) == {"crank": 1, "coupler": 2, "rocker": 3}
 
 
 @pytest.mark.parametrize("given", [{}, {"rocker": 2}, {"crank": 2}, {"coupler": 3}])

@@ -1,6 +1,7 @@
 """A linkage as parts: links round their hubs, a ground plate, pins, spacers and the shaft that drives.
 
     link     a band round its hubs, a plate where it has three and more; it lies on its level
+    slot     straight, as long as its pin's way; its link lies over the one with the pin
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
     pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it
     spacer   round a pin, where levels between its links are empty
@@ -12,6 +13,7 @@ A level is one thickness and one play high, so that flat faces run on each other
 
 from __future__ import annotations
 
+import cmath
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,7 +24,7 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Floats, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import Eye, Feature, Mark, Mount, PinEyes
+from camgen.machine.features import Eye, Faces, Feature, Mark, Mount, PinEyes, SlotFaces
 from camgen.machine.run import Run
 from camgen.machines.linkage.tables import Parts
 from camgen.parts.hardware import plate, spacer
@@ -31,6 +33,7 @@ from camgen.parts.part import Layer, Part, d_bore, hull
 from camgen.spec import Print
 
 GROUND = m.GROUND
+_ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 _ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}"}
 
 
@@ -38,7 +41,8 @@ _ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}"}
 class Bodies:
     """What is made of a machine of pins.
 
-    machine: closed as drawn; driven: link on the shaft; given: levels that are asked for; min_wall: mm.
+    machine: closed as drawn; driven: link on the shaft; given: levels that are asked for; min_wall: mm;
+    strokes: least and greatest place along each slot, mm.
     """
 
     machine: m.Machine
@@ -47,24 +51,36 @@ class Bodies:
     fits: Print
     min_wall: float
     given: Mapping[str, int]
+    strokes: Mapping[str, tuple[float, float]]
 
     # ---- what is where ----------------------------------------------------------------------------------------------
 
     @cached_property
+    def slots(self) -> dict[str, m.Slot]:
+        """The slot that a point's pin runs in, by the point's name."""
+        others = [joint for joint in self.machine.joints if not isinstance(joint, m.Pin | m.Slot)]
+        if others:
+            raise DesignError(
+                "joints other than pins and slots", len(others), 0, "", f"{type(others[0]).__name__.lower()} {others[0].name}",
+                "bodies are made of chains of pins, and pins in slots, alone so far: make this joint of such",
+            )  # fmt: skip
+        found: dict[str, m.Slot] = {}
+        for joint in (joint for joint in self.machine.joints if isinstance(joint, m.Slot)):
+            points = self.machine.body(joint.runner.body).points
+            found[next(name for name, z in points.items() if z == joint.runner.at)] = joint
+        if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
+            raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own")
+        return found
+
+    @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
-        """Links at each point with a pin, the ground first, by the point's name."""
-        for joint in self.machine.joints:
-            if not isinstance(joint, m.Pin):
-                kind = f"{type(joint).__name__.lower()} {joint.name}"
-                raise DesignError(
-                    "joints other than pins", sum(not isinstance(j, m.Pin) for j in self.machine.joints), 0, "", kind,
-                    "bodies are made of chains of pins alone so far: make this joint of links and pins",
-                )  # fmt: skip
-        bodies = self.machine.bodies
+        """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
+        bodies, slots = self.machine.bodies, self.slots
         carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
         return {
-            name: tuple(sorted(links, key=lambda link: link != GROUND)) for name, links in carriers.items() if len(links) > 1
-        }
+            name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
+            for name, links in carriers.items() if len(links) > 1 or name in slots
+        }  # fmt: skip
 
     @cached_property
     def pens(self) -> dict[str, str]:
@@ -91,7 +107,7 @@ class Bodies:
         """The link in which the pin or the shaft of a point is fixed."""
         if point == self.shaft:
             return self.driven
-        links = self.pivots[point]
+        links = self.pivots[point]  # never the last where that has a slot, for it lies over the others
         return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
 
     def hole(self, point: str, link: str) -> float:
@@ -110,9 +126,23 @@ class Bodies:
         return max(hole / 2 + self.sizes.wall, (self.sizes.shape(link).hub_diameter or 0.0) / 2)
 
     def points_of(self, link: str) -> dict[str, complex]:
-        """The points of a link that have a hole, in its frame."""
+        """The points of a link that have a round hole, in its frame."""
         points = self.machine.body(link).points.items()
         return {name: complex(z) for name, z in points if name in self.pivots or self.pens.get(name) == link}
+
+    def _slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
+        """Both ends of a pin's way in each slot of a link, room included, in the link's frame."""
+        found = {}
+        for point, joint in self.slots.items():
+            if joint.guide.body == link:
+                way, (low, high) = cmath.exp(1j * joint.angle), self.strokes[joint.name]
+                found[point] = (joint.guide.at + (low - _ROOM) * way, joint.guide.at + (high + _ROOM) * way)
+        return found
+
+    def _hubs(self, link: str) -> list[tuple[complex, float]]:
+        """Hubs of a link, those at the ends of its slots too: place in its frame and radius."""
+        hubs = [(z, self._hub(point, link)) for point, z in self.points_of(link).items()]
+        return hubs + [(z, self._hub(point, link)) for point, ends in self._slots_of(link).items() for z in ends]
 
     # ---- levels -----------------------------------------------------------------------------------------------------
 
@@ -127,16 +157,18 @@ class Bodies:
         """Level of each link, those given kept; run: samples over the whole motion."""
         bands, axes = [], []
         for body in self.machine.moving:
-            points = self.points_of(body.name)
-            places = list(points.values())
-            at = np.array([run.point(body.name, places[k])[0] for k in hull_corners(places)])
-            bands.append(Band(body.name, at, max(self._hub(point, body.name) for point in points)))
+            hubs = self._hubs(body.name)
+            corners = hull_corners([z for z, _ in hubs])
+            at = np.array([run.point(body.name, hubs[k][0])[0] for k in corners])
+            bands.append(Band(body.name, at, max(radius for _, radius in hubs)))
         for point, links in self.pivots.items():
             moving = tuple(link for link in links if link != GROUND)
             driven = point == self.shaft
-            place = run.point(moving[0], point)[0]
+            upper = self.driven if driven else moving[-1]
+            over = [(upper, link) for link in moving if link != upper] if driven or point in self.slots else []
+            place = run.point(links[0], point)[0]
             radius = self._turning(point) / 2 + self.sizes.head
-            axes.append(Axis(point, moving, place, radius, links[0] == GROUND, not driven, self.driven if driven else None))
+            axes.append(Axis(point, moving, place, radius, links[0] == GROUND, not driven, tuple(over)))
         return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given)
 
     def floor(self, level: int) -> float:
@@ -187,10 +219,12 @@ class Bodies:
             holes[f"hole {point}"] = circle(z, self.hole(point, link) / 2)
             if point == self.shaft and link == self.driven:
                 holes[f"hole {point}"] = self._profile(self.fits.press_clearance).moved(1, z)
-        outer = hull([(z, self._hub(point, link)) for point, z in points.items()])
+        for point, (low, high) in self._slots_of(link).items():
+            radius = (self._turning(point) + self.fits.slide_clearance) / 2
+            holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
+        outer = hull(self._hubs(link))
         region = plate(f"link {link}", outer, holes, self.min_wall)
-        first = next(iter(points))
-        bore = self.hole(first, link) if points[first] == 0 else None
+        bore = next((self.hole(point, link) for point, z in points.items() if z == 0), None)
         return Part(
             part_name(link), f"Link {link}", (Layer(region, 0.0, self.sizes.thickness),), centres=tuple(points.values()),
             notes=(f"level {self.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
@@ -262,33 +296,40 @@ class Bodies:
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
-    def joints(self) -> dict[str, tuple[str, str, str]]:
-        """Point and both links of each joint of the machine, by its name."""
-        found = {}
-        for joint in self.machine.joints:
-            assert isinstance(joint, m.Pin)
-            point = next(n for n, z in self.machine.body(joint.a.body).points.items() if z == joint.a.at and n in self.pivots
-                         and joint.b.body in self.pivots[n])  # fmt: skip
-            found[joint.name] = (point, joint.a.body, joint.b.body)
-        return found
+    def _point_of(self, joint: m.Joint) -> tuple[str, str, str]:
+        """The point of a pin or slot, and its two links, a slot's last."""
+        if isinstance(joint, m.Slot):
+            return next(name for name, slot in self.slots.items() if slot == joint), joint.runner.body, joint.guide.body
+        assert isinstance(joint, m.Pin)
+        at = self.machine.body(joint.a.body).points
+        point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in self.pivots.get(n, ()))
+        return point, joint.a.body, joint.b.body
 
     def features(self) -> Sequence[Feature]:
-        """Holes and pins of every joint, and pens."""
+        """Holes, slots and pins of every joint, and pens."""
         on = {(mount.body, mount.at): mount.part for mount in self.mounts if mount.part.startswith("pin-")}
         found: list[Feature] = []
-        for name, (point, a, b) in self.joints().items():
+        for joint in self.machine.joints:
+            point, a, b = self._point_of(joint)
             fixed = self._pressed_in(point)
             part = "shaft" if point == self.shaft else on[fixed, self._at(fixed, point)]
-            one, other = (Eye(part_name(link), self._at(link, point), self.hole(point, link)) for link in (a, b))
-            found.append(PinEyes(name, one, other, Eye(part, 0j, self._turning(point), True)))
+            pin, one = Eye(part, 0j, self._turning(point), True), Eye(part_name(a), self._at(a, point), self.hole(point, a))
+            if isinstance(joint, m.Slot):
+                middle = sum(self._slots_of(b)[point]) / 2
+                walls = Faces(part_name(b), middle, joint.angle, self.hole(point, b))
+                found.append(SlotFaces(joint.name, walls, one, pin))
+            else:
+                found.append(PinEyes(joint.name, one, Eye(part_name(b), self._at(b, point), self.hole(point, b)), pin))
         return [*found, *(Mark(Eye(part_name(link), self._at(link, point), self.sizes.pen_diameter))
                           for point, link in self.pens.items())]  # fmt: skip
 
     def fitted(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm."""
-        play = {name: self._fit(point, a) + self._fit(point, b) for name, (point, a, b) in self.joints().items()}
-        joints = tuple(replace(joint, clearance=play[joint.name]) for joint in self.machine.joints)
-        return replace(self.machine, joints=joints)
+        joints = []
+        for joint in self.machine.joints:
+            point, a, b = self._point_of(joint)
+            joints.append(replace(joint, clearance=self._fit(point, a) + self._fit(point, b)))
+        return replace(self.machine, joints=tuple(joints))
 
 
 def part_name(link: str) -> str:

@@ -115,7 +115,7 @@ class Linkage(Mechanism):
         """
         play = self.print.slide_clearance + self.print.press_clearance
         chain = self._drawing.machine()
-        joints = (replace(joint, clearance=play) if isinstance(joint, m.Pin) else joint for joint in chain.joints)
+        joints = (replace(joint, clearance=play) if isinstance(joint, m.Pin | m.Slot) else joint for joint in chain.joints)
         chain = replace(chain, joints=tuple(joints))
         if self.drive.range_deg is None:
             refuse_partial(chain)
@@ -180,10 +180,13 @@ class Linkage(Mechanism):
     @cached_property
     def bodies(self) -> Bodies:
         """What is made of it; levels that [layers] leaves open are found."""
-        bodies = Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers)
+        run = self.solve(self.course(_SAMPLES), 0)
+        ways = {joint.name: run.length(joint.name)[0] for joint in self.chain.joints if isinstance(joint, m.Slot)}
+        strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
+        bodies = Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, strokes)
         if set(self.links) - {m.GROUND} <= set(self.layers):
             return bodies
-        return replace(bodies, given=bodies.levels(self.solve(self.course(_SAMPLES), 0)))
+        return replace(bodies, given=bodies.levels(run))
 
     def found(self) -> Mapping[str, object]:
         """Levels, and what every mechanism fills in."""
@@ -196,7 +199,7 @@ class Linkage(Mechanism):
         return found
 
     def parts(self) -> Sequence[Part]:
-        """Ground plate, links, pins, spacers, shaft and collar."""
+        """Ground plate, links, pins, spacers, shaft and collar; DesignError where there are other joints."""
         return self.bodies.parts
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
