@@ -3,6 +3,7 @@
     band     a link's outline: all points within `radius` of the convex hull of its hubs; it lies on one level, 1 or more
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
+    wall     stands on the plate beside a link that slides, from level 1 to the link's
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
     wanted   the fewest levels, then the shortest pins: an integer program
@@ -54,7 +55,17 @@ class Axis:
     over: tuple[tuple[str, str], ...] = ()
 
 
-Thing = Band | Axis
+@dataclass(frozen=True)
+class Wall:
+    """A wall on the ground plate as high as a link that it guides: corners of its hull, (k, n) complex mm, and radius."""
+
+    name: str
+    corners: Points
+    radius: float
+    link: str
+
+
+Thing = Band | Axis | Wall
 
 
 @dataclass(frozen=True)
@@ -134,7 +145,9 @@ def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
     if isinstance(a, Band) and isinstance(b, Axis) and a.name in b.links:
         return None
-    one, other = (each.corners if isinstance(each, Band) else each.place[None] for each in (a, b))
+    if isinstance(b, Wall) and (isinstance(a, Wall) or b.link in (a.links if isinstance(a, Axis) else (a.name,))):
+        return None
+    one, other = (each.place[None] if isinstance(each, Axis) else each.corners for each in (a, b))
     between, needed = distance(one, other), a.radius + b.radius + gap
     if float((between - _ways(one) - _ways(other)).min()) >= needed:
         return None
@@ -143,15 +156,16 @@ def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
 
 
 def levels(
-    bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None
-) -> dict[str, int]:
+    bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
+    walls: Sequence[Wall] = (),
+) -> dict[str, int]:  # fmt: skip
     """Level of each link, 1 the lowest; DesignError where there is no way to lay them.
 
     theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
     to be kept.
     """
     given = given or {}
-    things: list[Thing] = [*bands, *axes]
+    things: list[Thing] = [*bands, *axes, *walls]
     rules = [rule for a, b in combinations(things, 2) if (rule := _meets(a, b, gap))]
     few = (len(bands) + 2) ** sum(band.name not in given for band in bands) <= _FEW
     found = (every_order if few else integer_program)(bands, axes, rules, given)
@@ -169,6 +183,8 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
     """Lowest and highest level that a thing takes."""
     if isinstance(thing, Band):
         return level[thing.name], level[thing.name]
+    if isinstance(thing, Wall):
+        return 1, level[thing.link]
     held = [level[link] for link in thing.links]
     return 0 if thing.ground else min(held), max(held) + thing.headed
 
@@ -236,9 +252,11 @@ def integer_program(
         for link in axis.links:
             rows.append(({high: 1, level[link]: -1}, float(axis.headed)))
             rows.append(({level[link]: 1, low: -1}, 0))
-    big = 2.0 * most + 4
+    big, lowest = 2.0 * most + 4, column(0, 1, 1)
     for rule in rules:
-        (a0, a1), (b0, b1) = ends[_key(rule.a)], ends[_key(rule.b)]
+        (a0, a1), (b0, b1) = (
+            (lowest, level[thing.link]) if isinstance(thing, Wall) else ends[_key(thing)] for thing in (rule.a, rule.b)
+        )  # fmt: skip
         broken, over = column(_BROKEN, 0, 1), column(0, 0, 1)
         rows.append(({a0: 1, b1: -1, over: big, broken: big}, 1))  # a over b where over is 0
         rows.append(({b0: 1, a1: -1, over: -big, broken: big}, 1 - big))
@@ -255,4 +273,4 @@ def integer_program(
 
 
 def _key(thing: Thing) -> str:
-    return thing.name if isinstance(thing, Band) else f"axis {thing.name}"
+    return f"axis {thing.name}" if isinstance(thing, Axis) else thing.name

@@ -188,23 +188,45 @@ def test_links_on_one_level_meet(root: Path, tmp_path: Path) -> None:
         build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.coupler=1", "layers.rocker=1"])
 
 
-def test_quick_return_from_its_files(tmp_path: Path) -> None:
+def quick_return(theta: np.ndarray) -> np.ndarray:
+    return np.unwrap(np.angle(20j * np.exp(1j * theta) + 50j))
+
+
+def slider_crank(theta: np.ndarray) -> np.ndarray:
+    return 20 * np.cos(theta) + np.sqrt(60**2 - (20 * np.sin(theta)) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("tables", "column", "scale", "motion"),
+    [(WHITWORTH, "arm_deg", math.degrees(1), quick_return), (SLIDER_CRANK, "ram_mm", 1.0, slider_crank)],
+)
+def test_slot_and_slide_from_their_files(
+    tmp_path: Path, tables: dict[str, Any], column: str, scale: float, motion: Callable[[np.ndarray], np.ndarray]
+) -> None:
     import tomli_w
 
-    file = tmp_path / "q.toml"
-    file.write_text(tomli_w.dumps(spec(**WHITWORTH)), encoding="utf-8")
+    file, table = tmp_path / "own.toml", tmp_path / "own" / "motion.csv"
+    file.write_text(tomli_w.dumps(spec(**tables)), encoding="utf-8")
     report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
-    rows = np.loadtxt(tmp_path / "own" / "motion.csv", delimiter=",", skiprows=1)
-    with open(tmp_path / "own" / "motion.csv", encoding="utf-8") as text:
-        found = rows[:, text.readline().strip().split(",").index("arm_deg_3mf")]
-    pin = 20j * np.exp(1j * np.radians(rows[:, 0])) + 50j
-    assert np.max(np.abs(np.exp(1j * np.radians(found)) - pin / np.abs(pin))) < 1e-6
+    assert {"MOTION_ERROR", "PIN_GAP", "INTERFERENCE"} <= {finding.code for finding in report.findings}
+    head = table.read_text(encoding="utf-8").partition("\n")[0].split(",")
+    rows = dict(zip(head, np.loadtxt(table, delimiter=",", skiprows=1).T, strict=True))
+    for kind in ("", "_dxf", "_3mf"):
+        assert np.max(np.abs(rows[column + kind] - scale * motion(np.radians(rows["theta_deg"])))) < 1e-6 * scale
 
 
-@pytest.mark.parametrize("tables", [SLIDER_CRANK, YOKE])
-def test_bodies_of_other_joints_are_not_made_yet(tables: dict[str, Any]) -> None:
-    with pytest.raises(DesignError, match="joints other than pins and slots"):
+GEARED = {
+    "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
+    "gear": [{"a": "crank", "b": "drum", "ratio": -2}],
+    "output": [{"name": "drum", "link": "drum"}],
+}
+
+
+@pytest.mark.parametrize(("tables", "said"), [(GEARED, "joints without bodies"), (YOKE, "distance from the line")])
+def test_bodies_that_are_not_made_yet_are_told(tables: dict[str, Any], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
         linkage(**tables).resolved()
 
 

@@ -2,6 +2,7 @@
 
     link     a band round its hubs, a plate where it has three and more; it lies on its level
     slot     straight, as long as its pin's way; its link lies over the one with the pin
+    slide    the link a straight bar between two rails of the plate; it is held down by the links on its pins
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
     pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it
     spacer   round a pin, where levels between its links are empty
@@ -24,13 +25,14 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Floats, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import Eye, Faces, Feature, Mark, Mount, PinEyes, SlotFaces
+from camgen.machine.features import Eye, Faces, Feature, Mark, Mount, PinEyes, SlideFaces, SlotFaces
 from camgen.machine.run import Run
 from camgen.machines.linkage.tables import Parts
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.levels import Axis, Band, hull_corners, levels
+from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
 from camgen.parts.part import Layer, Part, d_bore, hull
 from camgen.spec import Print
+from camgen.tolerances import SAME_POINT
 
 GROUND = m.GROUND
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
@@ -42,7 +44,7 @@ class Bodies:
     """What is made of a machine of pins.
 
     machine: closed as drawn; driven: link on the shaft; given: levels that are asked for; min_wall: mm;
-    strokes: least and greatest place along each slot, mm.
+    strokes: least and greatest place along each slot and slide, mm.
     """
 
     machine: m.Machine
@@ -55,15 +57,27 @@ class Bodies:
 
     # ---- what is where ----------------------------------------------------------------------------------------------
 
+    def check(self) -> None:
+        """Raise DesignError for joints of which no bodies are made yet."""
+        others = [joint for joint in self.machine.joints if not isinstance(joint, m.Pin | m.Slot)]
+        others = [joint for joint in others if not (isinstance(joint, m.Slide) and joint.guide.body == GROUND)]
+        if others:
+            kind = type(others[0]).__name__.lower()
+            raise DesignError(
+                "joints without bodies", len(others), 0, "", f"{kind} {others[0].name}",
+                "bodies are made of pins, pins in slots and slides on the ground so far: make this joint of such",
+            )  # fmt: skip
+        for link in self.slides:
+            self._runner(link)
+
+    @cached_property
+    def slides(self) -> dict[str, m.Slide]:
+        """The slide of each link that slides on the ground."""
+        return {joint.runner.body: joint for joint in self.machine.joints if isinstance(joint, m.Slide)}
+
     @cached_property
     def slots(self) -> dict[str, m.Slot]:
         """The slot that a point's pin runs in, by the point's name."""
-        others = [joint for joint in self.machine.joints if not isinstance(joint, m.Pin | m.Slot)]
-        if others:
-            raise DesignError(
-                "joints other than pins and slots", len(others), 0, "", f"{type(others[0]).__name__.lower()} {others[0].name}",
-                "bodies are made of chains of pins, and pins in slots, alone so far: make this joint of such",
-            )  # fmt: skip
         found: dict[str, m.Slot] = {}
         for joint in (joint for joint in self.machine.joints if isinstance(joint, m.Slot)):
             points = self.machine.body(joint.runner.body).points
@@ -140,7 +154,38 @@ class Bodies:
         return found
 
     def _hubs(self, link: str) -> list[tuple[complex, float]]:
-        """Hubs of a link, those at the ends of its slots too: place in its frame and radius."""
+        """Hubs of a link, those at the ends of its slots too: place in its frame and radius; of a runner both its ends."""
+        if link in self.slides:
+            return self._runner(link)
+        return self._round(link)
+
+    def _runner(self, link: str) -> list[tuple[complex, float]]:
+        """Both ends of the straight bar that slides, and its half width; DesignError where its holes lie beside its line."""
+        joint, hubs = self.slides[link], self._round(link)
+        along = cmath.exp(1j * (joint.angle - joint.turn))
+        places = [(z - joint.runner.at) / along for z, _ in hubs] or [0j]
+        aside = max(abs(place.imag) for place in places)
+        if aside > SAME_POINT or any(slot.guide.body == link for slot in self.slots.values()):
+            raise DesignError(
+                "distance from the line of its slide", aside, 0, "mm", f"holes and slots of link {link}",
+                "bodies are made of sliding links whose pins lie on one line along the slide, without slots, so far",
+            )  # fmt: skip
+        head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
+        half = max([head, (self.sizes.shape(link).hub_diameter or 0.0) / 2, *(radius for _, radius in hubs)])
+        ends = min(place.real for place in places) - half, max(place.real for place in places) + half
+        return [(joint.runner.at + end * along, half) for end in ends]
+
+    def _rails(self, link: str) -> list[tuple[complex, complex]]:
+        """Both ends of the middle line of each rail of a link, on the ground."""
+        joint, ((a, half), (b, _)) = self.slides[link], self._runner(link)
+        along, own = cmath.exp(1j * joint.angle), cmath.exp(1j * (joint.angle - joint.turn))
+        low, high = self.strokes[joint.name]
+        ends = [low + ((a - joint.runner.at) / own).real, high + ((b - joint.runner.at) / own).real]
+        off = half + (self.fits.slide_clearance + self.sizes.rail_width) / 2
+        one, other = (joint.guide.at + end * along for end in ends)
+        return [(one + side * 1j * off * along, other + side * 1j * off * along) for side in (-1, 1)]
+
+    def _round(self, link: str) -> list[tuple[complex, float]]:
         hubs = [(z, self._hub(point, link)) for point, z in self.points_of(link).items()]
         return hubs + [(z, self._hub(point, link)) for point, ends in self._slots_of(link).items() for z in ends]
 
@@ -169,7 +214,11 @@ class Bodies:
             place = run.point(links[0], point)[0]
             radius = self._turning(point) / 2 + self.sizes.head
             axes.append(Axis(point, moving, place, radius, links[0] == GROUND, not driven, tuple(over)))
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given)
+        walls = [
+            Wall(f"rail of {link}", np.array([np.full(run.theta.shape, z) for z in ends]), self.sizes.rail_width / 2, link)
+            for link in self.slides for ends in self._rails(link)
+        ]  # fmt: skip
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls)
 
     def floor(self, level: int) -> float:
         """Height of a level's floor over the plate's underside, mm."""
@@ -237,19 +286,32 @@ class Bodies:
     def _plate(self) -> Part:
         points = {name: z for name, z in self.points_of(GROUND).items() if name in self.pivots}
         holes = {f"hole {point}": circle(z, self.hole(point, GROUND) / 2) for point, z in points.items()}
-        hubs = [(z, self._hub(point, GROUND)) for point, z in points.items()]
+        hubs, rails, rail = [(z, self._hub(point, GROUND)) for point, z in points.items()], [], self.sizes.rail_width / 2
+        for link in self.slides:
+            for ends in self._rails(link):
+                top = self._top(self.level[link])
+                rails.append(Layer(Region(hull([(z, rail) for z in ends])), self.sizes.base_thickness, top))
+                hubs += [(z, rail + self.sizes.wall) for z in ends]
         screw = self.sizes.mount_diameter / 2
-        a, b = max(((a, b) for a in hubs for b in hubs), key=lambda pair: abs(pair[1][0] - pair[0][0]))
+        under = self._collar + self.sizes.mount_diameter  # a screw's head beside the collar
+        beside = [*hubs, (points[self.shaft], under)]
+        pairs = [(a, b) for a in beside for b in beside]
+        a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
         way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
         screws = [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
         holes |= {f"screw {k}": circle(z, screw) for k, z in enumerate(screws, 1)}
         outer = hull([*hubs, *((z, screw + self.sizes.wall) for z in screws)])
         region = plate("ground plate", outer, holes, self.min_wall)
         return Part(
-            part_name(GROUND), "Ground plate", (Layer(region, 0.0, self.sizes.base_thickness),),
+            part_name(GROUND), "Ground plate", (Layer(region, 0.0, self.sizes.base_thickness), *rails),
             centres=(*points.values(), *screws), min_wall=self.min_wall,
             notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)),
         )  # fmt: skip
+
+    @property
+    def _collar(self) -> float:
+        """Radius of the shaft's collar, mm."""
+        return self.sizes.shaft_diameter / 2 + self.sizes.head + self.sizes.wall
 
     def _profile(self, fit: float) -> Contour:
         """Outline of the shaft, a circle with a flat, or of its hole."""
@@ -262,7 +324,7 @@ class Bodies:
         at, top, found = self._at(body, point), self._top(held[-1]), []
         if point == self.shaft:
             found.append((self._shaft(top), Mount("shaft", body, at, z=-s.shaft_length)))
-            ring = Region(circle(0j, s.shaft_diameter / 2 + s.head + s.wall), (self._profile(self.fits.press_clearance),))
+            ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
             collar = Part(
                 "collar", "Collar of the shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
                 notes=("pressed and glued on the shaft under the plate",),
@@ -310,6 +372,9 @@ class Bodies:
         on = {(mount.body, mount.at): mount.part for mount in self.mounts if mount.part.startswith("pin-")}
         found: list[Feature] = []
         for joint in self.machine.joints:
+            if isinstance(joint, m.Slide):
+                found.append(self._faces(joint))
+                continue
             point, a, b = self._point_of(joint)
             fixed = self._pressed_in(point)
             part = "shaft" if point == self.shaft else on[fixed, self._at(fixed, point)]
@@ -323,12 +388,23 @@ class Bodies:
         return [*found, *(Mark(Eye(part_name(link), self._at(link, point), self.sizes.pen_diameter))
                           for point, link in self.pens.items())]  # fmt: skip
 
+    def _faces(self, joint: m.Slide) -> SlideFaces:
+        """Rails, which the plate's own drawing does not show, and runner."""
+        link = joint.runner.body
+        (a, half), (b, _) = self._runner(link)
+        (c, d), (e, f) = self._rails(link)
+        rails = Faces(part_name(GROUND), (c + d + e + f) / 4, joint.angle, 2 * half + self.fits.slide_clearance, False)
+        return SlideFaces(joint.name, rails, Faces(part_name(link), (a + b) / 2, joint.angle - joint.turn, 2 * half))
+
     def fitted(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm."""
         joints = []
         for joint in self.machine.joints:
-            point, a, b = self._point_of(joint)
-            joints.append(replace(joint, clearance=self._fit(point, a) + self._fit(point, b)))
+            play = self.fits.slide_clearance
+            if not isinstance(joint, m.Slide):
+                point, a, b = self._point_of(joint)
+                play = self._fit(point, a) + self._fit(point, b)
+            joints.append(replace(joint, clearance=play))
         return replace(self.machine, joints=tuple(joints))
 
 

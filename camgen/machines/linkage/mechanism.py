@@ -115,8 +115,9 @@ class Linkage(Mechanism):
         """
         play = self.print.slide_clearance + self.print.press_clearance
         chain = self._drawing.machine()
-        joints = (replace(joint, clearance=play) if isinstance(joint, m.Pin | m.Slot) else joint for joint in chain.joints)
-        chain = replace(chain, joints=tuple(joints))
+        kinds = m.Pin | m.Slot | m.Slide
+        joints = tuple(replace(joint, clearance=play) if isinstance(joint, kinds) else joint for joint in chain.joints)
+        chain = replace(chain, joints=joints)
         if self.drive.range_deg is None:
             refuse_partial(chain)
         else:
@@ -181,9 +182,10 @@ class Linkage(Mechanism):
     def bodies(self) -> Bodies:
         """What is made of it; levels that [layers] leaves open are found."""
         run = self.solve(self.course(_SAMPLES), 0)
-        ways = {joint.name: run.length(joint.name)[0] for joint in self.chain.joints if isinstance(joint, m.Slot)}
+        ways = {joint.name: run.length(joint.name)[0] for joint in self.chain.joints if isinstance(joint, m.Slot | m.Slide)}
         strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
         bodies = Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, strokes)
+        bodies.check()
         if set(self.links) - {m.GROUND} <= set(self.layers):
             return bodies
         return replace(bodies, given=bodies.levels(run))

@@ -133,6 +133,7 @@ class Parts(Record):
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
+    rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
     mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
@@ -153,7 +154,7 @@ class Parts(Record):
         if self.shaft_length < self.thickness + 2:
             right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
             found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
-        thin = [key for key in ("thickness", "wall", "head", "base_thickness") if getattr(self, key) < nozzle]
+        thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]
         found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
         if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
             right = "between a twentieth and half of shaft_diameter, so that it turns the link"
