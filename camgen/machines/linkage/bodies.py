@@ -137,7 +137,7 @@ class Bodies:
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         wide = max(self.fits.press_clearance, self.fits.slide_clearance)
         hole = self.sizes.pen_diameter if point in self.pens else self._turning(point) + wide
-        return max(hole / 2 + self.sizes.wall, (self.sizes.shape(link).hub_diameter or 0.0) / 2)
+        return (self.sizes.shape(link).hub_diameter or hole + 2 * self.sizes.wall) / 2
 
     def points_of(self, link: str) -> dict[str, complex]:
         """The points of a link that have a round hole, in its frame."""
@@ -171,7 +171,7 @@ class Bodies:
                 "bodies are made of sliding links whose pins lie on one line along the slide, without slots, so far",
             )  # fmt: skip
         head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
-        half = max([head, (self.sizes.shape(link).hub_diameter or 0.0) / 2, *(radius for _, radius in hubs)])
+        half = max([head, *(radius for _, radius in hubs)])
         ends = min(place.real for place in places) - half, max(place.real for place in places) + half
         return [(joint.runner.at + end * along, half) for end in ends]
 

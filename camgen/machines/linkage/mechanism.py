@@ -186,8 +186,6 @@ class Linkage(Mechanism):
         strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
         bodies = Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, strokes)
         bodies.check()
-        if set(self.links) - {m.GROUND} <= set(self.layers):
-            return bodies
         return replace(bodies, given=bodies.levels(run))
 
     def found(self) -> Mapping[str, object]:
