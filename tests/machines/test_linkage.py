@@ -165,6 +165,22 @@ def test_four_bar_from_spec_to_verdict(root: Path, tmp_path: Path) -> None:
     assert (folder / "linkage-coupler.dxf").read_bytes() == (tmp_path / "again" / "linkage" / "linkage-coupler.dxf").read_bytes()
 
 
+def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(four_bar: dict[str, Any]) -> None:
+    from camgen.machine.run import solve
+
+    four_bar["masses"] = {"rocker": {"mass_g": 50, "centre": [25, 0], "inertia_kg_m2": 1e-5}}
+    built = validate(Linkage, four_bar).resolved()
+    machine, made = built.machine(), {part.name: part for part in built.parts()}
+    moving = sum(made[mount.part].volume for mount in built.mounts() if mount.body in ("crank", "coupler")) * 1.24e-6
+    assert sum(machine.body(name).mass for name in ("crank", "coupler")) == pytest.approx(moving, rel=1e-9)
+    assert machine.body("rocker").mass == pytest.approx(0.05) and machine.body("rocker").centre == 25
+    assert abs(machine.body("crank").centre.imag) < 0.2 and 0 < machine.body("crank").centre.real < 20
+    theta = np.linspace(0, math.tau, 721)
+    forces = solve(machine, theta).forces()
+    torque = np.gradient(forces.energy, theta)[5:-5]
+    assert np.max(np.abs(forces.drives["drive"][5:-5] - torque)) < 1e-3 * np.max(np.abs(torque))
+
+
 @pytest.mark.parametrize(("part", "near"), [("coupler", 60 + 0j), ("rocker", 50 + 0j), ("crank", 20 + 0j), ("ground", 70 + 0j)])
 def test_a_hole_off_by_30_um_is_found(root: Path, tmp_path: Path, part: str, near: complex) -> None:
     assert build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf"})).ok
@@ -224,7 +240,7 @@ GEARED = {
 }
 
 
-@pytest.mark.parametrize(("tables", "said"), [(GEARED, "joints without bodies"), (YOKE, "distance from the line")])
+@pytest.mark.parametrize(("tables", "said"), [(GEARED, "joints without bodies"), (YOKE, "slots of a link that slides")])
 def test_bodies_that_are_not_made_yet_are_told(tables: dict[str, Any], said: str) -> None:
     with pytest.raises(DesignError, match=said):
         linkage(**tables).resolved()
@@ -271,7 +287,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]), SpecError, "two different points"),
         (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "drive"),
         (lambda e: e["layers"].update(rocer=1) if "layers" in e else e.update(layers={"rocer": 1}), SpecError, "'rocker'"),
-        (lambda e: e["parts"].update(rocker={"thicknes": 3}), SpecError, "'thickness'"),
+        (lambda e: e["parts"].update(rocker={"hub_diametr": 3}), SpecError, "'hub_diameter'"),
         (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
         (many, SpecError, "at most 200"),

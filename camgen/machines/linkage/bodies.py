@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import cmath
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -29,12 +29,14 @@ from camgen.machine.features import Eye, Faces, Feature, Mark, Mount, PinEyes, S
 from camgen.machine.run import Run
 from camgen.machines.linkage.tables import Parts
 from camgen.parts.hardware import plate, spacer
+from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
 from camgen.parts.part import Layer, Part, d_bore, hull
 from camgen.spec import Print
 from camgen.tolerances import SAME_POINT
 
 GROUND = m.GROUND
+_MM = 1e-3
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 _ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}"}
 
@@ -57,18 +59,22 @@ class Bodies:
 
     # ---- what is where ----------------------------------------------------------------------------------------------
 
-    def check(self) -> None:
-        """Raise DesignError for joints of which no bodies are made yet."""
+    def lacking(self) -> DesignError | None:
+        """What to say of joints of which no bodies are made yet."""
         others = [joint for joint in self.machine.joints if not isinstance(joint, m.Pin | m.Slot)]
         others = [joint for joint in others if not (isinstance(joint, m.Slide) and joint.guide.body == GROUND)]
         if others:
             kind = type(others[0]).__name__.lower()
-            raise DesignError(
+            return DesignError(
                 "joints without bodies", len(others), 0, "", f"{kind} {others[0].name}",
                 "bodies are made of pins, pins in slots and slides on the ground so far: make this joint of such",
             )  # fmt: skip
-        for link in self.slides:
-            self._runner(link)
+        try:
+            for link in self.slides:
+                self._runner(link)
+        except DesignError as error:
+            return error
+        return None
 
     @cached_property
     def slides(self) -> dict[str, m.Slide]:
@@ -161,15 +167,17 @@ class Bodies:
 
     def _runner(self, link: str) -> list[tuple[complex, float]]:
         """Both ends of the straight bar that slides, and its half width; DesignError where its holes lie beside its line."""
-        joint, hubs = self.slides[link], self._round(link)
+        joint, slots = self.slides[link], [slot.name for slot in self.slots.values() if slot.guide.body == link]
         along = cmath.exp(1j * (joint.angle - joint.turn))
-        places = [(z - joint.runner.at) / along for z, _ in hubs] or [0j]
+        places = [(z - joint.runner.at) / along for z in self.points_of(link).values()] or [0j]
         aside = max(abs(place.imag) for place in places)
-        if aside > SAME_POINT or any(slot.guide.body == link for slot in self.slots.values()):
+        if aside > SAME_POINT or slots:
             raise DesignError(
-                "distance from the line of its slide", aside, 0, "mm", f"holes and slots of link {link}",
+                "slots of a link that slides" if slots else "distance from the line of its slide", len(slots) or aside, 0,
+                "" if slots else "mm", f"link {link}",
                 "bodies are made of sliding links whose pins lie on one line along the slide, without slots, so far",
             )  # fmt: skip
+        hubs = self._round(link)
         head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
         half = max([head, *(radius for _, radius in hubs)])
         ends = min(place.real for place in places) - half, max(place.real for place in places) + half
@@ -406,6 +414,25 @@ class Bodies:
                 play = self._fit(point, a) + self._fit(point, b)
             joints.append(replace(joint, clearance=play))
         return replace(self.machine, joints=tuple(joints))
+
+    def weighed(self, density: float, given: Collection[str]) -> m.Machine:
+        """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
+        machine, made = self.fitted(), {part.name: part for part in self.parts}
+        bodies = []
+        for body in machine.bodies:
+            if body.name not in (GROUND, *given):
+                rows = []
+                for mount in (mount for mount in self.mounts if mount.body == body.name):
+                    part = made[mount.part]
+                    mass, centre = part.volume * density * _MM**3, centre_of(part)
+                    own = inertia_of(part, density) - mass * abs(centre * _MM) ** 2
+                    rows.append((mass, mount.place(centre), own))
+                mass = sum(row[0] for row in rows)
+                centre = sum(row[0] * row[1] for row in rows) / mass
+                inertia = sum(own + each * abs((place - centre) * _MM) ** 2 for each, place, own in rows)
+                body = replace(body, mass=mass, centre=centre, inertia=inertia)
+            bodies.append(body)
+        return replace(machine, bodies=tuple(bodies))
 
 
 def part_name(link: str) -> str:

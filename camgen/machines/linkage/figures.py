@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.linkages import FourBar, four_bar
+from camgen.machine.run import solve
 from camgen.machine.study import Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
@@ -50,7 +52,22 @@ def study(linkage: Linkage) -> Study:
                      f"{bar.margin:.6g} mm.")  # fmt: skip
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
-    return Study(numbers, plots, tables, paths(linkage), notes)
+    forces = _forces(linkage, theta)
+    return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def _forces(linkage: Linkage, theta: Floats) -> Study:
+    """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
+    if linkage.lacking() is not None:
+        return Study()
+    found, label = solve(linkage.machine(), theta).forces(), f"{linkage.drive.link}, deg"
+    torque = next(iter(found.drives.values()))
+    loads = {**found.reactions, **found.normals}
+    numbers = {"peak_torque_n_m": float(np.abs(torque).max()), "peak_kinetic_energy_j": float(found.energy.max())}
+    numbers |= {f"reaction_{name.replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
+    rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
+    plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
+    return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])
 
 
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:

@@ -34,7 +34,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies, placed
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.catalogue import DENSITY, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
 
@@ -100,12 +100,13 @@ class Linkage(Mechanism):
         )  # fmt: skip
 
     def machine(self) -> m.Machine:
-        """The model with the play of its parts' fits; DesignError where no such parts can be made."""
+        """The model with its parts' masses and the play of their fits; DesignError where no such parts can be made."""
         return self._fitted
 
     @cached_property
     def _fitted(self) -> m.Machine:
-        return self.bodies.fitted()
+        density = 1e3 * (self.material.density or DENSITY[self.material.name])
+        return self.bodies.weighed(density, self.masses)
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -181,12 +182,22 @@ class Linkage(Mechanism):
     @cached_property
     def bodies(self) -> Bodies:
         """What is made of it; levels that [layers] leaves open are found."""
+        lacking = self.lacking()
+        if lacking is not None:
+            raise lacking
         run = self.solve(self.course(_SAMPLES), 0)
         ways = {joint.name: run.length(joint.name)[0] for joint in self.chain.joints if isinstance(joint, m.Slot | m.Slide)}
         strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
-        bodies = Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, strokes)
-        bodies.check()
+        bodies = replace(self._bodies, strokes=strokes)
         return replace(bodies, given=bodies.levels(run))
+
+    @property
+    def _bodies(self) -> Bodies:
+        return Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {})
+
+    def lacking(self) -> DesignError | None:
+        """What to say of joints of which no bodies are made yet."""
+        return self._bodies.lacking()
 
     def found(self) -> Mapping[str, object]:
         """Levels, and what every mechanism fills in."""
