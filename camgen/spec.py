@@ -319,7 +319,8 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
     root = _json_schema(cls)
     found: dict[str, Fault] = {}
     for item in error.errors(include_url=False):
-        path, node, table = _locate(item["loc"], data, root)
+        key = item["loc"][-1:] == ("[key]",)  # of a table whose keys are names
+        path, node, table = _locate(item["loc"][: -1 if key else None], data, root)
         dotted = ".".join(map(str, path)) or "spec"
         expected, nearest = _words(node, root), None
         if item["type"] == "extra_forbidden":
@@ -327,6 +328,9 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
             close = get_close_matches(str(path[-1]), keys, 1)
             nearest = close[0] if close else None
             expected = f"unknown key; known here: {', '.join(keys)}"
+        elif key:
+            held = _members(_locate(item["loc"][:-2], data, root)[1] or {}, root)
+            expected = next((each["propertyNames"]["description"] for each in held if "propertyNames" in each), "another name")
         elif item["type"] == "missing":
             given = _at(data, path[:-1])
             extra = [key for key in given if key not in _properties(table, root)] if isinstance(given, dict) else []
@@ -337,7 +341,7 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
         value = _at(data, path)
-        shown = "" if item["type"] == "missing" else _shown(value)
+        shown = "" if item["type"] == "missing" or key else _shown(value)
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
             shown = f"a list of {len(value)}"
         found.setdefault(dotted, Fault(dotted, shown, expected, nearest))
@@ -391,7 +395,11 @@ def _properties(node: Data | None, root: Data) -> Data:
 def _step(node: Data | None, step: str | int, root: Data) -> Data | None:
     """Schema one step below: of a table's key or a list's item; None where there is none."""
     if isinstance(step, str):
-        found: Data | None = _properties(node, root).get(step)
+        members = _members(node or {}, root)
+        names = [rule for member in members for rule in member.get("patternProperties", {}).items()]
+        free = [member["additionalProperties"] for member in members if isinstance(member.get("additionalProperties"), dict)]
+        free += [rule for pattern, rule in names if re.search(pattern, step)]
+        found: Data | None = _properties(node, root).get(step) or next(iter(free), None)
         return found
     for member in _members(node or {}, root):
         items: list[Data] = member.get("prefixItems", [])

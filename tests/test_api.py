@@ -18,7 +18,6 @@ import pytest
 import camgen
 from camgen.cli import main
 from camgen.findings import Finding, NotJudged
-from camgen.machines.mechanism import Mechanism
 from camgen.report.report import _UNITS, Report
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"
@@ -135,7 +134,6 @@ def test_figures_have_plain_names_that_end_in_their_unit(name: str) -> None:
     assert [key for key in numbers if not key.endswith((*units, *BARE))] == []
 
 
-@pytest.mark.skipif(not hasattr(Mechanism, "solve"), reason="mechanisms without their model")
 @pytest.mark.parametrize("name", SPEC_NAMES)
 def test_a_machine_is_solved_at_any_angles(name: str) -> None:
     run = camgen.load(SPECS / f"{name}.toml").solve(theta := np.linspace(0.3, 5, 7))  # type: ignore[attr-defined]

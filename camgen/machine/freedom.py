@@ -27,6 +27,8 @@ TAKES_PART = 1e-6
 AWAY = 0.05
 # A drawing closes when its gaps are below this share of its size.
 CLOSED = 1e-12
+# Bodies that a message names.
+NAMED = 10
 # Steps of Newton's method on a rough drawing, and the longest of them: share of the size, rad.
 STEPS, LONGEST = 200, 0.3
 
@@ -87,7 +89,8 @@ def refuse_unsound(machine: Machine) -> Freedom:
                           "this loop is over-constrained: take away a link, or make one of its pins a slot")  # fmt: skip
     if found.moves:
         remedy = "join it to another body, or drive it" if len(found.loose) == 1 else "drive one of them, or join them"
-        raise DesignError("freedoms left", found.moves, 0, "", f"{', '.join(found.loose)} ({tally})", remedy)
+        more = f" and {len(found.loose) - NAMED} more" if len(found.loose) > NAMED else ""
+        raise DesignError("freedoms left", found.moves, 0, "", f"{', '.join(found.loose[:NAMED])}{more} ({tally})", remedy)
     return found
 
 

@@ -24,6 +24,9 @@ from camgen.machine.newton import Block
 LOOKED = 720
 # Determinant below which a position counts as a fold: 0.06 deg of transmission angle.
 FOLD = 1e-3
+# Determinant at all samples above which none of them is beside a gap: it is 0 at both ends of one, and a dyad that passes
+# through 6 deg of transmission angle between two samples would turn a hundred times as fast as its drive.
+FAR = 0.1
 
 
 @dataclass(frozen=True)
@@ -165,6 +168,8 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
         if open_at.size:
             bad = float(theta[open_at[0]])
             good = float(theta[open_at[0] - 1]) if open_at[0] else 0.0
+        elif np.nanmin(np.abs(determinant(chain, number, theta))) > FAR:
+            continue
         else:  # a gap between two samples
             lows = _minima(lambda t, k=number: np.abs(determinant(chain, k, t)), theta)  # type: ignore[misc]
             gaps = [place for place, value in lows if value < 0]

@@ -15,6 +15,7 @@ MECHANISMS = {
     "eccentric-drive": "camgen.machines.eccentric_drive.mechanism:EccentricDrive",
     "indexing-cam": "camgen.machines.indexing_cam.mechanism:IndexingCam",
     "chain-stitch-looper": "camgen.machines.chain_stitch_looper.mechanism:ChainStitchLooper",
+    "linkage": "camgen.machines.linkage.mechanism:Linkage",
 }
 
 

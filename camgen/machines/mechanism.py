@@ -102,6 +102,11 @@ class Mechanism(Spec, ABC):
         return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
 
     @property
+    def range(self) -> tuple[float, float]:
+        """Least and greatest theta, rad: of a drive that goes to and fro less than a turn."""
+        return 0.0, math.tau
+
+    @property
     def sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
         return -1 if self.speed < 0 else 1

@@ -1,4 +1,4 @@
-"""Moments of inertia of parts, from their exact outlines."""
+"""Moments of inertia and centres of parts, from their exact outlines."""
 
 from __future__ import annotations
 
@@ -22,6 +22,21 @@ def inertia_of(part: Part, density: float) -> float:
             holes = sum(_polar(hole.counter_clockwise()) for hole in layer.region.holes)
             total += sign * (layer.z1 - layer.z0) * (_polar(layer.region.outer.counter_clockwise()) - holes)
     return total * density * MM**5
+
+
+def centre_of(part: Part) -> complex:
+    """Centre of a part's volume in the plane, complex mm in its frame; by the same polygons."""
+    total, weight = 0j, 0.0
+    for sign, layers in ((1, part.layers), (-1, part.engraved)):
+        for layer in layers:
+            for side, contour in ((1, layer.region.outer), *((-1, hole) for hole in layer.region.holes)):
+                z = facet_contour(contour.counter_clockwise(), 0.01)
+                w = np.roll(z, -1)
+                cross = np.imag(np.conj(z) * w)
+                share = sign * side * (layer.z1 - layer.z0)
+                total += share * complex(np.sum(cross * (z + w))) / 6
+                weight += share * float(np.sum(cross)) / 2
+    return total / weight
 
 
 def _polar(contour: Contour) -> float:

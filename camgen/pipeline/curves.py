@@ -27,8 +27,8 @@ class Curves:
     def want(self, value: Any, slope: Any) -> None:
         """The wanted motion and its slope, (n,)."""
         self._wanted = value
-        self._put(self.output.name.capitalize(), "wanted", value, f"wanted_{self.unit}")
-        self._put(_SPEED, "wanted", slope, f"wanted_{self.unit}_rad")
+        self._put(self.output.name.capitalize(), "wanted", value, "")
+        self._put(_SPEED, "wanted", slope)
 
     def add(self, kind: str, proof: Proof) -> None:
         """What a kind of file gives."""
@@ -36,19 +36,20 @@ class Curves:
         if self._wanted is None:
             self.want(*proof.wanted(name, self.theta))
         moved = proof.moved(name, self.theta)
-        self._put(name.capitalize(), source, moved.value, f"recovered_{kind}_{self.unit}")
+        self._put(name.capitalize(), source, moved.value, kind)
         self._put(_SPEED, source, moved.slope)
         self._put(_ERROR, source, moved.value - self._wanted)
-        self._put(_BAND, f"+- {source}", moved.play, f"band_{kind}_{self.unit}")
+        self._put(_BAND, f"+- {source}", moved.play)
 
-    def _put(self, title: str, label: str, values: Any, column: str = "") -> None:
+    def _put(self, title: str, label: str, values: Any, of: str | None = None) -> None:
+        """Add a curve to a plot; of: and a column, from that kind of file, "" as designed."""
         parts = {"x": values.real, "y": values.imag} if np.iscomplexobj(values) else {"": values}
         for axis, part in parts.items():
             shown = self.scale * part
             self._plots.setdefault(title, []).append((f"{axis} {label}".strip(), np.degrees(self.theta), shown))
-            if column:
-                words = ([] if self.alone else [self.output.name.replace(" ", "_")]) + ([axis] if axis else []) + [column]
-                self.columns["_".join(words)] = shown
+            if of is not None:
+                words = (self.output.name.replace(" ", "_"), axis, self.unit, of)
+                self.columns["_".join(word for word in words if word)] = shown
 
     def plots(self) -> list[Plot]:
         """One plot a quantity: the output itself, its speed, error and play."""

@@ -203,7 +203,9 @@ def _machine(
 
     machine, fit = mechanism.model, compensation(mechanism)
     assert machine is not None, "features are those of a machine's joints"
-    theta = np.linspace(0, 2 * math.pi, _ROWS)
+    low, high = mechanism.range
+    theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
+    judged = low + judged_angles() * ((high - low) / math.tau)
     curves = {output.name: Curves(output, theta, len(machine.outputs) == 1) for output in machine.outputs}
     for each in mechanism.asked():
         if each.motion is not None:
@@ -216,7 +218,7 @@ def _machine(
             continue
         verdict = judge_machine(
             kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()}, machine,
-            mechanism.features(), mechanism.mounts(), judged_angles(), mechanism.accuracy.chord_tolerance,
+            mechanism.features(), mechanism.mounts(), judged, mechanism.accuracy.chord_tolerance,
             Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None and kind != "dxf" else 0.0, mechanism.asked(),
         )  # fmt: skip
         findings += verdict.findings

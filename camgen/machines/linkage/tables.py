@@ -6,12 +6,14 @@ lengths override drawn distances. Two links that share a point are pinned there.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Iterable
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
+from camgen.errors import Fault
 from camgen.motion.segments import NamedLaw
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, Rpm, turning, unknown
 
 Name = Annotated[
     str,
@@ -31,7 +33,7 @@ class Drive(Record):
     """What turns: a link that is pinned to the ground, all the way round or to and fro."""
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
-    speed_rpm: Annotated[float, Field(ge=-1e6, le=1e6)] = Field(60.0, description="rpm; below 0: clockwise")
+    speed_rpm: Annotated[Rpm, turning(0.001)] = Field(60.0, description="rpm, not 0; below 0: clockwise")
     range_deg: tuple[Degrees, Degrees] | None = Field(
         None, description="deg from the drawn position, least and greatest: to and fro instead of turns"
     )
@@ -111,8 +113,65 @@ def pair(key: str) -> tuple[str, str] | None:
     return (names[0].strip(), names[1].strip()) if len(names) == 2 and all(names) else None
 
 
+class Shape(Record):
+    """The body of one link, where it differs from the others."""
+
+    hub_diameter: Length | None = Field(None, description="mm, of the hubs and of the bands between them")
+
+
+class Parts(Record):
+    """Sizes of the bodies; a further table by a link's name is the shape of that link."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Shape] = Field(init=False)
+
+    thickness: Length = Field(4.0, description="mm, of a link")
+    pin_diameter: Length = Field(5.0, description="mm, of pins")
+    wall: Length = Field(2.0, description="mm, round each hole")
+    head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
+    base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
+    shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
+    shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
+    rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
+    mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
+    pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
+    )
+
+    def shape(self, link: str) -> Shape:
+        """What is special to a link."""
+        return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
+
+    def faults(self, links: Iterable[str], nozzle: float) -> list[Fault]:
+        """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
+        known = [*type(self).model_fields, *links]
+        found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
+        least = f"at least the nozzle, {nozzle:g} mm"
+        if self.head > self.thickness:
+            right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
+            found.append(Fault("parts.head", f"{self.head:g}", right))
+        if self.shaft_length < self.thickness + 2:
+            right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
+            found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+        thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]
+        found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
+        if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
+            right = "between a twentieth and half of shaft_diameter, so that it turns the link"
+            found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
+        return found
+
+
+class Limits(Record):
+    """What the designer accepts; a finding fails beyond it."""
+
+    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
+    lash: Annotated[float, Field(ge=0, le=1e6)] = Field(1e6, description="mm, free play of an output by all joints' play")
+    lash_deg: Annotated[float, Field(ge=0, le=360)] = Field(360.0, description="deg, the same of an angle")
+    min_wall: Length = Field(0.8, description="mm")
+
+
 Points = dict[Name, Place]
 Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=60)]]
 Lengths = dict[str, Length]
-Layers = dict[Name, Annotated[int, Field(ge=0, le=60)]]
-Tables = dict[str, Any]
+Layers = dict[Name, Annotated[int, Field(ge=1, le=60)]]

@@ -141,8 +141,6 @@ class UniformSwing(Mechanism):
             checks += machine_faults(*sizes, self.allowed.min_wall, nozzle, joined, self.base, self.frame, self.collet)
         return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
 
-    # ---- motion -----------------------------------------------------------------------------------------------------
-
     @cached_property
     def cam(self) -> DiscCam:
         """The cam engine set up for this spec; raises DesignError where the follower cannot swing so far."""

@@ -1,0 +1,276 @@
+"""Levels of an assembly: which link lies on which level, so that nothing meets over the whole motion.
+
+    band     a link's outline: all points within `radius` of the convex hull of its hubs; it lies on one level, 1 or more
+    axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
+             highest, and one more for its head
+    wall     stands on the plate beside a link that slides, from level 1 to the link's
+    rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
+             level together
+    wanted   the fewest levels, then the shortest pins: an integer program
+
+Distances are those at samples of the motion, less half of the way to the next sample at either body: what lies between two
+samples is bounded by the ways, which 1.1 times the chords bound while a step turns a body by less than half a radian.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Floats, Points
+
+_WAY = 1.1  # of a chord: the way between two samples
+_LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
+_FEW = 2000  # orders that are all tried; scipy takes longer to load
+
+
+@dataclass(frozen=True)
+class Band:
+    """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs."""
+
+    name: str
+    corners: Points
+    radius: float
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
+
+    radius: of its head and spacers, mm; headed: whether its head takes the level over its highest link; over: pairs of its
+    links, the first of which must lie over the second.
+    """
+
+    name: str
+    links: tuple[str, ...]
+    place: Points
+    radius: float
+    ground: bool = False
+    headed: bool = True
+    over: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall on the ground plate as high as a link that it guides: corners of its hull, (k, n) complex mm, and radius."""
+
+    name: str
+    corners: Points
+    radius: float
+    link: str
+
+
+Thing = Band | Axis | Wall
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """Two things that meet, so that they share no level: the distance of their middles at least (mm, at sample k), the needed."""
+
+    a: Thing
+    b: Thing
+    distance: float
+    needed: float
+    k: int
+
+
+def hull_corners(points: Sequence[complex]) -> list[int]:
+    """Indices of the corners of the convex hull of points, counter-clockwise; two of points on one line."""
+    order = sorted(range(len(points)), key=lambda k: (points[k].real, points[k].imag))
+    order = [k for j, k in enumerate(order) if j == 0 or points[k] != points[order[j - 1]]]
+    if len(order) < 3:
+        return order
+    size = max(abs(points[k] - points[order[0]]) for k in order)
+
+    def half(run: Sequence[int]) -> list[int]:
+        found: list[int] = []
+        for k in run:
+            while len(found) > 1:
+                a, b = points[found[-1]] - points[found[-2]], points[k] - points[found[-2]]
+                if (a.conjugate() * b).imag > 1e-9 * size * size:
+                    break
+                found.pop()
+            found.append(k)
+        return found
+
+    return half(order)[:-1] + half(order[::-1])[:-1]
+
+
+def distance(a: Points, b: Points) -> Floats:
+    """Distance of two convex polygons over a motion, (n,) mm, 0 where they meet; corners (k, n) complex, k >= 1."""
+    found = np.full(a.shape[1], np.inf)
+    sides = [(p, q) for p in _sides(a) for q in _sides(b)]
+    for (p0, p1), (q0, q1) in sides:
+        ends = [_to_side(p0, q0, q1), _to_side(p1, q0, q1), _to_side(q0, p0, p1), _to_side(q1, p0, p1)]
+        apart = np.minimum.reduce(ends)
+        cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
+        cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
+        found = np.minimum(found, np.where(cross, 0.0, apart))
+    for one, other in ((a, b), (b, a)):
+        if len(one) > 2:
+            inside = np.all([_side(p0, p1, other[0]) >= 0 for p0, p1 in _sides(one)], axis=0)
+            found[inside] = 0.0
+    return found
+
+
+def _sides(corners: Points) -> list[tuple[Points, Points]]:
+    if len(corners) < 3:
+        return [(corners[0], corners[-1])]
+    return [(corners[k - 1], corners[k]) for k in range(len(corners))]
+
+
+def _side(a: Points, b: Points, z: Points) -> Floats:
+    return np.asarray(((b - a).conj() * (z - a)).imag)
+
+
+def _to_side(z: Points, a: Points, b: Points) -> Floats:
+    way, off = b - a, z - a
+    square = np.abs(way) ** 2
+    share = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
+    return np.asarray(np.abs(off - share * way))
+
+
+def _ways(corners: Points) -> Floats:
+    """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
+    steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
+    return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
+
+
+def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
+    """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
+    if isinstance(a, Band) and isinstance(b, Axis) and a.name in b.links:
+        return None
+    if isinstance(b, Wall) and (isinstance(a, Wall) or b.link in (a.links if isinstance(a, Axis) else (a.name,))):
+        return None
+    one, other = (each.place[None] if isinstance(each, Axis) else each.corners for each in (a, b))
+    between, needed = distance(one, other), a.radius + b.radius + gap
+    if float((between - _ways(one) - _ways(other)).min()) >= needed:
+        return None
+    k = int(np.argmin(between))
+    return _Rule(a, b, float(between[k]), needed, k)
+
+
+def levels(
+    bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
+    walls: Sequence[Wall] = (),
+) -> dict[str, int]:  # fmt: skip
+    """Level of each link, 1 the lowest; DesignError where there is no way to lay them.
+
+    theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
+    to be kept.
+    """
+    given = given or {}
+    things: list[Thing] = [*bands, *axes, *walls]
+    rules = [rule for a, b in combinations(things, 2) if (rule := _meets(a, b, gap))]
+    few = (len(bands) + 2) ** sum(band.name not in given for band in bands) <= _FEW
+    found = (every_order if few else integer_program)(bands, axes, rules, given)
+    broken = [rule for rule in rules if not _kept(rule, found)]
+    if broken:
+        rule = min(broken, key=lambda each: each.distance - each.needed)
+        said = f"{rule.a.name} and {rule.b.name}, {math.degrees(theta[rule.k]):.1f} deg"
+        cures = "use longer links, smaller parts.pin_diameter, parts.head or parts.wall"
+        cures += ", or leave [layers] out" if given else ": all orders of the levels were tried"
+        raise DesignError("distance of what cannot pass on any level", rule.distance, rule.needed, "mm", said, cures)
+    return found
+
+
+def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
+    """Lowest and highest level that a thing takes."""
+    if isinstance(thing, Band):
+        return level[thing.name], level[thing.name]
+    if isinstance(thing, Wall):
+        return 1, level[thing.link]
+    held = [level[link] for link in thing.links]
+    return 0 if thing.ground else min(held), max(held) + thing.headed
+
+
+def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
+    (a0, a1), (b0, b1) = span(rule.a, level), span(rule.b, level)
+    return a1 < b0 or b1 < a0
+
+
+def _allowed(axes: Sequence[Axis], level: Mapping[str, int]) -> bool:
+    """Whether all that is to lie over another does."""
+    return all(level[upper] > level[lower] for axis in axes for upper, lower in axis.over)
+
+
+def _no_levels() -> DesignError:
+    remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
+    return DesignError("levels found", 0, 1, "", "[layers]", remedy)
+
+
+def every_order(
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int]
+) -> dict[str, int]:
+    """The best levels, by trying all."""
+    most = len(bands) + 2
+    best: tuple[float, dict[str, int]] | None = None
+    for values in product(*([given[b.name]] if b.name in given else range(1, most + 1) for b in bands)):
+        level = dict(zip((band.name for band in bands), values, strict=True))
+        if not _allowed(axes, level):
+            continue
+        ends = [span(axis, level) for axis in axes]
+        cost = _LEVEL * max(values) + _LOW * sum(values) + sum(high - low for low, high in ends)
+        if best is None or cost < best[0]:
+            cost += _BROKEN * sum(not _kept(rule, level) for rule in rules)
+            best = (cost, level) if best is None or cost < best[0] else best
+    if best is None:
+        raise _no_levels()
+    return best[1]
+
+
+def integer_program(
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int]
+) -> dict[str, int]:
+    """The same by branch and bound; rules that cannot be kept are broken at a price."""
+    from scipy.optimize import Bounds, LinearConstraint, milp
+
+    most = max([2 * len(bands) + 1, *given.values()])
+    cost, bounds = [_LEVEL], [(0.0, float(most))]  # the first column is the highest level
+    rows: list[tuple[dict[int, float], float]] = []  # sum >= right
+
+    def column(price: float, low: float, high: float) -> int:
+        cost.append(price)
+        bounds.append((low, high))
+        return len(cost) - 1
+
+    ends: dict[str, tuple[int, int]] = {}
+    level = {}
+    for band in bands:
+        k = level[band.name] = column(_LOW, given.get(band.name, 1), given.get(band.name, most))
+        ends[band.name] = (k, k)
+        rows.append(({0: 1, k: -1}, 0))
+    for axis in axes:
+        low, high = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
+        ends[_key(axis)] = (low, high)
+        rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in axis.over]
+        for link in axis.links:
+            rows.append(({high: 1, level[link]: -1}, float(axis.headed)))
+            rows.append(({level[link]: 1, low: -1}, 0))
+    big, lowest = 2.0 * most + 4, column(0, 1, 1)
+    for rule in rules:
+        (a0, a1), (b0, b1) = (
+            (lowest, level[thing.link]) if isinstance(thing, Wall) else ends[_key(thing)] for thing in (rule.a, rule.b)
+        )  # fmt: skip
+        broken, over = column(_BROKEN, 0, 1), column(0, 0, 1)
+        rows.append(({a0: 1, b1: -1, over: big, broken: big}, 1))  # a over b where over is 0
+        rows.append(({b0: 1, a1: -1, over: -big, broken: big}, 1 - big))
+    table = np.zeros((len(rows), len(cost)))
+    for k, (row, _) in enumerate(rows):
+        table[k, list(row)] = list(row.values())
+    found = milp(
+        cost, integrality=np.ones(len(cost)), bounds=Bounds(*np.array(bounds).T),
+        constraints=LinearConstraint(table, np.array([right for _, right in rows]), np.inf), options={"time_limit": 10.0},
+    )  # fmt: skip
+    if found.x is None:
+        raise _no_levels()
+    return {name: round(found.x[k]) for name, k in level.items()}
+
+
+def _key(thing: Thing) -> str:
+    return f"axis {thing.name}" if isinstance(thing, Axis) else thing.name

@@ -1,0 +1,312 @@
+"""Any planar machine from a spec: motion against closed forms, what is refused and how, the bodies and their proof."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import CamgenError, DesignError, SpecError
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.pipeline.build import KINDS, build, check
+from camgen.spec import read, validate
+
+THETA = np.linspace(0.1, 6.2, 97)
+
+SLIDER_CRANK = {
+    "points": {"O": [0, 0], "R": [50, 0], "A": [21, 0], "B": [80, 0]},
+    "links": {"ground": ["O", "R"], "crank": ["O", "A"], "rod": ["A", "B"], "ram": ["B"]},
+    "lengths": {"O-A": 20, "A-B": 60},
+    "slide": [{"link": "ram", "along": ["O", "R"]}],
+    "output": [{"name": "ram", "link": "ram"}],
+}
+YOKE = {
+    "points": {"O": [0, 0], "R": [50, 0], "A": [20, 0], "D": [20, -30], "E": [20, 30]},
+    "links": {"ground": ["O", "R"], "crank": ["O", "A"], "yoke": ["D", "E"]},
+    "slide": [{"link": "yoke", "along": ["O", "R"]}],
+    "slot": [{"pin": "A", "link": "yoke", "along": ["D", "E"]}],
+    "output": [{"name": "yoke", "link": "yoke"}],
+}
+WHITWORTH = {
+    "points": {"O": [0, 0], "A": [0, 20], "D": [0, -50], "E": [0, 60]},
+    "links": {"ground": ["O", "D"], "crank": ["O", "A"], "arm": ["D", "E"]},
+    "slot": [{"pin": "A", "link": "arm", "along": ["D", "E"]}],
+    "output": [{"name": "arm", "link": "arm"}],
+}
+
+
+def spec(**tables: Any) -> dict[str, Any]:
+    return {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables}
+
+
+def linkage(**tables: Any) -> Linkage:
+    return validate(Linkage, spec(**tables))
+
+
+@pytest.fixture
+def four_bar(root: Path) -> dict[str, Any]:
+    return read(root / "specs" / "linkage.toml")
+
+
+# ---- motion ----------------------------------------------------------------------------------------------------------
+
+
+def test_four_bar_by_freudenstein(four_bar: dict[str, Any]) -> None:
+    ground, crank, coupler, rocker = 70, 20, 60, 50
+    run = validate(Linkage, four_bar).solve(THETA)
+    k1, k2 = ground / crank, ground / rocker
+    k3 = (crank**2 - coupler**2 + rocker**2 + ground**2) / (2 * crank * rocker)
+    psi = run["swing"]
+    assert np.max(np.abs(k1 * np.cos(psi) - k2 * np.cos(THETA) + k3 - np.cos(THETA - psi))) < 1e-12
+    a = crank * np.exp(1j * THETA)
+    b = ground + rocker * np.exp(1j * psi)
+    drawn = (complex(22, 52) - 20) / abs(complex(55, 48) - 20)
+    assert np.max(np.abs(np.abs(run["pen"] - a) - abs(drawn) * abs(complex(55, 48) - 20))) < 1e-12
+    assert np.all(((run["pen"] - a) / (b - a)).imag > 0)
+
+
+def test_slider_crank() -> None:
+    machine = linkage(**SLIDER_CRANK)
+    run = machine.solve(THETA)
+    x = 20 * np.cos(THETA) + np.sqrt(60**2 - (20 * np.sin(THETA)) ** 2)
+    assert np.max(np.abs(run["ram"] - x)) < 1e-12
+    assert machine.study().numbers["ram_stroke_mm"] == pytest.approx(40, abs=1e-6)
+
+
+def test_scotch_yoke_is_a_sine() -> None:
+    run = linkage(**YOKE).solve(THETA)
+    rate = math.tau  # 60 rpm
+    assert np.max(np.abs(run["yoke"] - 20 * np.cos(THETA))) < 1e-12
+    assert np.max(np.abs(run.acceleration["yoke"] + rate**2 * 20 * np.cos(THETA))) < 1e-9
+
+
+def test_quick_return() -> None:
+    machine = linkage(**WHITWORTH)
+    run = machine.solve(THETA)
+    pin = 20j * np.exp(1j * THETA) + 50j
+    assert np.max(np.abs(np.exp(1j * run["arm"]) - pin / np.abs(pin))) < 1e-12
+    swing = 2 * math.degrees(math.asin(20 / 50))
+    assert machine.study().numbers["arm_stroke_deg"] == pytest.approx(swing, abs=1e-6)
+
+
+def test_jansens_leg_steps_as_published(root: Path) -> None:
+    """Foot path about 68 x 22.5 mm."""
+    numbers = validate(Linkage, read(root / "specs" / "walking-leg.toml")).study().numbers
+    assert numbers["foot_x_stroke_mm"] == pytest.approx(68, abs=0.5)
+    assert numbers["foot_y_stroke_mm"] == pytest.approx(22.5, abs=0.25)
+
+
+PEAUCELLIER = {
+    "points": {"O": [0, 0], "C": [40, 0], "Q": [80, 0], "A": [120, 50], "B": [120, -50], "P": [160, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["C", "Q"], "a1": ["O", "A"], "a2": ["O", "B"], "b1": ["Q", "A"], "b2": ["Q", "B"],
+              "b3": ["P", "A"], "b4": ["P", "B"]},
+    "lengths": {"O-C": 40, "C-Q": 40, "O-A": 130, "O-B": 130, "Q-A": 64, "Q-B": 64, "P-A": 64, "P-B": 64},
+    "drive": {"link": "crank", "range_deg": [-40, 40]},
+    "output": [{"name": "line", "point": "P"}],
+}  # fmt: skip
+
+
+def test_peaucellier_draws_a_straight_line_with_pins_of_three_links(tmp_path: Path) -> None:
+    import tomli_w
+
+    machine = linkage(**PEAUCELLIER)
+    inverse = (130**2 - 64**2) / 80  # the foot of the inverse of the crank's circle
+    path = machine.solve(np.radians(np.linspace(-40, 40, 81)))["line"]
+    assert np.max(np.abs(path.real - inverse)) < 1e-10 and np.ptp(path.imag) > 100
+    file = tmp_path / "p.toml"
+    file.write_text(tomli_w.dumps(spec(**PEAUCELLIER)), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+
+
+# ---- bodies ---------------------------------------------------------------------------------------------------------
+
+
+def shifted_hole(file: Path, near: complex, by: float) -> None:
+    """Move the circle of a drawing that lies nearest to a place, mm."""
+    import ezdxf
+
+    document = ezdxf.readfile(file)
+    hole = min(document.modelspace().query("CIRCLE"), key=lambda c: abs(complex(c.dxf.center.x, c.dxf.center.y) - near))
+    hole.dxf.center = (hole.dxf.center.x + by, hole.dxf.center.y, 0)
+    document.saveas(file)
+
+
+def failing(folder: Path) -> set[str]:
+    return {finding.code for finding in check(folder).findings if not finding.ok}
+
+
+def test_four_bar_from_spec_to_verdict(root: Path, tmp_path: Path) -> None:
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset(KINDS))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    codes = {finding.code for finding in report.findings}
+    assert {"MOTION_ERROR", "LASH", "PIN_GAP", "INTERFERENCE", "TRANSMISSION_ANGLE", "BED_FIT"} <= codes
+    folder = tmp_path / "linkage"
+    with open(folder / "motion.csv", encoding="utf-8") as file:
+        head = file.readline().strip().split(",")
+        rows = np.loadtxt(file, delimiter=",")
+    columns = dict(zip(head, rows.T, strict=True))
+    assert len(rows) == 1441 and columns["theta_deg"][-1] == 360
+    for name in ("pen_x_mm", "pen_y_mm", "swing_deg"):
+        for kind in ("dxf", "stl", "3mf"):
+            assert np.max(np.abs(columns[f"{name}_{kind}"] - columns[name])) < 1e-4
+    psi = np.radians(columns["swing_deg_dxf"])
+    theta = np.radians(columns["theta_deg"])
+    k3 = (20**2 - 60**2 + 50**2 + 70**2) / (2 * 20 * 50)
+    assert np.max(np.abs(70 / 20 * np.cos(psi) - 70 / 50 * np.cos(theta) + k3 - np.cos(theta - psi))) < 1e-6
+    levels = read(folder / "spec.toml")["layers"]
+    assert levels == {"crank": 1, "coupler": 2, "rocker": 1}
+    again = build(folder / "spec.toml", tmp_path / "again", frozenset({"dxf"}))
+    assert again.ok
+    assert (folder / "linkage-coupler.dxf").read_bytes() == (tmp_path / "again" / "linkage" / "linkage-coupler.dxf").read_bytes()
+
+
+def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(four_bar: dict[str, Any]) -> None:
+    from camgen.machine.run import solve
+
+    four_bar["masses"] = {"rocker": {"mass_g": 50, "centre": [25, 0], "inertia_kg_m2": 1e-5}}
+    built = validate(Linkage, four_bar).resolved()
+    machine, made = built.machine(), {part.name: part for part in built.parts()}
+    moving = sum(made[mount.part].volume for mount in built.mounts() if mount.body in ("crank", "coupler")) * 1.24e-6
+    assert sum(machine.body(name).mass for name in ("crank", "coupler")) == pytest.approx(moving, rel=1e-9)
+    assert machine.body("rocker").mass == pytest.approx(0.05) and machine.body("rocker").centre == 25
+    assert abs(machine.body("crank").centre.imag) < 0.2 and 0 < machine.body("crank").centre.real < 20
+    theta = np.linspace(0, math.tau, 721)
+    forces = solve(machine, theta).forces()
+    torque = np.gradient(forces.energy, theta)[5:-5]
+    assert np.max(np.abs(forces.drives["drive"][5:-5] - torque)) < 1e-3 * np.max(np.abs(torque))
+
+
+@pytest.mark.parametrize(("part", "near"), [("coupler", 60 + 0j), ("rocker", 50 + 0j), ("crank", 20 + 0j), ("ground", 70 + 0j)])
+def test_a_hole_off_by_30_um_is_found(root: Path, tmp_path: Path, part: str, near: complex) -> None:
+    assert build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf"})).ok
+    shifted_hole(tmp_path / "linkage" / f"linkage-{part}.dxf", near, 0.03)
+    assert "MOTION_ERROR" in failing(tmp_path / "linkage")
+
+
+def test_two_links_swapped_are_found(root: Path, tmp_path: Path) -> None:
+    assert build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf"})).ok
+    folder = tmp_path / "linkage"
+    (folder / "linkage-rocker.dxf").rename(folder / "other.dxf")
+    (folder / "linkage-coupler.dxf").rename(folder / "linkage-rocker.dxf")
+    (folder / "other.dxf").rename(folder / "linkage-coupler.dxf")
+    assert {"PIN_GAP", "ROUND_TRIP"} <= failing(folder)
+
+
+def test_links_on_one_level_meet(root: Path, tmp_path: Path) -> None:
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.crank=1"])
+    assert report.ok
+    with pytest.raises(DesignError, match="rocker and coupler|coupler and rocker"):
+        build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.coupler=1", "layers.rocker=1"])
+
+
+def quick_return(theta: np.ndarray) -> np.ndarray:
+    return np.unwrap(np.angle(20j * np.exp(1j * theta) + 50j))
+
+
+def slider_crank(theta: np.ndarray) -> np.ndarray:
+    return 20 * np.cos(theta) + np.sqrt(60**2 - (20 * np.sin(theta)) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("tables", "column", "scale", "motion"),
+    [(WHITWORTH, "arm_deg", math.degrees(1), quick_return), (SLIDER_CRANK, "ram_mm", 1.0, slider_crank)],
+)
+def test_slot_and_slide_from_their_files(
+    tmp_path: Path, tables: dict[str, Any], column: str, scale: float, motion: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    import tomli_w
+
+    file, table = tmp_path / "own.toml", tmp_path / "own" / "motion.csv"
+    file.write_text(tomli_w.dumps(spec(**tables)), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    assert {"MOTION_ERROR", "PIN_GAP", "INTERFERENCE"} <= {finding.code for finding in report.findings}
+    head = table.read_text(encoding="utf-8").partition("\n")[0].split(",")
+    rows = dict(zip(head, np.loadtxt(table, delimiter=",", skiprows=1).T, strict=True))
+    for kind in ("", "_dxf", "_3mf"):
+        assert np.max(np.abs(rows[column + kind] - scale * motion(np.radians(rows["theta_deg"])))) < 1e-6 * scale
+
+
+GEARED = {
+    "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
+    "gear": [{"a": "crank", "b": "drum", "ratio": -2}],
+    "output": [{"name": "drum", "link": "drum"}],
+}
+
+
+@pytest.mark.parametrize(("tables", "said"), [(GEARED, "joints without bodies"), (YOKE, "slots of a link that slides")])
+def test_bodies_that_are_not_made_yet_are_told(tables: dict[str, Any], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        linkage(**tables).resolved()
+
+
+def test_a_rocker_that_is_driven_to_and_fro(root: Path, tmp_path: Path) -> None:
+    settings = ["drive.link=rocker", "drive.range_deg=[-2, 25]", "limits.transmission_angle_deg=10"]
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), settings)
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    rows = np.loadtxt(tmp_path / "linkage" / "motion.csv", delimiter=",", skiprows=1)
+    assert rows[0, 0] == -2 and rows[-1, 0] == 25 and len(rows) == 4 * 27 + 1
+
+
+# ---- what is refused -------------------------------------------------------------------------------------------------
+
+
+def twice(e: dict[str, Any]) -> None:
+    e["output"].append(dict(e["output"][0]))
+
+
+def long_crank(e: dict[str, Any], **drive: Any) -> None:
+    e["points"] |= {"A": [30, 52], "B": [85, 45]}
+    e["lengths"]["O-A"] = 60
+    e["drive"] |= drive
+
+
+def many(e: dict[str, Any]) -> None:
+    for k in range(200):
+        e["points"][f"N{k}"] = [k, 7]
+        e["links"][f"l{k}"] = ["A", f"N{k}"]
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "said"),
+    [
+        (twice, SpecError, "output.2.name"),
+        (lambda e: e["points"].update(X=[1, 2]), SpecError, "points.X"),
+        (lambda e: e["points"].update({"1 x": [1, 2]}), SpecError, "a letter first"),
+        (lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])), SpecError, "nothing holds it"),
+        (lambda e: e["links"].update(hung=["A"]), DesignError, "freedoms left"),
+        (lambda e: e["links"].update(strut=["A", "B"]), DesignError, "conditions too many"),
+        (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "lengths that can meet"),
+        (lambda e: e["lengths"].update({"C-B": 5}), DesignError, "gap of the joints as drawn"),
+        (lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]), SpecError, "two different points"),
+        (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "drive"),
+        (lambda e: e["layers"].update(rocer=1) if "layers" in e else e.update(layers={"rocer": 1}), SpecError, "'rocker'"),
+        (lambda e: e["parts"].update(rocker={"hub_diametr": 3}), SpecError, "'hub_diameter'"),
+        (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
+        (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
+        (many, SpecError, "at most 200"),
+        (long_crank, DesignError, "range of the drive"),
+        (lambda e: long_crank(e, range_deg=[-40, 170]), DesignError, "drive.range_deg"),
+        (lambda e: e.pop("output"), SpecError, "missing"),
+    ],
+)  # fmt: skip
+def test_bad_specs(
+    four_bar: dict[str, Any], change: Callable[[dict[str, Any]], object], kind: type[CamgenError], said: str
+) -> None:
+    change(four_bar)
+    with pytest.raises(kind) as caught:
+        validate(Linkage, four_bar).chain  # noqa: B018
+    assert said in str(caught.value) and caught.value.exit_code == (2 if kind is SpecError else 3)
+
+
+def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:
+    long_crank(four_bar, range_deg=[-20, 10])
+    machine = validate(Linkage, four_bar)
+    assert np.isfinite(machine.motion(np.linspace(0, math.tau, 100))).all()
+    assert np.ptp(np.degrees(machine.course(np.linspace(0, math.tau, 361)))) == pytest.approx(30)
