@@ -27,6 +27,7 @@ from camgen import __version__
 from camgen.errors import FileError
 
 MANIFEST = "manifest.json"
+_MOST_LISTED = 10_000_000  # bytes of a manifest
 SPEC = "spec.toml"
 
 _EDITED = re.compile(r"spec\.toml\.edited(-\d+)?")
@@ -234,14 +235,14 @@ def _foreign(folder: Path) -> Iterator[Path]:
 
 def manifest_files(folder: Path) -> list[str]:
     """Names of the files that a build listed in its manifest.json; FileError where that is no manifest of camgen's."""
+    from camgen.spec import read_bytes
+
     path = folder / MANIFEST
     try:
-        found = json.loads(path.read_bytes())
+        found = json.loads(read_bytes(path, _MOST_LISTED, "a manifest"))
         if not (isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)):
             raise ValueError("it does not list the files of a build")
         return list(found["files"])
-    except OSError as error:
-        raise FileError(path, f"cannot be read: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:
         raise FileError(path, f"is not a manifest of camgen's: {error}") from None
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import FileError
-from camgen.files.unpacking import refuse_bomb
+from camgen.files.unpacking import extras, refuse_bomb
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
@@ -155,7 +155,9 @@ def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
     """Layers of what is cut or marked that some program would not show, plot or send to the machine."""
     for layer in drawing.layers:
         states = {"off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked()}
-        said = ", ".join(name for name, there in {**states, "not plotted": not layer.dxf.plot}.items() if there)
+        states |= {"not plotted": not layer.dxf.plot, "transparent": layer.transparency > 0}
+        states |= {f"drawn as {layer.dxf.linetype}": layer.dxf.linetype.upper() != "CONTINUOUS"}
+        said = ", ".join(name for name, there in states.items() if there)
         if said and str(layer.dxf.name).upper() in (CUT_LAYER, MARK_LAYER):
             yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
 
@@ -316,7 +318,7 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
     told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
     if any(code == _NO_UNIT for code, _ in told):
         raise FileError(path, "names a unit that there is not in a 3MF file; millimeter was expected")
-    warnings = [text for _, text in told]
+    warnings = [*(text for _, text in told), *(extras(path) if strict else ())]
     meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
     inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
     for thing in _each(model.GetMeshObjects(), "GetCurrentMeshObject"):

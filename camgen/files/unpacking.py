@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 import zlib
 from graphlib import CycleError, TopologicalSorter
@@ -17,6 +18,7 @@ from camgen.errors import FileError
 MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
 MOST_BYTES = 1_000_000_000  # unpacked
 BUILD, _NONE = -1, -2
+_OURS = {"[content_types].xml", "_rels/.rels", "3d/3dmodel.model"}  # parts of a package as camgen writes it
 
 Object = tuple[str, int]
 
@@ -54,6 +56,19 @@ def refuse_bomb(path: str | Path) -> None:
     if most > MOST_COPIES:
         said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
         raise FileError(path, f"places {said} copies of its objects; {MOST_COPIES} at most are read")
+
+
+def extras(path: str | Path) -> list[str]:
+    """What a package holds beside meshes and what is built of them, and could be printed: sentences, none for a plain one.
+
+    Beams, slices, volumes and the like stand in elements of extensions, modifiers of a slicer in parts of their own.
+    """
+    with zipfile.ZipFile(path) as package:
+        names = package.namelist()
+        found = sorted({tag.decode() for name in names for tag in re.findall(rb"<(\w+:\w+)", package.read(name))})
+    other = [name for name in names if name.lower() not in _OURS]
+    said = [f"holds elements of extensions: {', '.join(found[:5])}"] if found else []
+    return said + ([f"holds parts that are not camgen's: {', '.join(other[:5])}"] if other else [])
 
 
 def _count(part: str, text: bytes, inside: dict[Object, list[Object]]) -> None:

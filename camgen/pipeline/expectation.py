@@ -11,7 +11,7 @@ from camgen.files.export import center_marks
 from camgen.files.readback import Mesh, slice_mesh
 from camgen.geometry.crossing import crossed_at, spread
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Region
+from camgen.geometry.outlines import Floats, Line, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.round_trip import Expected, Section, Undo
 from camgen.machine.contacts import Contact, Rolling
@@ -20,6 +20,8 @@ from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 
 _HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
+_STEP = 0.1  # mm, between the heights at which a crossed body is cut: its walls need not be upright
+_LEVEL = 0.75  # slope of a wall below which a facet off by the tolerance shows in a section by more than the limit
 _BESIDE = 4.0  # chord tolerances from the ends of a layer
 
 
@@ -92,12 +94,26 @@ def _crossings(part: Part, crossed: Region, tolerance: float, sections: Sequence
     face = _facetted(crossed, tolerance)
     cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
     through = []
+    level = _level_facets(crossed)
     beside = _BESIDE * tolerance  # a wall that lies level shows in sections just under and over it alone
     for section, (z0, z1) in zip(sections, _spans(part), strict=True):
-        for z in (z0 + beside, *section.heights, z1 - beside):
+        between = [z for z in np.arange(z0 + _STEP, z1 - beside, _STEP).tolist()
+                   if not np.any((level[:, 0] <= z) & (z <= level[:, 1]))]  # fmt: skip
+        for z in (z0 + beside, *section.heights, z1 - beside, *between):
             taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
             through += [Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes]
     return through
+
+
+def _level_facets(crossed: Region) -> Floats:
+    """Heights (n, 2), mm, between which a curve of the plane (x, z) is too level for its facets to be judged by a section."""
+    found = [np.empty((0, 2))]
+    for piece in (piece for contour in (crossed.outer, *crossed.holes) for piece in contour.pieces):
+        if not isinstance(piece, Line):
+            points = piece.at(np.linspace(piece.t0, piece.t1, 361))
+            way, ends = np.diff(points), np.stack([points.imag[:-1], points.imag[1:]], axis=1)
+            found.append(np.sort(ends[np.abs(way.imag) < _LEVEL * np.abs(way.real)], axis=1))
+    return np.concatenate(found)
 
 
 def _facetted(region: Region, tolerance: float) -> Shape:
