@@ -41,6 +41,8 @@ from camgen.machine.model import (
 )
 from camgen.machine.run import solve
 
+ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
+
 
 @dataclass(frozen=True)
 class Touch:
@@ -177,7 +179,8 @@ class Loaded:
             return math.inf, math.inf
         missing = load.rate * self.lift - self.effort
         short = missing > 0
-        least = max(0.0, load.preload - float(np.min(self.effort)))
+        least = load.preload - float(np.min(self.effort))
+        least = least if least > ROUNDING * float(np.max(np.abs(self.effort))) else 0.0
         if not np.any(short):
             return least, 0.0
         low = self.lift[short]

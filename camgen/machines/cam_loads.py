@@ -58,8 +58,10 @@ def force_study(found: Loaded, load: Load, slides: bool, pushed: bool) -> Study:
         "peak_power_w": float(np.nanmax(power)),
         **{f"peak_reaction_{name}_n": _peak(reaction) for name, reaction in forces.reactions.items()},
         **{f"peak_reaction_{name}_n": _peak(normal) for name, normal in forces.normals.items()},
-        **{f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()},
     }
+    # of a round tip the force passes the tip, where the mass is: what is left is rounding
+    moments = {f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()}
+    numbers |= {name: value for name, value in moments.items() if value > 1e-9 * numbers["peak_contact_force_n"]}
     if found.kick:
         unit = "n_s" if slides else "n_m_s"
         numbers[f"kick_{unit}"] = found.kick

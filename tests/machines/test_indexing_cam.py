@@ -75,7 +75,7 @@ def test_the_link_turns_by_180_deg_and_rests() -> None:
     cam = design()
     rise, dwell, back = (math.radians(x) for x in (120, 60, 120))
     theta = np.linspace(rise + 1e-9, rise + dwell - 1e-9, 50)
-    link = np.degrees(cam.motion(theta))
+    link = np.degrees(cam.geometry.gear_ratio * cam.motion(theta))
     assert link == pytest.approx(REFERENCE["dwell"]["index_deg"], abs=1e-9)
     rest = np.linspace(rise + dwell + back + 1e-9, math.tau - 1e-9, 50)
     assert cam.motion(rest) == pytest.approx(0, abs=1e-12) and cam.motion(rest, 1) == pytest.approx(0, abs=1e-12)

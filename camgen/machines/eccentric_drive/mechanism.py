@@ -148,10 +148,12 @@ class EccentricDrive(Mechanism):
         disc, rod, slider = (self.masses or Masses.none()).bodies(g.eccentricity, g.rod)
         start, end = complex(g.eccentricity), g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset)) + across
         outermost = model.Place(ground, self.outermost + across)
+        play, press = self.print.slide_clearance, self.print.press_clearance
         return model.Machine(
             (model.Body(ground), disc, rod, slider),
-            (model.Pin("O", disc.at("O"), model.Place(ground)), model.Pin("E", rod.at("E"), disc.at("E")),
-             model.Pin("P", slider.at("P"), rod.at("P")), model.Slide("guide", outermost, slider.at("P"), math.pi)),
+            (model.Pin("O", disc.at("O"), model.Place(ground), 2 * press), model.Pin("E", rod.at("E"), disc.at("E"), play),
+             model.Pin("P", slider.at("P"), rod.at("P"), play + press),
+             model.Slide("guide", outermost, slider.at("P"), math.pi, 0.0, play)),
             (model.Drive("motor", "disc"),),
             {"disc": model.Pose(0j, 0.0), "rod": model.Pose(start, cmath.phase(end - start)), "slider": model.Pose(end, 0.0)},
             outputs=(model.Output("travel", model.Along("guide")),),

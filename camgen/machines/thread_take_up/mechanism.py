@@ -18,6 +18,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -167,8 +168,10 @@ class ThreadTakeUp(Mechanism):
 
     def machine(self) -> Machine:
         """Input crank, bell crank (coupler) and output crank; outputs "feed", mm, and the path "eye"."""
-        t = self.take_up
-        return t.machine if self.masses is None else t.loaded(self.masses.bodies(t), self.speed)
+        t, play, press = self.take_up, self.print.slide_clearance, self.print.press_clearance
+        made = t.loaded(self.masses.bodies(t) if self.masses else t.links, self.speed)
+        pins = [replace(pin, clearance=play + (0 if pin.name == "C" else press)) for pin in made.joints]  # C has no pin
+        return replace(made, joints=tuple(pins))
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Feed (mm) or its derivative to theta, (n,)."""
@@ -275,8 +278,8 @@ class ThreadTakeUp(Mechanism):
     def bought(self) -> Sequence[Bought]:
         """Motor, and screws for mounting."""
         p = self.making
-        drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
         screw = f"for a core hole of {p.mount_diameter:g}, at most {p.thickness:g} into the frame"
+        drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
         if self.masses is not None and self.motor is not None:
             figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self.speed)
             drive += f"{figures['peak_torque_n_m']:.3g} N m at its peak, "
@@ -370,8 +373,8 @@ class ThreadTakeUp(Mechanism):
         if self.masses is not None and self.motor is not None:
             p = self.making
             levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
-            thick = p.shaft_diameter - p.shaft_flat
-            findings += strengths(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers, thick)
+            shaft = p.shaft_diameter - p.shaft_flat
+            findings += strengths(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers, shaft)
         if self.consumption is not None:
             findings += self.consumption.findings(t, self.allowed.excess)
         figures = self._figures(t)
@@ -422,22 +425,18 @@ class ThreadTakeUp(Mechanism):
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 
     def _wishes(self) -> list[Wish]:
-        wanted = self.wanted
-        if wanted is None:
+        if (wanted := self.wanted) is None:
             return []
         asked = (("feed_range", wanted.feed_range, "mm", False), ("let_down_ratio", wanted.let_down_ratio, "to 1", False),
                  ("dwell_deg", wanted.dwell_deg, "deg", True))  # fmt: skip
-        return [
-            Wish(name, value, wanted.tolerance * value, unit, least) for name, value, unit, least in asked if value is not None
-        ]
+        return [Wish(name, value, wanted.tolerance * value, unit, least) for name, value, unit, least in asked if value]
 
     def _figures(self, t: TakeUp) -> Mapping[str, float]:
         """What wishes are about; the dwell only where it is wished for."""
-        wanted = self.wanted
-        if wanted is None:
+        if (wanted := self.wanted) is None:
             return {}
-        figures = {"feed_range": t.diagram.range, "let_down_ratio": t.diagram.ratio}
-        return figures | ({} if wanted.dwell_deg is None else {"dwell_deg": math.degrees(t.lingers(wanted.dwell_radius))})
+        dwell = {} if wanted.dwell_deg is None else {"dwell_deg": math.degrees(t.lingers(wanted.dwell_radius))}
+        return {"feed_range": t.diagram.range, "let_down_ratio": t.diagram.ratio, **dwell}
 
     def designed(self) -> Self:
         """The spec with eye, frame angle and guides moved as little as fulfils [wanted]; the four lengths stay.
