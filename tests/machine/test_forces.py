@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
 
 from camgen.machine import (
     GROUND,
@@ -28,7 +29,6 @@ from camgen.machine import (
     linkages,
     solve,
 )  # fmt: skip
-from machine.chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
 
 THETA = np.arange(7200) * math.tau / 7200
 FEW = THETA[::100]
