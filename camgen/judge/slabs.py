@@ -58,21 +58,26 @@ def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
         rings = slice_mesh(mesh, (z0 + z1) / 2)
         slanted = corners[~flat & (low < z1) & (high > z0) & (high > low)]
         if len(slanted):
-            shadows = [shadow for c in slanted if (shadow := _shadow(c, z0, z1)).area > 0]
-            rings = _rings(shapely.union_all([area_of(rings), *shadows]))
+            shadows = _shadows(slanted, z0, z1)
+            rings = _rings(shapely.union_all([area_of(rings), *shadows[shapely.area(shadows) > 0]]))
         if rings:
             slabs.append(Slab(z0, z1, tuple(rings)))
     return tuple(slabs)
 
 
-def _shadow(corners: Floats, z0: float, z1: float) -> Any:
-    """Projection of a triangle's part between two heights."""
+def _shadows(corners: Floats, z0: float, z1: float) -> Any:
+    """Projections of triangles' parts between two heights, (n,) areas; corners: (n, 3, 3)."""
     import shapely
 
-    points = [p[:2] for p in corners if z0 <= p[2] <= z1]
-    for a, b in itertools.combinations(corners, 2):
-        points += [(a + (z - a[2]) / (b[2] - a[2]) * (b - a))[:2] for z in (z0, z1) if (a[2] - z) * (b[2] - z) < 0]
-    return shapely.MultiPoint(np.array(points)).convex_hull
+    points, there = [corners], [(z0 <= corners[:, :, 2]) & (corners[:, :, 2] <= z1)]
+    for i, j in itertools.combinations(range(3), 2):
+        a, b = corners[:, i], corners[:, j]
+        rise = b[:, 2] - a[:, 2]
+        for z in (z0, z1):
+            points.append((a + ((z - a[:, 2]) / np.where(rise == 0, 1, rise))[:, None] * (b - a))[:, None])
+            there.append(((a[:, 2] - z) * (b[:, 2] - z) < 0)[:, None])
+    kept = np.concatenate(there, axis=1)
+    return shapely.convex_hull(shapely.multipoints(np.concatenate(points, axis=1)[kept][:, :2], indices=np.nonzero(kept)[0]))
 
 
 def area_of(rings: Sequence[Ring]) -> Any:

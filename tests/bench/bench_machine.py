@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parent.parent))
+sys.path.insert(0, str(Path(__file__).parent.parent / "machine"))
 
-from machine.chains import CHAINS  # noqa: E402
+from chains import CHAINS  # noqa: E402
 
 from camgen.machine import solve  # noqa: E402
 from camgen.machine.closure import System  # noqa: E402

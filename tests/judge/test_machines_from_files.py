@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from camgen.machine.linkages import RRR, Crank, Fixed, Linkage, direction
 
 from camgen.files.export import write_dxf, write_stl
 from camgen.files.readback import read_dxf, read_stl, slice_mesh
@@ -98,15 +97,20 @@ def failing(verdict: Verdict) -> set[str]:
     return {finding.code for finding in verdict.findings if not finding.ok}
 
 
+def meeting(a: complex, c: complex, near: float, far: float) -> complex:
+    """The point `near` from a and `far` from c, to the left of the way from a to c: two circles."""
+    way = c - a
+    along = (near**2 - far**2 + abs(way) ** 2) / (2 * abs(way))
+    return a + way / abs(way) * complex(along, math.sqrt(near**2 - along**2))
+
+
 # ---- a four-bar whose rocker drives a ram by a slot --------------------------------------------------------------------
 
 FRAME, CRANK, COUPLER, ROCKER, HEIGHT = 40, 12, 38, 24, 45
 
 
 def shaper() -> Case:
-    chain = {"O": Fixed(0), "C": Fixed(FRAME), "A": Crank("O", CRANK), "B": RRR("A", "C", COUPLER, ROCKER, 1)}
-    at = Linkage(chain).solve(np.zeros(1))
-    a, b = complex(at["A"][0, 0]), complex(at["B"][0, 0])
+    a, b = complex(CRANK), meeting(CRANK, FRAME, COUPLER, ROCKER)
     lean = cmath.phase(b - FRAME)
     ram = FRAME + HEIGHT / math.tan(lean)
     machine = Machine(
@@ -201,9 +205,17 @@ class Rocking:
     rest: float = 0.0
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
-        chain = Linkage({"O": Fixed(0), "C": Fixed(PIVOT), "A": Crank("O", OFF), "B": RRR("A", "C", DISC + TIP, ARM, 1)})
-        at = chain.solve(theta, order)
-        return direction(at["C"], at["B"])[order] - (self.rest if order == 0 else 0.0)
+        tip = meeting(OFF, PIVOT, DISC + TIP, ARM)
+        bodies = (Body("crank"), Body("rod"), Body("rocker"))
+        pins = (
+            Pin("O", Place(GROUND), Place("crank")), Pin("A", Place("crank", OFF), Place("rod")),
+            Pin("B", Place("rod", DISC + TIP), Place("rocker", ARM)), Pin("C", Place(GROUND, PIVOT), Place("rocker")),
+        )  # fmt: skip
+        start = {"crank": Pose(0j, 0.0), "rod": Pose(OFF, cmath.phase(tip - OFF)),
+                 "rocker": Pose(PIVOT, cmath.phase(tip - PIVOT))}  # fmt: skip
+        chain = Machine(bodies, pins, (Drive("motor", "crank"),), start, outputs=(Output("angle", Angle("rocker"), "rad"),))
+        angle: Floats = solve(chain, theta, order).derivatives("angle")[order]
+        return angle - (self.rest if order == 0 else 0.0)
 
 
 def rocking_cam(flipped: bool = False) -> Case:

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chains import take_up
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.machine import Body, Forces, solve
 from camgen.machine.balancing import balanced, crank_weight, smallest_circle, with_weight
-from machine.chains import take_up
 
 MACHINE = take_up()
 THETA = np.arange(36000) * 2 * math.pi / 36000

@@ -9,13 +9,13 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
+from chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.machine import Cam, Gear, Machine, Pin, Place, Slide, Slot, solve
 from camgen.machine import closure as module
 from camgen.machine.closure import System
-from machine.chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up, wedge
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
 

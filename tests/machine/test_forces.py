@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
 
 from camgen.machine import (
     GROUND,
@@ -26,7 +27,6 @@ from camgen.machine import (
     Turning,
     solve,
 )  # fmt: skip
-from machine.chains import CHAINS, Wave, four_bar, ram_machine, scotch_yoke, slider_crank, take_up
 
 THETA = np.arange(7200) * math.tau / 7200
 FEW = THETA[::100]

@@ -6,25 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-from camgen.machine import (
-    GROUND,
-    Along,
-    Body,
-    Drive,
-    Machine,
-    Output,
-    Place,
-    Pose,
-    Slot,
-    Turning,
-    solve,
-)  # fmt: skip
-from camgen.machine.loops import Dyad, chain_of
-from camgen.machine.newton import Block
-from machine.chains import (
+from chains import (
     CHAINS,
     Wave,
     closing_four_bars,
@@ -45,6 +27,24 @@ from machine.chains import (
     wedge,
     whitworth,
 )  # fmt: skip
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgen.machine import (
+    GROUND,
+    Along,
+    Body,
+    Drive,
+    Machine,
+    Output,
+    Place,
+    Pose,
+    Slot,
+    Turning,
+    solve,
+)  # fmt: skip  # fmt: skip
+from camgen.machine.loops import Dyad, chain_of
+from camgen.machine.newton import Block
 
 THETA = np.random.default_rng(3).uniform(0, math.tau, 400)
 

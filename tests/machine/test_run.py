@@ -10,10 +10,10 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
+from chains import CHAINS, geared_five_bar, jansen, scotch_yoke, slider_crank, take_up
 
 from camgen.machine import Body, Pin, Place, solve
 from camgen.machine.closure import System
-from machine.chains import CHAINS, geared_five_bar, jansen, scotch_yoke, slider_crank, take_up
 
 CITED = tomllib.loads((File(__file__).parent.parent / "reference" / "thread-take-up.toml").read_text(encoding="utf-8"))
 TURN = np.linspace(0, math.tau, 3601)

@@ -59,6 +59,8 @@ class Drawing:
 
     def faults(self) -> list[Fault]:
         """Names that are not there, points on no link, lengths between points of no link, links that nothing holds."""
+        if not self.points:
+            return [Fault("points", "an empty table", "the points of the drawing, such as O = [0, 0]")]
         found = [*self._link_faults(), *self._length_faults(), *self._joint_faults(), *self._output_faults()]
         return found or self._shape_faults()
 

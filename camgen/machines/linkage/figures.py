@@ -64,7 +64,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
     numbers = {"peak_torque_n_m": float(np.abs(torque).max()), "peak_kinetic_energy_j": float(found.energy.max())}
-    numbers |= {f"reaction_{name.replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
+    numbers |= {f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
     plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
     return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])

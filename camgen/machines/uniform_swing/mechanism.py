@@ -309,13 +309,10 @@ class UniformSwing(Mechanism):
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """The cam (and its turned twin above it) turning about O, the follower about A."""
         theta = np.asarray(theta, float)
-        assembly = self.assembly()
-        if assembly:
+        if assembly := self.assembly():
             angles = {drive.name: drive.angle(theta) for drive in {m.drive.name: m.drive for m in assembly.mounts}.values()}
-            found: dict[str, list[Pose]] = {mount.part: [] for mount in assembly.mounts}
-            for mount in assembly.mounts:
-                found[mount.part].append(mount.pose(angles[mount.drive.name]))
-            return found
+            parts = dict.fromkeys(mount.part for mount in assembly.mounts)
+            return {part: [m.pose(angles[m.drive.name]) for m in assembly.mounts if m.part == part] for part in parts}
         still: Points = np.zeros(theta.shape, complex)
         cams = [Pose(theta, still)]
         if self.geometry.closure == "conjugate":
