@@ -1,7 +1,6 @@
 """Files back to shapes: what the judge sees of a part, read without knowing how it was made.
 
-A DXF becomes rings by layer, an STL or 3MF meshes (vertices, unique by exact bits in an STL, and triangles that index
-them), a slice of a mesh a list of rings.
+A DXF becomes rings by layer, an STL or 3MF meshes (vertices, unique by bits in an STL; triangles), a slice a list of rings.
 """
 
 from __future__ import annotations
@@ -154,9 +153,10 @@ def _looks(entity: Any) -> Iterator[DrawingFault]:
 def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
     """Layers of what is cut or marked that some program would not show, plot or send to the machine."""
     for layer in drawing.layers:
-        states = {"off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked()}
-        states |= {"not plotted": not layer.dxf.plot, "transparent": layer.transparency > 0}
-        states |= {f"drawn as {layer.dxf.linetype}": layer.dxf.linetype.upper() != "CONTINUOUS"}
+        states = {
+            "off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked(), "not plotted": not layer.dxf.plot,
+            "transparent": layer.transparency > 0, "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
+        }  # fmt: skip
         said = ", ".join(name for name, there in states.items() if there)
         if said and str(layer.dxf.name).upper() in (CUT_LAYER, MARK_LAYER):
             yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")

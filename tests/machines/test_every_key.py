@@ -103,6 +103,8 @@ def test_what_is_no_value_is_told_by_its_path(mechanism: str) -> None:
         dotted = ".".join(map(str, path))
         parents = {".".join(map(str, path[:k])) for k in range(1, len(path) + 1)}
         for value in (*NOTHING, *beyond(node)):
+            if value == {} and not asked and ({"additionalProperties", "patternProperties"} & node.keys()):
+                continue  # a table of names that a person gives may be empty
             with pytest.raises(SpecError) as caught:
                 changed(mechanism, path, value)
             told = [fault for fault in caught.value.faults if fault.path.startswith(dotted) or fault.path in parents]
