@@ -157,8 +157,7 @@ def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
             "off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked(), "not plotted": not layer.dxf.plot,
             "transparent": layer.transparency > 0, "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
         }  # fmt: skip
-        said = ", ".join(name for name, there in states.items() if there)
-        if said and str(layer.dxf.name).upper() in (CUT_LAYER, MARK_LAYER):
+        if (said := ", ".join(name for name in states if states[name])) and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER):
             yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
 
 

@@ -37,6 +37,7 @@ from camgen.machine.model import (
     Slide,
     Slot,
 )
+from camgen.numerics import solve
 
 # Steps of Newton's method; five are needed from a near guess.
 STEPS = 20
@@ -428,12 +429,8 @@ def _stretch(parts: Floats) -> Floats:
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:
-    """Solutions (n, m) of n systems; nan for a singular one."""
+    """Solutions (n, m) of n systems, the same bits on every processor; nan for a singular one."""
     sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
     found = np.full(right.shape, np.nan)
-    try:
-        found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
-    except np.linalg.LinAlgError:
-        sound &= np.linalg.matrix_rank(np.nan_to_num(matrices)) == matrices.shape[1]
-        found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
+    found[sound] = solve(matrices[sound], right[sound])
     return found

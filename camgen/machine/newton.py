@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
 from camgen.machine.model import Floats
 from camgen.machine.order import Key, Relation
+from camgen.numerics import solve
 
 # Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
 KNOTS = 36
@@ -406,11 +407,5 @@ def solved(matrices: Floats, right: Floats) -> Floats:
             area = a * d - b * c
             area = np.where(area == 0, np.nan, area)
             return np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1) / area[:, None]
-        try:
-            return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0])
-        except np.linalg.LinAlgError:
-            found = np.full(right.shape, np.nan)
-            sound = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(np.nan_to_num(matrices)) != 0)
-            found[sound] = np.linalg.solve(matrices[sound], right[sound][:, :, None])[:, :, 0]
-            return found
+        return solve(matrices, right)
 
