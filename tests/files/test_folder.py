@@ -19,7 +19,7 @@ import pytest
 
 from camgen.errors import FileError
 from camgen.files import folder as folders
-from camgen.files.folder import Staged, write_manifest
+from camgen.files.folder import MANIFEST, Staged, manifest_files, write_manifest
 
 
 def tree(folder: Path) -> dict[str, bytes]:
@@ -431,3 +431,10 @@ def test_manifest_lists_every_file_and_is_the_same_each_time(tmp_path: Path) -> 
 def test_manifest_of_a_package_that_is_not_there(tmp_path: Path) -> None:
     write_manifest(tmp_path, ["no-such-package-of-anyone", "click"])
     assert list(json.loads((tmp_path / "manifest.json").read_text())["packages"]) == ["click"]
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device")
+def test_a_manifest_without_end_is_refused(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).symlink_to("/dev/zero")
+    with pytest.raises(FileError, match="pipe or a device"):
+        manifest_files(tmp_path)

@@ -230,6 +230,20 @@ def test_a_top_face_at_another_height_is_told(by: float, tmp_path: Path) -> None
     assert {finding.code for finding in judged.findings if not finding.ok} == {"ROUND_TRIP"}
 
 
+def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
+    """0.2 mm high and 2 mm deep, into the far end of a crossed body whose walls need not be upright; its volume is as meant."""
+    mechanism, part = machine("looper"), part_of("looper", "upper-spreader")
+    tolerance, whole = mechanism.accuracy.chord_tolerance, replace(part, edges=())
+    assert whole.crossed is not None
+    face = shapely.Polygon([(z.real, z.imag) for z in facet_contour(whole.crossed.outer, tolerance)])
+    for notched in (face, face.difference(shapely.box(face.bounds[2] - 2, 3.95, face.bounds[2] + 1, 4.15))):
+        made = replace(whole, crossed=region_of(notched))
+        write_stl(tmp_path / "x.stl", solid(made, tolerance), "x")
+        judged = judge_mesh(tmp_path / "x.stl", replace(expected(whole, tolerance, mechanism.contacts()), volume=made.volume))
+        told = {finding.code for finding in judged.findings if not finding.ok}
+        assert told == ({"ROUND_TRIP"} if notched is not face else set())
+
+
 def test_a_slit_whose_corners_all_lie_on_the_outline_is_told(tmp_path: Path) -> None:
     """1 um wide, from side to side but for 1 um at its end: each of its corners is on the outline, and its area is nothing."""
     square = shapely.box(-5, -5, 5, 5)

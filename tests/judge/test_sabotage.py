@@ -308,6 +308,10 @@ def of_cut_layer(change: str) -> Callable[[ezdxf.document.Drawing], None]:
     return lambda drawing: getattr(drawing.layers.get("CUT"), change)()
 
 
+def dashed(drawing: ezdxf.document.Drawing) -> None:
+    drawing.layers.get("CUT").dxf.linetype = "CENTER2"
+
+
 def unplotted(drawing: ezdxf.document.Drawing) -> None:
     drawing.layers.get("CUT").dxf.plot = 0
 
@@ -339,6 +343,7 @@ def mark_a_centre(drawing: ezdxf.document.Drawing) -> None:
         pytest.param(of_cut_layer("freeze"), {"DXF_CLOSED"}, id="layer frozen"),
         pytest.param(of_cut_layer("lock"), {"DXF_CLOSED"}, id="layer locked"),
         pytest.param(unplotted, {"DXF_CLOSED"}, id="layer not plotted"),
+        pytest.param(dashed, {"DXF_CLOSED"}, id="layer dashed"),
         pytest.param(rim_with(invisible=1), {"DXF_CLOSED"}, id="invisible contour"),
         pytest.param(rim_with(const_width=2), {"DXF_CLOSED"}, id="contour with a width"),
         pytest.param(rim_with(transparency=0x020000FF - 255), {"DXF_CLOSED"}, id="transparent contour"),
@@ -466,6 +471,10 @@ def test_a_damaged_assembly_is_told(folder: Path, edit: Callable[[str], str], me
     assert failing(folder) == {("ROUND_TRIP", "3mf")} | ({("INTERFERENCE", meets)} if meets else set())
 
 
+BEAM = (
+    "</mesh>",
+    '<b:beamlattice minlength="0.1" radius="2"><b:beams><b:beam v1="0" v2="5"/></b:beams></b:beamlattice></mesh>',
+)
 SPARE = ("</vertices>", '<vertex x="1e4" y="0" z="0"/></vertices>')
 
 
@@ -487,12 +496,21 @@ def with_impostor(text: str, name: str = "cam") -> str:
         pytest.param(lambda text: text.replace('type="model"', 'type="support"'), "of type support", id="support"),
         pytest.param(lambda text: text.replace(*SPARE), "1 vertices that no triangle uses", id="spare vertex"),
         pytest.param(lambda text: text.replace('unit="millimeter"', 'unit="micron"'), "unit is MicroMeter", id="micron"),
+        pytest.param(lambda text: text.replace(*BEAM), "elements of extensions: b:beam, b:beamlattice", id="beam"),
     ],
 )  # fmt: skip
 def test_a_package_that_is_not_plain_is_told(folder: Path, name: str, edit: Callable[[str], str], said: str) -> None:
     edit_3mf(folder, f"cam-{name}.3mf", edit)
     failed = [f for f in pipeline.check(folder).findings if not f.ok]
     assert {f.where for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {f"cam-{name}.3mf"}
+
+
+def test_a_part_for_slicers_in_a_package_is_told(folder: Path) -> None:
+    """Such a part can say that a volume is cut away, or fill another one."""
+    with zipfile.ZipFile(folder / "cam-cam.3mf", "a") as package:
+        package.writestr("Metadata/Slic3r_PE_model.config", "<config/>")
+    told = [f for f in pipeline.check(folder).findings if not f.ok and f.code == "ROUND_TRIP"]
+    assert [f.where for f in told] == ["cam-cam.3mf"] and "Slic3r_PE_model.config" in told[0].message
 
 
 def test_a_unit_that_there_is_not_is_no_millimetre(folder: Path) -> None:
