@@ -110,7 +110,7 @@ def test_wings_are_all_that_there_is() -> None:
 
 
 def test_only_figures_imports_matplotlib() -> None:
-    users = {m for m, path in MODULES.items() if "import matplotlib" in path.read_text() or "from matplotlib" in path.read_text()}
+    users = {m for m, path in MODULES.items() if "matplotlib import" in (text := path.read_text("utf-8")) or "import matplotlib" in text}
     assert users == {"report.figures"}
 
 
@@ -138,7 +138,7 @@ def test_each_rule_is_seen_to_fail(rule: object, module: str, text: str) -> None
 def loaded(code: str) -> set[str]:
     """Top-level packages that a fresh interpreter has loaded after the code."""
     code += "\nimport sys\nprint('LOADED', *{name.split('.')[0] for name in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8")
     assert done.returncode == 0, done.stderr
     return set(done.stdout.rpartition("LOADED")[2].split())
 

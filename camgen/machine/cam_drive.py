@@ -104,13 +104,13 @@ def cam_machine(
     closure: Literal["form", "force"] = "form",
     touches: Sequence[Any] = (),
     friction: float = 0.0,
-    output: str = "follower",
     clearance: float = 0.0,
 ) -> Machine:
     """Cam ("cam"), follower ("follower") and ground; joints "shaft", "pivot" or "guide", and "contact".
 
     cams: the one that drives outwards, then a second one that drives back. speed: rad/s. touches: how the cams are touched,
-    where it is not each by its own follower. clearance: lash of the follower in the unit of s.
+    where it is not each by its own follower. clearance: lash of the follower in the unit of s. The output is "lift" of a
+    follower that slides, mm, "swing" of one on an arm, rad.
     """
     follower, program = cams[0].follower, cams[0].program
     load = load or Load()
@@ -143,7 +143,7 @@ def cam_machine(
         (Drive("motor", "cam"),),
         {"cam": Pose(0j, 0.0), "follower": pose},
         loads,
-        (Output(output, of, unit),),
+        (Output("lift" if slide else "swing", of, unit),),
         speed,
     )
 

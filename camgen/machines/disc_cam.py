@@ -209,7 +209,7 @@ class DiscCamDrive(Mechanism):
         return self.cams[0]
 
     def machine(self) -> Machine:
-        """Cam and follower; output "follower", mm or rad."""
+        """Cam and follower; output "lift", mm, or "swing", rad."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         groove = (Touch(self.cam), OuterWall(self.cam)) if self.geometry.closure == "groove" else ()
         return cam_machine(self.cams, self.speed, self._load, closed, groove)

@@ -69,7 +69,8 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
     listed = manifest_files(folder)
     lost = next((name for name in listed if not (folder / name).is_file()), None)
     if lost is not None:
-        raise FileError(folder / lost, "is listed in manifest.json and not there")
+        how = "no plain file" if (folder / lost).exists() else "not there"
+        raise FileError(folder / lost, f"is listed in manifest.json and {how}")
     kinds = [kind for kind in KINDS if any(path.name in listed or path.exists() for path in _files(case, kind))]
     with Workers(jobs) as workers:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]

@@ -22,17 +22,17 @@ CAM = {"cam": "cam", "follower": "follower"}
 ROWS: list[tuple[str, list[str], str, Mapping[str, str]]] = [
     ("uniform-swing", ["parts.make='cams'", "geometry.tip_radius=0"], "swing", CAM),
     ("uniform-swing", ["parts.make='cams'", "geometry.closure='force'", "geometry.reversal_blend_deg=40"], "swing", CAM),
-    ("disc-cam", [], "follower", CAM),
+    ("disc-cam", [], "lift", CAM),
     ("disc-cam", ["geometry.follower.motion='oscillating'", "geometry.follower.pivot_distance=60", "geometry.follower.arm=50",
-                  "geometry.base_radius=30", "motor.speed_rpm=-60"], "follower", CAM),
-    ("indexing-cam", [], "follower", CAM | {"driven-link": "driven-link"}),
-    ("indexing-cam", ["geometry.closure='force'", "geometry.index_deg=150"], "follower", CAM | {"driven-link": "driven-link"}),
+                  "geometry.base_radius=30", "motor.speed_rpm=-60"], "swing", CAM),
+    ("indexing-cam", [], "swing", CAM | {"driven-link": "driven-link"}),
+    ("indexing-cam", ["geometry.closure='force'", "geometry.index_deg=150"], "swing", CAM | {"driven-link": "driven-link"}),
     ("eccentric-drive", [], "travel", {"disc": "disc", "rod": "rod", "slider": "slider"}),
     ("eccentric-drive", ["geometry.offset=4"], "travel", {"disc": "disc", "rod": "rod", "slider": "slider"}),
     ("thread-take-up", [], "feed", LINKS),
     ("thread-take-up", ["geometry.branch=1", "geometry.frame_angle_deg=30"], "feed", LINKS),
-    ("chain-stitch-looper", [], "spreaders", SLIDERS),
-    ("chain-stitch-looper", ["timing.lag_deg=1"], "spreaders", SLIDERS),
+    ("chain-stitch-looper", [], "spreader", SLIDERS),
+    ("chain-stitch-looper", ["timing.lag_deg=1"], "spreader", SLIDERS),
 ]  # fmt: skip
 
 

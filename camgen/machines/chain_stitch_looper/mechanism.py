@@ -191,7 +191,7 @@ class ChainStitchLooper(Mechanism):
         return {**super().found(), "timing.needle_stroke": self.design.needle_stroke}
 
     def machine(self) -> Machine:
-        """Needles and spreaders on their guides, by laws of the shaft; outputs "spreaders" and "needles", mm."""
+        """Needles and spreaders on their guides, by laws of the shaft; outputs "spreader" and "needle", mm."""
         d, g = self.design, self.stitch
         still = np.zeros(1)
         moves = {
@@ -211,7 +211,7 @@ class ChainStitchLooper(Mechanism):
             (Pin("bearing", Place("shaft"), Place(GROUND)), *guides, *cams),
             (Drive("motor", "shaft"),),
             {"shaft": Start(0j, 0.0), **start},
-            outputs=(Output("spreaders", Along("guide of lower-spreader")), Output("needles", Along("guide of needle-1"))),
+            outputs=(Output("spreader", Along("guide of lower-spreader")), Output("needle", Along("guide of needle-1"))),
             speed=abs(self.speed),
         )
 

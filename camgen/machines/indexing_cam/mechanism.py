@@ -307,7 +307,7 @@ class IndexingCam(Mechanism):
         return math.acos(cosine), radius
 
     def machine(self) -> Machine:
-        """Cam, follower and driven link; outputs "follower" and "link", rad."""
+        """Cam, follower and driven link; outputs "swing" of the follower and "link", rad."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         pressed = CamLoad(self.load.follower_inertia_kg_m2, preload=self.load.closing_n_m)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)

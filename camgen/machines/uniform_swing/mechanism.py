@@ -160,9 +160,7 @@ class UniformSwing(Mechanism):
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
         touches = (Touch(self.cam), Mirrored(self.cam))[: 1 + pair]
-        return cam_machine(
-            [self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction, "swing"
-        )
+        return cam_machine([self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
