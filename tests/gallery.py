@@ -15,6 +15,8 @@ FRAMES = {
     "chain-stitch-looper": 30,
     "disc-cam": 20,
     "indexing-cam": 20,
+    "linkage": 10,
+    "walking-leg": 10,
 }  # frame of the moving picture that shows most
 
 
