@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import chains
 import mpmath
 import numpy as np
 import pytest
@@ -17,7 +18,6 @@ from hypothesis import strategies as st
 from camgen.machine import jets, landmarks, solve
 from camgen.machine.closed_form import four_bar, slider_travel, transmission_extremes
 from camgen.machine.landmarks import double_points, extremes, moving_centrode, near_stops, zeros
-from machine import chains
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 ECCENTRIC = tomllib.loads((REFERENCE / "eccentric-drive.toml").read_text())
