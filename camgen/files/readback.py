@@ -122,7 +122,7 @@ def read_dxf(path: str | Path) -> DxfDrawing:
     marks: list[tuple[complex, complex]] = []
     faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
     for entity in drawing.modelspace():
-        layer, kind = str(entity.dxf.layer).upper(), entity.dxftype()  # names of layers ignore case
+        layer, kind = str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?", entity.dxftype()
         if (layer, kind) == (MARK_LAYER, "LINE"):
             start, end = entity.dxf.start, entity.dxf.end
             marks.append((complex(*start.vec2), complex(*end.vec2)))
@@ -139,8 +139,8 @@ def read_dxf(path: str | Path) -> DxfDrawing:
                     faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
                 rings.append(ring)
         faults += _looks(entity)
-    ends = np.array(marks, complex).reshape(-1, 2)
-    return DxfDrawing(drawing.header.get("$INSUNITS"), tuple(rings), ends, tuple(faults))
+    units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
+    return DxfDrawing(units, tuple(rings), ends, tuple(faults))
 
 
 def _looks(entity: Any) -> Iterator[DrawingFault]:

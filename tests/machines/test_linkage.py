@@ -282,7 +282,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])), SpecError, "nothing holds it"),
         (lambda e: e["links"].update(hung=["A"]), DesignError, "freedoms left"),
         (lambda e: e["links"].update(strut=["A", "B"]), DesignError, "conditions too many"),
-        (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "lengths that can meet"),
+        (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "mm too long"),
         (lambda e: e["lengths"].update({"C-B": 5}), DesignError, "gap of the joints as drawn"),
         (lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]), SpecError, "two different points"),
         (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "drive"),
@@ -310,3 +310,12 @@ def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:
     machine = validate(Linkage, four_bar)
     assert np.isfinite(machine.motion(np.linspace(0, math.tau, 100))).all()
     assert np.ptp(np.degrees(machine.course(np.linspace(0, math.tau, 361)))) == pytest.approx(30)
+
+
+def test_a_triangle_that_cannot_close_says_by_how_much() -> None:
+    """The starter's coupler: A-P and B-P as drawn, hypot(2, 52) and hypot(33, 4)."""
+    data = read(Path(__file__).resolve().parents[2] / "specs" / "linkage.toml")
+    data["lengths"]["A-B"] = 200
+    with pytest.raises(SpecError, match=r"it is 114\.7 mm too long") as caught:
+        validate(Linkage, data)
+    assert [fault.path for fault in caught.value.faults] == ["links.coupler"]

@@ -11,6 +11,7 @@ import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -215,8 +216,11 @@ class Drawing:
         faults = []
         for name, points in self.links.items():
             lengths = self._lengths_of(points)
-            missed = shape(self._drawn(points), lengths)[1]
-            if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
+            drawn = self._drawn(points)
+            missed = shape(drawn, lengths)[1]
+            if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (told := _triangle(points, drawn, lengths)):
+                faults.append(Fault(f"links.{name}", *told))
+            elif missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
                 said = ", ".join(f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items())
                 right = f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
                 right += "the others; where no length is given the drawn distance counts)"
@@ -398,6 +402,22 @@ class Drawing:
         if slide is not None:
             return m.Output(output.name, m.Along(self.slide_name(slide)))
         return m.Output(output.name, m.Angle(output.link), "rad")
+
+
+def _triangle(points: Sequence[str], drawn: m.Points, lengths: Mapping[tuple[int, int], float]) -> tuple[str, str] | None:
+    """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
+    worst, told = 0.0, None
+    for three in combinations(range(len(points)), 3):
+        sides = {pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]])) for pair in combinations(three, 2)}
+        long = max(sides, key=lambda pair: sides[pair])
+        over = 2 * sides[long] - sum(sides.values())
+        if over > worst:
+            names = {pair: "-".join(points[k] for k in pair) for pair in sides}
+            shown = {pair: f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})" for pair, side in sides.items()}
+            short = " and ".join(shown[pair] for pair in sides if pair != long)
+            right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
+            worst, told = over, (f"{names[long]} = {sides[long]:.6g}", right)
+    return told
 
 
 def _unknown(path: str, name: str, known: Iterable[str]) -> Fault:
