@@ -54,3 +54,17 @@ class Study:
     sketches: Sequence[Sketch] = ()
     notes: Sequence[str] = ()
     columns: Mapping[str, Floats] = field(default_factory=dict)
+
+
+def together(studies: Sequence[Study]) -> Study:
+    """All of them as one; of figures with one name the first counts."""
+    numbers: dict[str, float] = {}
+    for each in studies:
+        numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
+    return Study(
+        numbers,
+        [plot for each in studies for plot in each.plots],
+        [table for each in studies for table in each.tables],
+        [sketch for each in studies for sketch in each.sketches],
+        [note for each in studies for note in each.notes],
+    )

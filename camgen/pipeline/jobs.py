@@ -17,6 +17,7 @@ from typing import Any, Protocol, TypeVar
 
 from camgen import spec as specs
 from camgen.machines import MECHANISMS, load
+from camgen.machines.included import opened
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
 from camgen.parts.part import Part
@@ -49,6 +50,7 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
         data, source, folder = specs.tables(spec), "spec", Path()
     else:
         data, source, folder = specs.read(Path(spec)), str(spec), Path(spec).parent
+    data = opened(data, folder)
     for override in overrides:
         data = specs.override(data, override)
     data = with_tables(data, folder)

@@ -22,7 +22,7 @@ ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both
 def study(linkage: Linkage) -> Study:
     """Numbers, plots and tables of a linkage over its turn or range."""
     theta = np.linspace(*linkage.range, ROWS)
-    run = linkage.solve(theta)
+    run = linkage.run(theta)
     numbers: dict[str, float] = {}
     plots, rows = [], []
     for signal in linkage.signals:
@@ -70,9 +70,26 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])
 
 
+def timing(linkage: Linkage) -> tuple[Study, ...]:
+    """All outputs over one turn of the shaft, each from its least to its greatest; nothing for a machine without includes."""
+    if not linkage.includes:
+        return ()
+    theta = np.linspace(*linkage.range, ROWS)
+    run = linkage.solve(theta, 0)
+    series: list[tuple[str, Floats, Floats]] = []
+    for output in run.machine.outputs:
+        values = np.asarray(run[output.name])
+        both = (("_x", values.real), ("_y", values.imag)) if np.iscomplexobj(values) else (("", np.real(values)),)
+        for name, value in both:
+            least, span = float(value.min()), float(np.ptp(value))
+            series.append((output.name + name, np.degrees(theta), (value - least) / span if span else value - least))
+    label = f"{linkage.drive.link}, deg"
+    return (Study(plots=[Plot("Timing of the whole machine", label, "share of its stroke", series)]),)
+
+
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:
     """Paths of points, on the ground."""
-    run = linkage.solve(np.linspace(*linkage.range, ROWS // 2), 0)
+    run = linkage.run(np.linspace(*linkage.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
     return tuple(Sketch(f"path of {each.name}", (np.asarray(run[each.name], complex),)) for each in outputs)
 
@@ -104,5 +121,5 @@ def _extremes(linkage: Linkage, signal: Signal, theta: Floats, value: Floats) ->
     """Least and greatest of a signal, in its unit: the sample's, refined between its neighbours."""
     ends = [int(np.argmin(value)), int(np.argmax(value))]
     near = [np.linspace(theta[max(k - 1, 0)], theta[min(k + 1, len(theta) - 1)], 257) for k in ends]
-    fine = signal.scale * signal.rows(linkage.solve(np.concatenate(near), 0))[0]
+    fine = signal.scale * signal.rows(linkage.run(np.concatenate(near), 0))[0]
     return float(fine.min()), float(fine.max())

@@ -24,11 +24,13 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.contacts import Pose
+from camgen.machine.contacts import Apart, Pose, StandIn
 from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.joining import joined
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Study
+from camgen.machine.study import Study, together
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
+from camgen.machines import included as inc
 from camgen.machines.linkage import figures
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies, placed
@@ -77,6 +79,7 @@ class Linkage(Mechanism):
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
+    includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, 1 is the lowest; what is left out is found")
@@ -87,7 +90,8 @@ class Linkage(Mechanism):
         moving = [link for link in self.links if link != m.GROUND]
         found = self._drawing.faults()
         found += [unknown(f"layers.{link}", link, moving) for link in self.layers if link not in moving]
-        return [*found, *self.making.faults(self.links, self.print.nozzle)]
+        found += self.making.faults(self.links, self.print.nozzle)
+        return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -99,8 +103,17 @@ class Linkage(Mechanism):
         )  # fmt: skip
 
     def machine(self) -> m.Machine:
-        """The model with its parts' masses and the play of their fits; DesignError where no such parts can be made."""
-        return self._fitted
+        """The model with its parts' masses and the play of their fits, and what is included; DesignError where no such parts
+        can be made."""
+        return joined(self._fitted, {each.module: each.machine() for each in self.modules})
+
+    @cached_property
+    def modules(self) -> Sequence[inc.Included]:
+        """The machines of other specs, each above those before it."""
+        host = self.model_dump(by_alias=True, exclude_none=True)
+        poses = self._own_poses(np.zeros(1))
+        top = max(pose.z + part.thickness for part in self.bodies.parts for pose in poses[part.name])
+        return inc.stacked(self.includes, host, self.drive.speed_rpm, top, self.print.slide_clearance)
 
     @cached_property
     def _fitted(self) -> m.Machine:
@@ -156,6 +169,14 @@ class Linkage(Mechanism):
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad."""
+        return solve(self._whole, theta, order)
+
+    @cached_property
+    def _whole(self) -> m.Machine:
+        return joined(self.chain, {each.module: each.machine() for each in self.modules})
+
+    def run(self, theta: ArrayLike, order: int = 2) -> Run:
+        """The chain of this spec alone at theta, (n,) rad."""
         return solve(self.chain, theta, order)
 
     @cached_property
@@ -173,7 +194,7 @@ class Linkage(Mechanism):
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
-        found: Floats = self.signals[0].rows(self.solve(self.course(np.asarray(theta, float)), order))[order]
+        found: Floats = self.signals[0].rows(self.run(self.course(np.asarray(theta, float)), order))[order]
         return found
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
@@ -184,7 +205,7 @@ class Linkage(Mechanism):
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
-        run = self.solve(self.course(_SAMPLES), 0)
+        run = self.run(self.course(_SAMPLES), 0)
         ways = {joint.name: run.length(joint.name)[0] for joint in self.chain.joints if isinstance(joint, m.Slot | m.Slide)}
         strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
         bodies = replace(self._bodies, strokes=strokes)
@@ -199,8 +220,10 @@ class Linkage(Mechanism):
         return self._bodies.lacking()
 
     def found(self) -> Mapping[str, object]:
-        """Levels, and what every mechanism fills in."""
-        return {**super().found(), **{f"layers.{link}": level for link, level in self.bodies.given.items()}}
+        """Levels, the included specs and where they stand, and what every mechanism fills in."""
+        levels = {f"layers.{link}": level for link, level in self.bodies.given.items()}
+        tables = [each.tables() for each in self.modules]
+        return {**super().found(), **levels, **({"include": tables} if tables else {})}
 
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
@@ -209,12 +232,20 @@ class Linkage(Mechanism):
         return found
 
     def parts(self) -> Sequence[Part]:
-        """Ground plate, links, pins, spacers, shaft and collar; DesignError where there are other joints."""
-        return self.bodies.parts
+        """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
+        which no bodies are made."""
+        return (*self.bodies.parts, *(part for each in self.modules for part in each.parts()))
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
         """Every copy on its body; theta is the phase of the period."""
-        run, found = self.solve(self.course(np.asarray(theta, float)), 0), dict[str, list[Pose]]()
+        theta = np.asarray(theta, float)
+        found = dict(self._own_poses(theta))
+        for each in self.modules:
+            found |= each.poses(self.course(theta))
+        return found
+
+    def _own_poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        run, found = self.run(self.course(theta), 0), dict[str, list[Pose]]()
         still = m.Pose(np.zeros(run.theta.shape, complex), np.zeros(run.theta.shape))
         poses = {body.name: still if body.name == m.GROUND else run.pose(body.name) for body in run.machine.bodies}
         for mount in self.bodies.mounts:
@@ -225,7 +256,15 @@ class Linkage(Mechanism):
 
     def features(self) -> Sequence[Feature]:
         """Holes and pins of the joints."""
-        return self._features
+        return (*self._features, *(feature for each in self.modules for feature in each.features()))
+
+    def contacts(self) -> Sequence[Apart]:
+        """Parts of an included machine that pass by each other."""
+        return [pair for each in self.modules for pair in each.apart()]
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """What is in the way and not made, of included machines."""
+        return [thing for each in self.modules for thing in each.stand_ins()]
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
@@ -233,23 +272,25 @@ class Linkage(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Every copy of every part on its body."""
-        return self.bodies.mounts
+        return (*self.bodies.mounts, *(mount for each in self.modules for mount in each.mounts()))
 
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""
         lash = {"mm": self.allowed.lash, "rad": math.radians(self.allowed.lash_deg)}
-        return [Asked(output.name, lash=lash[output.unit]) for output in self.chain.outputs]
+        own = [Asked(output.name, lash=lash[output.unit]) for output in self.chain.outputs]
+        return [*own, *(asked for each in self.modules for asked in each.asked())]
 
     def printed(self) -> Sequence[Part]:
-        """All of them."""
-        return self.parts()
+        """All that are printed."""
+        return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
         """Drive and screws."""
         p = self.making
         screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
         drive = f"{turning_text(self.drive.speed_rpm)}, for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
-        return (Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2))
+        own = (Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2))
+        return (*own, *(thing for each in self.modules for thing in each.bought()))
 
     def limits(self) -> Sequence[Finding]:
         """How near each loop comes to a fold."""
@@ -262,9 +303,10 @@ class Linkage(Mechanism):
                 f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
-        return found
+        return [*found, *(finding for each in self.modules for finding in each.limits())]
 
     def study(self) -> Study:
-        """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar."""
-        return figures.study(self)
+        """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar; then those of
+        what is included, and all outputs over one turn."""
+        return together([figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)])
 

@@ -7,7 +7,7 @@ lengths override drawn distances. Two links that share a point are pinned there.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -97,6 +97,21 @@ class Wanted(Record):
     name: Name
     point: Name | None = Field(None, description="a point: its path")
     link: Name | None = Field(None, description="a link: its angle, or its place along its slide")
+
+
+class Include(Record):
+    """Another spec's machine on the same shaft; printed as this one is, at this one's speed."""
+
+    spec: Annotated[str, Field(max_length=300)] | dict[str, Any] = Field(
+        description="path of the other spec, seen from this one's folder; or its tables"
+    )
+    name: Name | None = Field(None, description="put before its names; unless given that of its spec")
+    at: Place = Field((0.0, 0.0), description="mm, where its origin is on the ground")
+    phase_deg: Degrees = Field(0.0, description="deg, how far its shaft is ahead of this one's")
+    z: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
+        None, description="mm, how far it is raised; unless given it stands above all before it"
+    )
+    source: str | None = Field(None, description="where the tables were read")
 
 
 class Masses(Record):

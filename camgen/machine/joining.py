@@ -1,0 +1,151 @@
+"""Several machines on one shaft as one machine: names with a prefix, the whole shifted on the ground and in phase."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from camgen.machine.features import Asked, Eye, Faces, Feature, Flat, Mount
+from camgen.machine.model import (
+    GROUND,
+    Along,
+    Angle,
+    Body,
+    Floats,
+    Function,
+    Gravity,
+    Law,
+    Machine,
+    Path,
+    Place,
+    Pose,
+)  # fmt: skip
+from camgen.machine.run import solve
+
+T = TypeVar("T")
+
+_BODIES = {"a", "b", "cam", "follower", "body", "on", "by", "carrier"}  # keys whose text is a body's name
+_JOINTS = {"slide", "joint", "turns", "swings"}
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """A law that is so far ahead, rad: law(theta + phase)."""
+
+    law: Law
+    phase: float
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """The order-th derivative at theta, (n,)."""
+        return self.law(np.asarray(theta, float) + self.phase, order)
+
+
+@dataclass(frozen=True)
+class _Shifted:
+    """A function of places on the ground, of those places less a shift, complex mm."""
+
+    value: Any
+    at: complex
+
+    def __call__(self, *jets: Any) -> Floats:
+        """Value with its derivatives."""
+        found: Floats = self.value(*(np.concatenate([np.asarray(jet[:1]) - self.at, jet[1:]]) for jet in jets))
+        return found
+
+
+@dataclass(frozen=True)
+class Module:
+    """How one machine stands in another: its names get the prefix and "_", its parts' names the prefix and "-".
+
+    at: its origin on the ground, complex mm; phase: how far it is ahead of the shaft, rad; z: how far it is raised, mm.
+    """
+
+    prefix: str
+    at: complex = 0j
+    phase: float = 0.0
+    z: float = 0.0
+
+    def name(self, name: str) -> str:
+        """Of a joint, a drive or an output."""
+        return f"{self.prefix}_{name}"
+
+    def body(self, name: str) -> str:
+        """Of a body: the ground is the same for all."""
+        return name if name == GROUND else self.name(name)
+
+    def part(self, name: str) -> str:
+        """Of a part or a sketch."""
+        return f"{self.prefix.replace('_', '-')}-{name}"
+
+    def machine(self, machine: Machine) -> Machine:
+        """The same machine as it is in the whole."""
+        run = solve(machine, [self.phase], 0)
+        poses = {body.name: run.pose(body.name) for body in machine.moving}
+        return Machine(
+            tuple(replace(body, name=self.name(body.name)) for body in machine.moving),
+            tuple(self.renamed(joint) for joint in machine.joints),
+            tuple(replace(self.renamed(drive), law=Ahead(drive.law, self.phase)) for drive in machine.drives),
+            {self.name(name): Pose(complex(pose.place[0]) + self.at, float(pose.angle[0])) for name, pose in poses.items()},
+            tuple(load if isinstance(load, Gravity) else self.renamed(load) for load in machine.loads),
+            tuple(self.renamed(output) for output in machine.outputs),
+            machine.speed,
+        )
+
+    def renamed(self, record: T) -> T:
+        """A joint, load, output or feature with the names and places that it has in the whole."""
+        changed: dict[str, Any] = {}
+        for each in fields(record):  # type: ignore[arg-type]
+            value = getattr(record, each.name)
+            if isinstance(value, Place):
+                changed[each.name] = self._place(value)
+            elif isinstance(value, Angle | Along | Path | Eye | Faces | Flat):
+                changed[each.name] = self.renamed(value)
+            elif isinstance(value, Function):
+                places = tuple(self._place(place) for place in value.of)
+                changed[each.name] = Function(places, _Shifted(value.value, self.at) if self.at else value.value)
+            elif isinstance(value, str) and each.name in _BODIES:
+                changed[each.name] = self.body(value)
+            elif isinstance(value, str) and each.name in {*_JOINTS, "name"}:
+                changed[each.name] = self.name(value)
+            elif isinstance(value, str) and each.name == "part":
+                changed[each.name] = self.part(value)
+        return replace(record, **changed)  # type: ignore[type-var]
+
+    def _place(self, place: Place) -> Place:
+        return Place(self.body(place.body), place.at + self.at if place.body == GROUND else place.at)
+
+    def mount(self, mount: Mount) -> Mount:
+        """A part's place on its body."""
+        at = mount.at + self.at if mount.body == GROUND else mount.at
+        return replace(mount, part=self.part(mount.part), body=self.body(mount.body), at=at, z=mount.z + self.z)
+
+    def features(self, features: Sequence[Feature]) -> list[Feature]:
+        """Features of its joints."""
+        return [self.renamed(feature) for feature in features]
+
+    def asked(self, asked: Asked) -> Asked:
+        """What is asked of an output."""
+        motion = None if asked.motion is None else Ahead(asked.motion, self.phase)
+        return replace(asked, output=self.name(asked.output), motion=motion)
+
+
+def joined(host: Machine, modules: Mapping[Module, Machine]) -> Machine:
+    """One machine of the host and all modules, at the host's speed; of several gravities the first counts."""
+    if not modules:
+        return host
+    all_ = [host, *(module.machine(machine) for module, machine in modules.items())]
+    loads = [load for each in all_ for load in each.loads]
+    heavy = [load for load in loads if isinstance(load, Gravity)]
+    ground = next((body for body in host.bodies if body.name == GROUND), Body(GROUND))
+    return Machine(
+        (ground, *(body for each in all_ for body in each.moving)),
+        tuple(joint for each in all_ for joint in each.joints),
+        tuple(drive for each in all_ for drive in each.drives),
+        {name: pose for each in all_ for name, pose in each.start.items()},
+        (*(load for load in loads if not isinstance(load, Gravity)), *heavy[:1]),
+        tuple(output for each in all_ for output in each.outputs),
+        host.speed,
+    )

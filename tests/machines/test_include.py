@@ -1,0 +1,131 @@
+"""[[include]]: another spec's machine on the same shaft moves, is made and is judged as it is by itself."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError, SpecError
+from camgen.machine.joining import Module, joined
+from camgen.machine.run import solve
+from camgen.machines.included import opened
+from camgen.pipeline.build import build, check
+from camgen.pipeline.jobs import read_mechanism
+from camgen.spec import read
+
+THETA = np.linspace(0, math.tau, 97)
+MODULES = ("eccentric-drive", "thread-take-up", "chain-stitch-looper")
+
+
+@pytest.fixture
+def tables(root: Path) -> dict[str, Any]:
+    found = read(root / "specs" / "linkage.toml")
+    found["drive"]["speed_rpm"] = 5000
+    return found
+
+
+def include(root: Path, tables: dict[str, Any], *modules: dict[str, Any]) -> dict[str, Any]:
+    return opened({**tables, "include": list(modules)}, root / "specs")
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_machine_joined_moves_as_by_itself(root: Path, name: str) -> None:
+    """Outputs, poses and forces are those of the machine alone, so much ahead and so far away."""
+    host = read_mechanism(root / "specs" / "linkage.toml").model
+    alone = read_mechanism(root / "specs" / f"{name}.toml")
+    module = Module("other", 12 - 7j, math.radians(50), 9.0)
+    whole = joined(host, {module: alone.model})
+    run, ahead = solve(whole, THETA), alone.solve(THETA + module.phase)
+    for output in alone.model.outputs:
+        moved = run[f"other_{output.name}"]
+        shift = module.at if np.iscomplexobj(moved) else 0
+        assert np.allclose(moved, ahead[output.name] + shift, rtol=0, atol=1e-9)
+        rate = run.derivatives(f"other_{output.name}")[1]
+        assert np.allclose(rate, ahead.derivatives(output.name)[1], rtol=0, atol=1e-8)
+    for body in alone.model.moving:
+        assert np.allclose(run.pose(f"other_{body.name}").place, ahead.pose(body.name).place + module.at, rtol=0, atol=1e-9)
+
+
+def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) -> None:
+    """Its numbers and limits are those of its own spec, its parts have its names, and it stands above the host."""
+    own = read_mechanism(root / "specs" / "thread-take-up.toml").resolved()
+    whole = read_mechanism(include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 120], "phase_deg": 30}))
+    numbers = whole.study().numbers
+    for name, value in own.study().numbers.items():
+        assert numbers[f"thread_take_up_{name}"] == pytest.approx(value, rel=1e-12, nan_ok=True)
+    mine = {(f.code, f.measured) for f in whole.limits() if f.where.startswith("thread_take_up")}
+    assert mine == {(f.code, f.measured) for f in own.limits()}
+    parts = {part.name for part in whole.parts()}
+    assert {f"thread-take-up-{part.name}" for part in own.parts()} < parts
+    poses = whole.poses(np.zeros(1))
+    low = min(pose.z for name, copies in poses.items() if name.startswith("thread-take-up") for pose in copies if pose.z)
+    high = max(
+        pose.z + part.thickness for part in whole.parts() if not part.name.startswith("thread") for pose in poses[part.name]
+    )
+    assert low >= high
+
+
+def test_whole_is_built_judged_and_built_again(root: Path, tables: dict[str, Any], tmp_path: Path) -> None:
+    """Every joint of host and module is measured, a hole that is off in the module's file is found at its output, and the
+    resolved spec needs no other file."""
+    data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 120], "phase_deg": 30})
+    report = build({**data, "name": "two"}, tmp_path, frozenset({"dxf"}))
+    assert report.ok
+    folder = tmp_path / "two"
+    head = (folder / "motion.csv").read_text(encoding="utf-8").split("\n")[0].split(",")
+    assert {"pen_x_mm", "thread_take_up_feed_mm", "thread_take_up_feed_mm_dxf"} <= set(head)
+    again = build(folder / "spec.toml", tmp_path / "again", frozenset({"dxf"}))
+    assert again.ok
+    for path in folder.iterdir():
+        assert path.read_bytes() == (tmp_path / "again" / "two" / path.name).read_bytes(), path.name
+    file = folder / "two-thread-take-up-bell-crank.dxf"
+    drawing = file.read_text(encoding="utf-8")
+    other = folder / "two-coupler.dxf"
+    file.write_text(other.read_text(encoding="utf-8"), encoding="utf-8")
+    assert not check(folder).ok
+    file.write_text(drawing, encoding="utf-8")
+    assert check(folder).ok
+
+
+def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path: Path) -> None:
+    """The sweep of the whole sees host and module."""
+    data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 0], "z": 0})
+    failed = [finding for finding in build(data, tmp_path, frozenset({"3mf"})).findings if not finding.ok]
+    assert {finding.code for finding in failed} == {"INTERFERENCE"}
+    assert any("coupler-1" in f.where and "thread-take-up-bell-crank-1" in f.where for f in failed)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "said"),
+    [
+        ({"spec": "/thread-take-up.toml"}, "include.0.spec", "relative"),
+        ({"spec": "..\\thread-take-up.toml"}, "include.0.spec", "relative"),
+        ({"name": "1a"}, "include.0.name", ""),
+        ({"colour": 1}, "include.0.colour", "unknown"),
+        ({"spec": {"mechanism": "linkages", "name": "x"}}, "include.0.spec.mechanism", ""),
+        ({"spec": {"include": [{"spec": "linkage.toml"}]}}, "include.0.spec", "includes itself"),
+    ],
+)
+def test_wrong_include_is_told_by_its_key(
+    root: Path, tables: dict[str, Any], change: dict[str, Any], key: str, said: str
+) -> None:
+    with pytest.raises(SpecError) as told:
+        read_mechanism(include(root, tables, {"spec": "thread-take-up.toml", **change}))
+    assert [fault.path for fault in told.value.faults] == [key]
+    assert said in told.value.faults[0].expected
+
+
+def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str, Any]) -> None:
+    both = include(root, tables, {"spec": "thread-take-up.toml"}, {"spec": "thread-take-up.toml", "at": [0, 300]})
+    both["include"][0]["spec"]["geometry"]["frame"] = -4
+    with pytest.raises(SpecError) as told:
+        read_mechanism(both)
+    assert [fault.path for fault in told.value.faults] == ["include.0.spec.geometry.frame", "include.1.name"]
+    impossible = include(root, tables, {"spec": "thread-take-up.toml"})
+    impossible["include"][0]["spec"]["geometry"]["frame"] = 90
+    with pytest.raises(DesignError, match=r"^thread_take_up: gap at joint B"):
+        read_mechanism(impossible).parts()
