@@ -25,24 +25,45 @@ def product(a: Floats, b: Floats) -> Floats:
 
 
 def solve(matrices: Floats, right: Floats) -> Floats:
-    """Solutions (n, k) of n systems (n, k, k) x = right (n, k); nan for a singular one. Gauss, partial pivoting."""
-    n, size = right.shape
-    rows = np.concatenate([matrices, right[:, :, None]], axis=2, dtype=float)
-    every = np.arange(n)
+    """Solutions of n systems (n, k, k) x = right, (n, k), or (n, k, m) for m of them; nan for a singular one.
+
+    Gauss, partial pivoting.
+    What is zero in all systems is left out: joints tie few bodies to each other, and machines
+    on one shaft none.
+    """
+    n, size = right.shape[:2]
+    several = right.reshape(n, size, -1)
+    table = np.empty((size, size + several.shape[2], n))  # row, column, system
+    table[:, :size], table[:, size:] = np.moveaxis(matrices, 0, -1), np.moveaxis(several, 0, -1)
+    filled = (table != 0).any(axis=2)
+    found = np.full((size, several.shape[2], n), math.nan)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for k in range(size):
-            pivot = k + np.argmax(np.abs(rows[:, k:, k]), axis=1)
-            rows[every, k], rows[every, pivot] = rows[every, pivot], rows[every, k]
-            factors = rows[:, k + 1 :, k] / rows[:, k, k][:, None]
-            rows[:, k + 1 :, k:] -= factors[:, :, None] * rows[:, None, k, k:]
-        found = np.empty((n, size))
+            rows = k + np.flatnonzero(filled[k:, k])
+            if not rows.size:
+                return np.moveaxis(found, -1, 0).reshape(right.shape)
+            if rows[0] != k:
+                table[[k, rows[0]]], filled[[k, rows[0]]] = table[[rows[0], k]], filled[[rows[0], k]]
+                rows[0] = k
+            if rows.size > 1:
+                columns = k + np.flatnonzero(filled[rows, k:].any(axis=0))
+                part = table[rows[:, None], columns]
+                pivot = np.argmax(np.abs(part[:, 0]), axis=0)
+                swapped = np.flatnonzero(pivot)
+                best = part[pivot[swapped], :, swapped]
+                part[pivot[swapped], :, swapped] = part[0, :, swapped]
+                part[0, :, swapped] = best
+                factors = part[1:, 0] / part[0, 0]
+                part[1:, 1:] -= factors[:, None] * part[0, 1:]
+                table[rows[:, None], columns] = part
+                filled[rows[:, None], columns] = True
         for k in range(size - 1, -1, -1):
-            known = np.zeros(n)
-            for j in range(k + 1, size):
-                known += rows[:, k, j] * found[:, j]
-            found[:, k] = (rows[:, k, size] - known) / rows[:, k, k]
-    found[~np.isfinite(found).all(axis=1)] = math.nan
-    return found
+            known = np.zeros(found.shape[1:])
+            for j in k + 1 + np.flatnonzero(filled[k, k + 1 : size]):
+                known += table[k, j] * found[j]
+            found[k] = (table[k, size:] - known) / table[k, k]
+    found[:, :, ~np.isfinite(found).all(axis=(0, 1))] = math.nan
+    return np.ascontiguousarray(np.moveaxis(found, -1, 0)).reshape(right.shape)
 
 
 def least_squares(table: Floats, right: Floats) -> Floats:

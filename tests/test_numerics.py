@@ -29,6 +29,21 @@ def test_product_and_solutions_are_numpy_s() -> None:
         np.testing.assert_allclose(found, np.linalg.solve(matrices, right[:, :, None])[:, :, 0], rtol=1e-9)
 
 
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.6])
+def test_systems_with_zeros_and_several_right_sides_are_numpy_s(share: float) -> None:
+    """Zeros of all systems, of some, and on the diagonal, wherever they lie."""
+    for size in (4, 9, 24):
+        always = RNG.random((size, size)) < share
+        at_times = RNG.random((20, size, size)) < 0.7
+        matrices = np.where(always & at_times, RNG.normal(size=(20, size, size)), 0.0)
+        matrices[:, np.arange(size), RNG.permutation(size)] += 2.0
+        right = RNG.normal(size=(20, size, 3))
+        sound = np.linalg.cond(matrices) < 1e6
+        found = solve(matrices, right)
+        np.testing.assert_allclose(found[sound], np.linalg.solve(matrices[sound], right[sound]), rtol=1e-7, atol=1e-9)
+        np.testing.assert_array_equal(found[:, :, 1], solve(matrices, right[:, :, 1]))
+
+
 def test_a_singular_system_is_nan_and_spoils_no_other() -> None:
     matrices = np.array([[[1.0, 2.0], [2.0, 4.0]], [[2.0, 0.0], [0.0, 4.0]]])
     found = solve(matrices, np.ones((2, 2)))

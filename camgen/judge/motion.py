@@ -118,9 +118,9 @@ class Proof:
             if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
         }
         found = {}
-        for output in self.machine.outputs:
+        every = self._system.shares([output.name for output in self.machine.outputs], poses, theta)
+        for output, shares in zip(self.machine.outputs, every, strict=True):
             value, slope, lost = _outcome(self._system, output.name, closed)
-            shares = self._system.shares(output.name, poses, theta)
             reach, play = {}, np.zeros(len(theta))
             for joint in self.machine.joints:
                 share = np.where(lost, np.nan, shares[joint.name])

@@ -11,7 +11,7 @@ transposed, the forces.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -377,22 +377,23 @@ class System:
             gradient[:, seen.column + 1] += steep.imag
             gradient[:, seen.column + 2] += np.real(np.conj(steep) * seen.swing)
 
-    def shares(self, name: str, q: Floats, theta: Floats) -> dict[str, Floats]:
-        """By joint and drive, (n,): largest movement of the output per mm (rad for what is an angle) of displacement there.
+    def shares(self, names: Sequence[str], q: Floats, theta: Floats) -> list[dict[str, Floats]]:
+        """Of each output, by joint and drive, (n,): its largest movement per mm (rad for what is an angle) of displacement there.
 
-        One transposed solve. Of a Slide the displacement across its guide counts.
+        One transposed solve for all. Of a Slide the displacement across its guide counts.
         """
         self._square()
         slopes = self.evaluate(q, theta)[1]
-        _, gradient = self.output(name, q, theta)
-        found = np.stack([solved(np.swapaxes(slopes, 1, 2), gradient[:, k]) for k in range(gradient.shape[1])], axis=1)
-        by_joint = {}
-        for each in self.conditions:
-            part = found[:, :, self.rows[each.name]]
-            if isinstance(each, Slide):
-                part = part[:, :, :1]
-            by_joint[each.name] = _stretch(part)
-        return by_joint
+        gradients = [self.output(name, q, theta)[1] for name in names]
+        right = np.concatenate(gradients, axis=1)
+        found = np.swapaxes(solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2)), 1, 2)
+        shares, first = [], 0
+        for gradient in gradients:
+            mine, first = found[:, first : first + gradient.shape[1]], first + gradient.shape[1]
+            parts = {each.name: mine[:, :, self.rows[each.name]] for each in self.conditions}
+            sliding = {each.name for each in self.conditions if isinstance(each, Slide)}
+            shares.append({name: _stretch(part[:, :, :1] if name in sliding else part) for name, part in parts.items()})
+        return shares
 
     def poses(self, q: Floats) -> Mapping[str, Pose]:
         """The same as poses of all bodies."""
@@ -429,8 +430,8 @@ def _stretch(parts: Floats) -> Floats:
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:
-    """Solutions (n, m) of n systems, the same bits on every processor; nan for a singular one."""
-    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one."""
+    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right.reshape(len(right), -1)).all(axis=1)
     found = np.full(right.shape, np.nan)
     found[sound] = solve(matrices[sound], right[sound])
     return found

@@ -147,7 +147,7 @@ class Run:
 
     def play(self, output: str) -> Play:
         """How far the joints' clearances let the output move."""
-        reach = self._system.shares(output, self._poses[0], self.theta)
+        (reach,) = self._system.shares([output], self._poses[0], self.theta)
         by_joint = {j.name: reach[j.name] * (j.clearance / 2) for j in self.machine.joints}
         return Play(by_joint, np.asarray(sum(by_joint.values(), np.zeros(self.theta.size))))
 

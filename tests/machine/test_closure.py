@@ -84,7 +84,7 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
     for machine, output in ((ram_machine(), "way"), (take_up(), "thread"), (jansen(), "foot")):
         system = System(machine)
         q = system.close(THETA).q
-        shares = system.shares(output, q, THETA)
+        (shares,) = system.shares([output], q, THETA)
         value = system.output(output, q, THETA)[0]
         for joint in machine.joints:
             moved = 0.0
