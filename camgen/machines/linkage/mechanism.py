@@ -24,14 +24,13 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.contacts import Pose
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines.linkage import figures
 from camgen.machines.linkage import tables as t
-from camgen.machines.linkage.bodies import Bodies, placed
+from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought, turning_text
@@ -148,7 +147,7 @@ class Linkage(Mechanism):
         return math.radians(low), math.radians(high)
 
     def course(self, phase: Floats) -> Floats:
-        """theta at a phase of the period, (n,) rad: the same where the drive turns."""
+        """theta at a phase of the period, (n,) rad."""
         if self.drive.range_deg is None:
             return phase
         low, high = self.range
@@ -211,17 +210,6 @@ class Linkage(Mechanism):
     def parts(self) -> Sequence[Part]:
         """Ground plate, links, pins, spacers, shaft and collar; DesignError where there are other joints."""
         return self.bodies.parts
-
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Every copy on its body; theta is the phase of the period."""
-        run, found = self.solve(self.course(np.asarray(theta, float)), 0), dict[str, list[Pose]]()
-        still = m.Pose(np.zeros(run.theta.shape, complex), np.zeros(run.theta.shape))
-        poses = {body.name: still if body.name == m.GROUND else run.pose(body.name) for body in run.machine.bodies}
-        for mount in self.bodies.mounts:
-            found.setdefault(mount.part, []).append(Pose(*placed(mount, poses[mount.body]), mount.flipped, mount.z))
-        for sketch in figures.paths(self):
-            found[sketch.name] = [Pose(still.angle, still.place)]
-        return found
 
     def features(self) -> Sequence[Feature]:
         """Holes and pins of the joints."""
