@@ -1,14 +1,11 @@
 """How near two bodies come as they shift past each other over a turn: on sections of their files, with no step between.
 
-Bodies do not turn, so all that happens is told by the way of the one as the other sees it, a curve in the plane.
+Bodies do not turn, so all that happens is told by the way of the one as the other sees it, a point that moves in the plane.
 
-    chord     straight piece of that way; it leaves the curve by at most `bulge`, which is measured and made small
-    sweep     all that a convex body covers along a chord: a convex polygon again, so the least distance along the chord
-              is the distance of two polygons, exact, and not that of the positions that were looked at
-    signed    distance where apart, 0 grazing, less the shortest shift that parts them where they overlap
-
-Overlap along a chord is a concave function for convex bodies, so its greatest value is found, not sampled. A body that
-is not convex is taken as its triangles; then the overlap is that of the worst pair, at the least.
+    meeting   the shifts of b at which a and b meet: the Minkowski sum of a and -b, an area
+    signed    distance of the way's point from that area; inside it less that from its edge, which is the shortest shift that
+              parts the bodies
+    chord     straight piece of the way, whose distance is exact; it leaves the way by at most `bulge`, which is made small
 """
 
 from __future__ import annotations
@@ -17,31 +14,27 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen import tolerances
 from camgen.files.readback import read_3mf, read_dxf, read_stl, slice_mesh
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points
-from camgen.machine.contacts import Apart, Pose
-
-if TYPE_CHECKING:
-    import shapely
+from camgen.machine.contacts import Apart, Poses
 
 _CHORDS = 90  # of the turn, to begin with
 _DENT = 1e-5  # mm, by which a vertex may lie inside its neighbours' line through the rounding to float32
 _BULGE = 1e-9  # mm, by which a chord may leave the curve where it matters
-_FRACTIONS = 129  # of a chord, at which the begin of an overlap is looked up
+_PARTS = 128  # of a chord, at which the place of what it comes to is looked up
+_POINT = 1e-12  # mm, a chord that is none
 _ROUNDS = 16  # of halving; a bulge falls to a quarter each time
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _GOLDEN_STEPS = 60
 _ANGLES = 1441  # at which the distance is drawn and tabled: every quarter degree, both ends
 _DIGITS = 6  # of a distance, mm: coordinates in the files have no more
 
-Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 Way = Callable[[Floats], Points]
 
 
@@ -63,113 +56,64 @@ class Cleared:
     curves: tuple[tuple[str, Floats, Floats], ...]
 
 
-# ---- polygons --------------------------------------------------------------------------------------------------------
-
-
-def _cross(a: Points, b: Points) -> Floats:
-    return np.asarray((np.conj(a) * b).imag)
+# ---- two bodies ------------------------------------------------------------------------------------------------------
 
 
 def convex_pieces(ring: Points) -> list[Points]:
-    """The ring itself, counter-clockwise, where it is convex but for rounding; else triangles that fill it."""
+    """The ring itself where it is convex but for rounding; else triangles that fill it."""
     edges = np.roll(ring, -1) - ring
-    if np.sum(_cross(ring, np.roll(ring, -1))) < 0:
-        ring = ring[::-1]
-        edges = np.roll(ring, -1) - ring
     onward = np.roll(edges, -1)
-    if np.all(_cross(edges, onward) >= -_DENT * np.abs(edges + onward)):
+    area = np.sum((np.conj(ring) * np.roll(ring, -1)).imag)
+    if np.all(np.sign(area) * (np.conj(edges) * onward).imag >= -_DENT * np.abs(edges + onward)):
         return [ring]
     import mapbox_earcut
 
     xy = np.column_stack([ring.real, ring.imag])
-    faces = mapbox_earcut.triangulate_float64(xy, np.array([len(ring)], np.uint32)).reshape(-1, 3)
-    triangles = [ring[face] for face in faces.astype(int)]
-    turned = [float(_cross(t[1:2] - t[0], t[2:] - t[0])[0]) for t in triangles]
-    return [t if way > 0 else t[::-1] for t, way in zip(triangles, turned, strict=True) if way != 0]
+    return list(ring[mapbox_earcut.triangulate_float64(xy, np.array([len(ring)], np.uint32)).reshape(-1, 3).astype(int)])
 
 
-def _slabs(a: Points, b: Points) -> tuple[Points, Floats]:
-    """Convex a and b overlap, b shifted by p, where Re(conj(normal) p) < limit for all: (m,) outward normals and limits."""
-    edges = np.concatenate([np.roll(a, -1) - a, b - np.roll(b, -1)])
-    edges = edges[edges != 0]
-    normals = -1j * edges / np.abs(edges)
-    reach_a = np.max(np.real(np.conj(normals)[:, None] * a), axis=1)
-    reach_b = np.max(np.real(-np.conj(normals)[:, None] * b), axis=1)
-    return normals, reach_a + reach_b
-
-
-def _polygons(rings: Sequence[Points]) -> list[shapely.Polygon]:
+def meeting(a: Sequence[Points], b: Sequence[Points]) -> Any:
+    """The shifts of b at which bodies of outlines a and b meet, a shapely area: of convex pieces the hull of differences."""
     import shapely
 
-    return [shapely.Polygon(np.column_stack([ring.real, ring.imag])) for ring in rings]
+    ones, others = ([piece for ring in rings for piece in convex_pieces(ring)] for rings in (a, b))
+    # points a rounding apart become one
+    shifts = [np.round(np.subtract.outer(one, other).ravel(), 12) for one in ones for other in others]
+    return shapely.union_all(shapely.convex_hull([shapely.MultiPoint(np.column_stack([z.real, z.imag])) for z in shifts]))
 
 
-def _sweeps(b: Points, p: Points, q: Points) -> NDArray[np.object_]:
-    """Hulls of convex b shifted by p and by q: all that it covers on the chords from p to q, (n,) polygons."""
+def signed_distances(area: Any, shifts: Points) -> Floats:
+    """Signed distance of two bodies at each shift, (n,) mm, by the area of shifts at which they meet."""
     import shapely
 
-    corners = np.concatenate([b + p[:, None], b + q[:, None]], axis=1)
-    return np.asarray(shapely.convex_hull(shapely.multipoints(np.stack([corners.real, corners.imag], axis=-1))))
+    places = shapely.points(shifts.real, shifts.imag)
+    apart: Floats = shapely.distance(area, places)
+    return np.where(apart > 0, apart, -shapely.distance(shapely.boundary(area), places))
 
 
-class _Bodies:
-    """Two bodies made ready: outlines of the one that stands still, convex pieces of both."""
+def _along(area: Any, p: Points, q: Points) -> tuple[Floats, Floats]:
+    """Least signed distance along each chord from p to q, mm, and its share of the chord where bodies overlap; (n,).
 
-    def __init__(self, a: Sequence[Points], b: Sequence[Points]) -> None:
-        self.a = [piece for ring in a for piece in convex_pieces(ring)]
-        self.b = [piece for ring in b for piece in convex_pieces(ring)]
-        self.fixed, self.parts = _polygons(a), _polygons(self.a)
+    Golden section where they do: the depth in a convex area is a concave function; of another it is that much at the least.
+    """
+    import shapely
 
-    def along(self, p: Points, q: Points) -> tuple[Floats, Floats]:
-        """Least signed distance along each chord from p to q, mm, and its share of the chord where bodies overlap; (n,)."""
-        import shapely
-
-        least, share = np.full(len(p), np.inf), np.zeros(len(p))
-        for other in self.b:
-            sweeps = _sweeps(other, p, q)
-            apart = np.min([shapely.distance(body, sweeps) for body in self.fixed], axis=0)
-            least = np.minimum(least, apart)
-            hit = np.flatnonzero(apart <= 0)
-            for part, piece in zip(self.parts, self.a, strict=True) if len(hit) else ():
-                both = hit[shapely.distance(part, sweeps[hit]) <= 0]
-                if not len(both):
-                    continue
-                depth, at = _deepest(*_slabs(piece, other), p[both], q[both])
-                deeper = -depth < least[both]
-                least[both[deeper]], share[both[deeper]] = -depth[deeper], at[deeper]
-        return least, share
-
-
-def _deepest(normals: Points, limits: Floats, p: Points, q: Points) -> tuple[Floats, Floats]:
-    """Greatest overlap of two convex bodies along each chord, mm, at least 0, and its share of the chord: golden section."""
-
-    def depth(u: Floats) -> Floats:
-        found: Floats = np.min(limits - np.real(np.conj(normals) * (p + u * (q - p))[:, None]), axis=1)
-        return found
-
-    low, high = np.zeros(len(p)), np.ones(len(p))
-    for _ in range(_GOLDEN_STEPS if np.any(p != q) else 0):
+    chords = shapely.linestrings(np.stack([[p.real, q.real], [p.imag, q.imag]]).transpose(2, 1, 0))
+    least: Floats = shapely.distance(area, np.where(np.abs(q - p) < _POINT, shapely.points(p.real, p.imag), chords))
+    share, hit = np.zeros(len(p)), np.flatnonzero(least <= 0)
+    p, way = p[hit], (q - p)[hit]
+    low, high = np.zeros(len(hit)), np.ones(len(hit))
+    for _ in range(_GOLDEN_STEPS if np.any(way != 0) else 0):
         left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        rising = depth(left) < depth(right)
-        low, high = np.where(rising, left, low), np.where(rising, high, right)
+        falling = signed_distances(area, p + left * way) > signed_distances(area, p + right * way)
+        low, high = np.where(falling, left, low), np.where(falling, high, right)
     # an end of the chord may be its deepest place
-    shares = np.stack([(low + high) / 2, np.zeros(len(p)), np.ones(len(p))])
-    depths = np.stack([depth(u) for u in shares])
-    best = np.argmax(depths, axis=0)[None]
-    return np.maximum(np.take_along_axis(depths, best, 0)[0], 0.0), np.take_along_axis(shares, best, 0)[0]
-
-
-def signed_distances(a: Sequence[Points], b: Sequence[Points], shifts: Points) -> Floats:
-    """Signed distance of the bodies of outlines a and b at each shift of b, (n,) mm."""
-    import shapely
-
-    places = [ring + shifts[:, None] for ring in b]
-    moving = [shapely.polygons(np.stack([z.real, z.imag], axis=-1)) for z in places]
-    distance: Floats = np.min([shapely.distance(body, other) for other in moving for body in _polygons(a)], axis=0)
-    hit = distance <= 0
-    if hit.any():
-        distance[hit] = np.minimum(_Bodies(a, b).along(shifts[hit], shifts[hit])[0], 0.0)
-    return distance
+    shares = np.stack([(low + high) / 2, np.zeros(len(hit)), np.ones(len(hit))])
+    depths = np.stack([signed_distances(area, p + u * way) for u in shares])
+    best = np.argmin(depths, axis=0)[None]
+    least[hit] = np.minimum(np.take_along_axis(depths, best, 0)[0], 0.0)
+    share[hit] = np.take_along_axis(shares, best, 0)[0]
+    return least, share
 
 
 # ---- over the turn ---------------------------------------------------------------------------------------------------
@@ -188,20 +132,17 @@ def _bulges(way: Way, begin: Floats, end: Floats) -> Floats:
     return off * (1 + tolerances.BOUND_SPARE)
 
 
-def least_distance(a: Sequence[Points], b: Sequence[Points], way: Way) -> Least:
-    """Least signed distance over a turn of a body of outlines `a` and one of `b` that is shifted by way(theta).
+def least_distance(area: Any, way: Way) -> Least:
+    """Least signed distance over a turn of two bodies, by the area of shifts at which they meet, as way(theta) shifts one.
 
     way: (n,) rad -> (n,) complex mm, smooth but for corners. Chords are halved where the least distance may be, until
     they leave the way by no more than a nanometre.
     """
-    bodies, theta = _Bodies(a, b), np.linspace(0, math.tau, _CHORDS + 1)
+    theta = np.linspace(0, math.tau, _CHORDS + 1)
     begin, end = theta[:-1], theta[1:]
-    overlaps: tuple[tuple[float, float], ...] = ()
-    for step in range(_ROUNDS):
-        p, q, bulge = way(begin), way(end), _bulges(way, begin, end)
-        signed, share = bodies.along(p, q)
-        if step == 0 and np.any(signed <= 0):
-            overlaps = _overlaps(a, b, way, begin[signed <= 0], end[signed <= 0])
+    for _ in range(_ROUNDS):
+        bulge = _bulges(way, begin, end)
+        signed, share = _along(area, way(begin), way(end))
         keep = signed - bulge <= np.min(signed + bulge)
         begin, end, signed, share = begin[keep], end[keep], signed[keep], share[keep]
         if np.max(bulge[keep]) <= _BULGE:
@@ -211,25 +152,17 @@ def least_distance(a: Sequence[Points], b: Sequence[Points], way: Way) -> Least:
         signed, share = np.tile(signed, 2), np.tile(share, 2)
     k = int(np.argmin(signed))
     if signed[k] <= 0:
-        return Least(float(signed[k]), float(begin[k] + share[k] * (end[k] - begin[k])), overlaps)
-    fine = np.linspace(begin[k], end[k], _FRACTIONS)
-    return Least(float(signed[k]), float(fine[np.argmin(signed_distances(a, b, way(fine)))]))
+        return Least(float(signed[k]), float(begin[k] + share[k] * (end[k] - begin[k])), _overlaps(area, way))
+    fine = np.linspace(begin[k], end[k], _PARTS + 1)
+    return Least(float(signed[k]), float(fine[np.argmin(signed_distances(area, way(fine)))]))
 
 
-def _overlaps(a: Sequence[Points], b: Sequence[Points], way: Way, begin: Floats, end: Floats) -> tuple[tuple[float, float], ...]:
-    """From where to where bodies overlap, seen at fractions of the first and the last of the chords in touch with each other."""
-    order = np.argsort(begin)
-    begin, end = begin[order], end[order]
-    breaks = np.flatnonzero(begin[1:] > end[:-1] + 1e-12)
-    found = []
-    for first, last in zip([0, *(breaks + 1)], [*breaks, len(begin) - 1], strict=True):
-        ends = []
-        for chord, which in ((first, 0), (last, -1)):
-            theta = np.linspace(begin[chord], end[chord], _FRACTIONS)
-            inside = theta[signed_distances(a, b, way(theta)) <= 0]
-            ends.append(float(inside[which]) if len(inside) else float(theta[_FRACTIONS // 2]))
-        found.append((ends[0], ends[1]))
-    return tuple(found)
+def _overlaps(area: Any, way: Way) -> tuple[tuple[float, float], ...]:
+    """From where to where bodies overlap, as seen at even steps of the turn."""
+    theta = np.linspace(0, math.tau, _CHORDS * _PARTS + 1)
+    inside = np.flatnonzero(signed_distances(area, way(theta)) <= 0)
+    runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
+    return tuple((float(theta[run[0]]), float(theta[run[-1]])) for run in runs if len(run))
 
 
 # ---- on files --------------------------------------------------------------------------------------------------------
@@ -286,11 +219,12 @@ def judge_clearance(
                 remark = f"no section of {pair.b if a else pair.a} at height {plane:.6g} mm"
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, remark))
                 break
-            found = least_distance(a, b, way)
+            area = meeting(a, b)
+            found = least_distance(area, way)
             least = min(least, found, key=lambda each: each.distance)
             size = max(float(np.max(np.abs(ring))) for ring in (*a, *b))
             slack = max(slack, 2 * chord_tolerance + 4 * tolerances.FLOAT32_ROUNDING * size)
-            curve = np.minimum(curve, signed_distances(a, b, way(turn)))
+            curve = np.minimum(curve, signed_distances(area, way(turn)))
         else:
             findings.append(_finding(pair, least, slack, where))
             numbers[f"clearance_{pair.name.lower().replace('/', '_')}_{kind}_mm"] = round(least.distance, _DIGITS) + 0.0

@@ -8,13 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.contacts import Apart, Pose, StandIn
+from camgen.machine.contacts import Apart, StandIn
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.joining import Module
 from camgen.machine.model import Machine
@@ -71,15 +69,6 @@ class Included:
         """Its parts."""
         return [replace(part, name=self.module.part(part.name)) for part in self.mechanism.parts()]
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Its parts and sketches at the whole machine's theta, (n,) rad."""
-        m = self.module
-        poses = self.mechanism.poses(theta + m.phase)
-        return {
-            m.part(name): [replace(pose, position=pose.position + m.at, z=pose.z + m.z) for pose in copies]
-            for name, copies in poses.items()
-        }
-
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made and in the way."""
         m = self.module
@@ -134,6 +123,12 @@ class Included:
         return [f"{self.module.prefix} was read from {self.source}, outside the spec's folder."] if outside else []
 
 
+def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float, float]]:
+    """From where to where each copy reaches in the assembly, mm."""
+    thick = {part.name: part.thickness for part in parts}
+    return [(mount.z, mount.z + thick[mount.part]) for mount in mounts]
+
+
 def stacked(
     includes: Sequence[Include], host: Mapping[str, Any], rpm: float, top: float, gap: float
 ) -> tuple[Included, ...]:
@@ -142,11 +137,10 @@ def stacked(
     for each in includes:
         try:
             mechanism = _mechanism(each, host, rpm).resolved()
-            poses = mechanism.poses(np.zeros(1))
+            levels = heights(mechanism.parts(), mechanism.mounts())
         except DesignError as e:
             raise DesignError(f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy) from None
-        heights = [(pose.z, pose.z + part.thickness) for part in mechanism.parts() for pose in poses[part.name]]
-        low, high = min(low for low, _ in heights), max(high for _, high in heights)
+        low, high = min(low for low, _ in levels), max(high for _, high in levels)
         z = top + gap - low if each.z is None else each.z
         top = max(top, z + high)
         found.append(Included(Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z), mechanism, each.source))

@@ -3,8 +3,8 @@
 machine()              its bodies, joints, drive, loads and outputs
 motion(theta, order)   the wanted output
 parts()                what to make
-poses(theta)           where each body is
-features(), mounts()   on what of which parts its joints are measured
+mounts(), poses(theta) which part stands on which body, and so where it is
+features()             on what of its parts the joints are measured
 contacts()             how parts touch
 limits()               closed-form design checks, as findings
 study()                named numbers, curves and tables for the report
@@ -28,6 +28,7 @@ from camgen.geometry.outlines import Floats, Points
 from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Machine
+from camgen.machine.model import Pose as BodyPose
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study, Table
 from camgen.parts.catalogue import DENSITY, Bought
@@ -63,9 +64,21 @@ class Mechanism(Spec, ABC):
     def parts(self) -> Sequence[Part]:
         """Distinct parts, with counts."""
 
-    @abstractmethod
+    def course(self, phase: Floats) -> Floats:
+        """The model's theta at a phase of its period, (n,) rad: the same, unless its drive goes to and fro."""
+        return phase
+
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Poses of each part's copies (in order) and of each sketch, by name."""
+        """Poses of each part's copies, in the order of their mounts, and of sketches that move, by name; theta: (n,) rad."""
+        run, bodies = self.solve(self.course(np.asarray(theta, float)), 0), dict[str, BodyPose]()
+        found: dict[str, list[Pose]] = {part.name: [] for part in self.parts()}
+        for mount in self.mounts():
+            if mount.body not in bodies:
+                bodies[mount.body] = run.pose(mount.body)
+            body = bodies[mount.body]
+            place = body.place + np.exp(1j * body.angle) * mount.at
+            found[mount.part].append(Pose(body.angle + mount.turned, place, mount.flipped, mount.z))
+        return found
 
     def contacts(self) -> Sequence[Contact]:
         """How parts touch beside the joints: a cam's Rolling tips, and parts that pass by each other."""
@@ -80,7 +93,7 @@ class Mechanism(Spec, ABC):
         return (*self.contacts(), *self.features())
 
     def mounts(self) -> Sequence[Mount]:
-        """Which parts with features stand on which of the machine's bodies."""
+        """Where every copy of every part stands on the machine's bodies."""
         return ()
 
     def asked(self) -> Sequence[Asked]:

@@ -215,7 +215,7 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
 
 def _distance(case: Case, pair: Apart) -> float:
     """Least distance over the turn of two bodies that shift, from their exact sections, mm."""
-    from camgen.judge.clearance import least_distance
+    from camgen.judge.clearance import least_distance, meeting
 
     poses = case.mechanism.poses
 
@@ -225,7 +225,7 @@ def _distance(case: Case, pair: Apart) -> float:
     found = []
     for plane in pair.planes:
         a, b = (_section(case.parts[name], plane - poses(np.zeros(1))[name][0].z) for name in (pair.a, pair.b))
-        found.append(least_distance(a, b, way).distance)
+        found.append(least_distance(meeting(a, b), way).distance)
     return min(found)
 
 

@@ -14,7 +14,7 @@ from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.machine.contacts import Rolling
+from camgen.machine.contacts import Pose, Rolling
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
@@ -99,7 +99,8 @@ def animation(mechanism: Mechanism) -> Animation:
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in mechanism.study().sketches]
+    still = [Pose(np.zeros(theta.shape), np.zeros(theta.shape, complex))]
+    bodies += [Body(s.name, poses.get(s.name, still), (), s.strokes, s.circles) for s in mechanism.study().sketches]
     machine = mechanism.model
     if machine is not None and mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), machine.outputs[0].name, "mm")

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from camgen import spec
 from camgen.files.export import Placed, write_3mf, write_stl
-from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, signed_distances
+from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, meeting, signed_distances
 from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
 from camgen.parts.solids import solid
 
@@ -41,7 +41,7 @@ def test_least_distance_lies_between_all_samples() -> None:
     # the point 10 + 5i of a small triangle circles; nearest to the square's side x = 2 at theta = pi + 0.1
     tip = np.array([0, 1 + 0.2j, 1 - 0.2j], complex)
     turn = np.exp(-0.1j)
-    found = least_distance([SQUARE], [tip], lambda t: 10 + 1j + 5 * np.exp(1j * np.asarray(t)) * turn)
+    found = least_distance(meeting([SQUARE], [tip]), lambda t: 10 + 1j + 5 * np.exp(1j * np.asarray(t)) * turn)
     assert found.distance == pytest.approx(3.0, abs=2e-9)
     assert found.theta == pytest.approx(math.pi + 0.1, abs=1e-3)
     assert found.overlaps == ()
@@ -54,7 +54,7 @@ def test_grazing_is_told_from_a_strike(shift: float, wanted: float) -> None:
     def way(theta: np.ndarray) -> np.ndarray:
         return 2 + shift + 3j * np.sin(theta)
 
-    found = least_distance([SQUARE], [SQUARE], way)
+    found = least_distance(meeting([SQUARE], [SQUARE]), way)
     assert found.distance == pytest.approx(wanted, abs=1e-9)
     assert bool(found.overlaps) == (wanted <= 0)
 
@@ -63,7 +63,7 @@ def test_depth_is_the_shortest_way_out_and_overlaps_are_placed() -> None:
     def way(theta: np.ndarray) -> np.ndarray:
         return 3 * np.cos(theta) + 0.7j
 
-    found = least_distance([SQUARE], [SQUARE], way)
+    found = least_distance(meeting([SQUARE], [SQUARE]), way)
     assert found.distance == pytest.approx(-1.3, abs=1e-9)  # 2 - 0.7 upwards
     (first, last), (again, end) = found.overlaps
     touch = math.acos(2 / 3)
@@ -76,15 +76,15 @@ def test_pieces_fill_what_is_not_convex() -> None:
     whole = shapely.Polygon(np.column_stack([DART.real, DART.imag]))
     assert sum(p.area for p in parts) == pytest.approx(whole.area)
     # in the dart's notch a small square is clear, though the hull holds it
-    assert signed_distances([DART], [SQUARE / 10], np.array([1.5 + 1.2j]))[0] > 0
-    assert signed_distances([DART], [SQUARE / 10], np.array([3.4 + 0.5j]))[0] < 0
+    assert signed_distances(meeting([DART], [SQUARE / 10]), np.array([1.5 + 1.2j]))[0] > 0
+    assert signed_distances(meeting([DART], [SQUARE / 10]), np.array([3.4 + 0.5j]))[0] < 0
 
 
 CORNERS = st.lists(st.complex_numbers(max_magnitude=4, allow_nan=False, allow_infinity=False), min_size=3, max_size=7)
 
 
 def hull(points: list[complex]) -> np.ndarray | None:
-    found = shapely.convex_hull(shapely.MultiPoint([(z.real, z.imag) for z in points]))
+    found = shapely.convex_hull(shapely.MultiPoint([(round(z.real, 9), round(z.imag, 9)) for z in points]))
     if found.geom_type != "Polygon" or found.area < 0.1:
         return None
     x, y = np.array(found.exterior.coords)[:-1].T
@@ -101,7 +101,7 @@ def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase): 
     def way(theta: np.ndarray) -> np.ndarray:
         return 3 + width * np.cos(theta) + 1j * height * np.sin(2 * np.asarray(theta) + phase)
 
-    found = least_distance([first], [second], way)
+    found = least_distance(meeting([first], [second]), way)
     theta = np.linspace(0, math.tau, 1001)
     bodies = shapely.polygons([np.column_stack([z.real, z.imag]) for z in second + way(theta)[:, None]])
     fixed = shapely.Polygon(np.column_stack([first.real, first.imag]))
@@ -115,7 +115,7 @@ def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase): 
         ways = np.exp(1j * np.linspace(0, math.tau, 361))
         at = way(np.array([found.theta]))[0]
         short = at + ways * (-found.distance) * 0.99
-        assert np.all(signed_distances([first], [second], short) <= 1e-9)
+        assert np.all(signed_distances(meeting([first], [second]), short) <= 1e-9)
 
 
 # ---- files -----------------------------------------------------------------------------------------------------------
@@ -219,7 +219,7 @@ def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
         h = m.geometry.point_lengths[k]
         needle = np.array([0, 0.45 + 1j * h, 0.45 + 60j, -0.45 + 60j, -0.45 + 1j * h])
         shifts = poses[f"needle-{k + 1}"][0].position - poses[f"{spreader}-spreader"][0].position
-        brute = float(np.min(signed_distances([body], [needle], shifts)))
+        brute = float(np.min(signed_distances(meeting([body], [needle]), shifts)))
         assert finding.code == "CLEARANCE"
         assert pair.measured == pytest.approx(brute, abs=0.02)
         assert pair.measured <= brute + 1e-4

@@ -22,10 +22,10 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.outlines import Floats, Points
-from camgen.machine.contacts import Apart, Pose
-from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Slide
-from camgen.machine.model import Pose as Start
+from camgen.geometry.outlines import Floats
+from camgen.machine.contacts import Apart
+from camgen.machine.features import Mount
+from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Pose, Slide
 from camgen.machine.study import Study
 from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
 from camgen.machines.chain_stitch_looper.stitch import (
@@ -200,7 +200,7 @@ class ChainStitchLooper(Mechanism):
             "lower-spreader": (complex(-d.before[0], -g.levels[0]), 1 + 0j, d.moved),
             "upper-spreader": (complex(g.spacing + d.before[1], -g.levels[1]), -1 + 0j, d.moved),
         }
-        start = {name: Start(place + way * float(law(still)[0]), 0.0) for name, (place, way, law) in moves.items()}
+        start = {name: Pose(place + way * float(law(still)[0]), 0.0) for name, (place, way, law) in moves.items()}
         guides = [
             Slide(f"guide of {name}", Place(GROUND, place), Place(name), cmath.phase(way))
             for name, (place, way, _) in moves.items()
@@ -210,7 +210,7 @@ class ChainStitchLooper(Mechanism):
             (Body(GROUND), Body("shaft"), *(Body(name) for name in moves)),
             (Pin("bearing", Place("shaft"), Place(GROUND)), *guides, *cams),
             (Drive("motor", "shaft"),),
-            {"shaft": Start(0j, 0.0), **start},
+            {"shaft": Pose(0j, 0.0), **start},
             outputs=(Output("spreader", Along("guide of lower-spreader")), Output("needle", Along("guide of needle-1"))),
             speed=abs(self.speed),
         )
@@ -237,28 +237,12 @@ class ChainStitchLooper(Mechanism):
 
     # ---- assembly ----------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Spreaders along X, needles along Y, the plate still; templates stand nowhere."""
-        theta = np.asarray(theta, float)
-        zero, d, g = np.zeros(theta.shape), self.design, self.stitch
-        tips, noses = d.tips(theta), d.noses(theta)
-        floor = self.bodies.plan[2].imag
-
-        def at(x: Floats, y: Floats, z: float) -> list[Pose]:
-            place: Points = np.empty(theta.shape, complex)
-            place.real, place.imag = x, y
-            return [Pose(zero, place, z=z)]
-
-        return {
-            "lower-spreader": at(noses[0], zero - g.levels[0], floor),
-            "upper-spreader": at(g.spacing - noses[1], zero - g.levels[1], floor),
-            "needle-1": at(zero, tips[0], -g.needle / 2),
-            "needle-2": at(zero + g.spacing, tips[1], -g.needle / 2),
-            "needle-plate": at(zero, zero, -self.bodies.plate.thickness / 2),
-            "side-outline": [],
-            "top-outline": [],
-            "needle-section": [],
-        }
+    def mounts(self) -> Sequence[Mount]:
+        """Spreaders and needles on their guides, the plate still; gauges stand nowhere."""
+        floor, needle = self.bodies.plan[2].imag, -self.stitch.needle / 2
+        spreaders = [Mount(name, name, z=floor) for name in ("lower-spreader", "upper-spreader")]
+        needles = [Mount(name, name, z=needle) for name in ("needle-1", "needle-2")]
+        return (*spreaders, *needles, Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2))
 
     @property
     def running_gap(self) -> float:

@@ -38,6 +38,13 @@ def features_of(drive: EccentricDrive) -> Sequence[Feature]:
 
 
 def mounts_of(drive: EccentricDrive) -> Sequence[Mount]:
-    """Parts that make the joints."""
-    return (Mount("body", GROUND), Mount("disc", "disc"), Mount("rod", "rod"), Mount("slider", "slider"))
-
+    """Every part on its body."""
+    p, slide, bed = drive.making, drive.print.slide_clearance, drive.making.body_thickness
+    low, top = bed + p.slider_thickness + slide, bed + p.slider_thickness + 2 * slide
+    cover = complex(drive.rail[1] - p.cover_length / 2, drive.geometry.offset)
+    return (
+        Mount("disc", "disc", z=top - p.flange), Mount("washer", "disc", z=top + p.rod_thickness + slide),
+        Mount("rod", "rod", z=top), Mount("slider", "slider", z=bed), Mount("pin", "slider", flipped=True, z=bed),
+        Mount("clamp", "slider", drive.head[2].real, z=bed + p.slider_thickness), Mount("cover", GROUND, cover, z=low),
+        Mount("body", GROUND), Mount("motor-bar", GROUND, z=-drive.motor.length - bed),
+    )  # fmt: skip

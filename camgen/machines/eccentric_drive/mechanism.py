@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Literal
@@ -24,10 +24,9 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
-from camgen.geometry.outlines import Floats, Points, Region, circle, polygon
+from camgen.geometry.outlines import Floats, Region, circle, polygon
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.contacts import Pose
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.study import Study
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
@@ -272,7 +271,7 @@ class EccentricDrive(Mechanism):
         return self._screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + _FACETS)
 
     @cached_property
-    def _head(self) -> tuple[float, float, complex]:
+    def head(self) -> tuple[float, float, complex]:
         """Of the slider's head, always outside the guide: its begin and length along x, and its upper screw, mm."""
         p, screw = self.making, self._screw
         aside = p.wire_diameter / 2 + self.allowed.min_wall + _FACETS + screw.clearance / 2
@@ -281,7 +280,7 @@ class EccentricDrive(Mechanism):
 
     def _slider(self, pin_hole: float) -> Part:
         """Block on the guide: pin hole at the origin, along x a groove for the needle's wire, two screws for its clamp."""
-        p, (neck, length, screw) = self.making, self._head
+        p, (neck, length, screw) = self.making, self.head
         half, groove, front = p.slider_width / 2, p.wire_diameter / 2, neck + length
         wide = max(half, screw.imag + self._rim)
         hook = self._inner[1] - self.outermost + 1 + p.wire_diameter
@@ -310,7 +309,7 @@ class EccentricDrive(Mechanism):
 
     def _clamp(self) -> Part:
         """Plate over the wire at the slider's head; its origin is its middle."""
-        p, (_, length, screw) = self.making, self._head
+        p, (_, length, screw) = self.making, self.head
         x, y = length / 2 - 0.2, max(p.slider_width / 2, screw.imag + self._rim)
         return self._bored("clamp", "Wire clamp", (x, y), screw.imag)
 
@@ -334,7 +333,7 @@ class EccentricDrive(Mechanism):
         return Part("pin", "Slider pin", layers, centres=(0j,), notes=("press into the slider through the rod",), cut=1)
 
     @cached_property
-    def _rail(self) -> tuple[float, float, float]:
+    def rail(self) -> tuple[float, float, float]:
         """Where the rails begin and end along x, and the middle of a rail from the guide's axis, mm."""
         p = self.making
         start = self._inner[0]
@@ -342,7 +341,7 @@ class EccentricDrive(Mechanism):
         return start, end, (p.slider_width + self.print.slide_clearance + p.rail_width) / 2
 
     def _cover(self) -> Part:
-        middle = self._rail[2]
+        middle = self.rail[2]
         return self._bored("cover", "Guide cover", (self.making.cover_length / 2, middle + self.making.rail_width / 2), middle)
 
     @cached_property
@@ -366,7 +365,7 @@ class EccentricDrive(Mechanism):
     def _body(self) -> Part:
         """Plate with the motor's seat at the origin, the two rails of the guide, and a mounting hole in every corner."""
         g, p, slide, screw = self.geometry, self.making, self.print.slide_clearance, self._screw
-        start, end, middle = self._rail
+        start, end, middle = self.rail
         seat, corner = (self.motor.boss_diameter + self.print.press_clearance) / 2, max(screw.head / 2 + 1, self._rim)
         beside, outside = self._motor_screw + self._rim, middle + p.rail_width / 2 + 2 * corner
         top, bottom = max(g.offset + outside, beside), min(g.offset - outside, -beside)
@@ -421,36 +420,12 @@ class EccentricDrive(Mechanism):
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Disc and washer turn, the rod follows, slider and pin shift; body and cover stand still."""
-        p, slide = self.making, self.print.slide_clearance
-        theta = np.asarray(theta, float)
-        still: Points = np.zeros(theta.shape, complex)
-        flat: Floats = np.zeros(theta.shape)
-        run = self.solve(theta, 0)
-        rod, pin = run.pose("rod"), run.pose("slider").place
-        bed = p.body_thickness
-        rod_z = bed + p.slider_thickness + 2 * slide
-        _, end, _ = self._rail
-        cover = complex(end - p.cover_length / 2, self.geometry.offset)
-        return {
-            "disc": [Pose(theta, still, z=rod_z - p.flange)],
-            "washer": [Pose(theta, still, z=rod_z + p.rod_thickness + slide)],
-            "rod": [Pose(rod.angle, rod.place, z=rod_z)],
-            "slider": [Pose(flat, pin, z=bed)],
-            "pin": [Pose(flat, pin, flipped=True, z=bed)],
-            "cover": [Pose(flat, still + cover, z=bed + p.slider_thickness + slide)],
-            "clamp": [Pose(flat, pin + self._head[2].real, z=bed + p.slider_thickness)],
-            "body": [Pose(flat, still)],
-            "motor-bar": [Pose(flat, still, z=-self.motor.length - bed)],
-        }
-
     def features(self) -> Sequence[Feature]:
         """What its joints are measured on."""
         return features_of(self)
 
     def mounts(self) -> Sequence[Mount]:
-        """Parts that make the joints."""
+        """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
         return mounts_of(self)
 
     def asked(self) -> Sequence[Asked]:

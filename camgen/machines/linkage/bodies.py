@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Contour, Floats, Region, circle
+from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Eye, Faces, Feature, Mark, Mount, PinEyes, SlideFaces, SlotFaces
 from camgen.machine.run import Run
@@ -438,9 +438,3 @@ class Bodies:
 def part_name(link: str) -> str:
     """Name of a link's part: such that its files are not taken for those of the whole machine."""
     return f"link-{link}" if link.lower().startswith(("plate", "assembly", "parts")) else link
-
-
-def placed(mount: Mount, pose: m.Pose) -> tuple[Floats, m.Points]:
-    """Angle and position of a mount's part on the ground, (n,), from those of its body."""
-    turn = np.exp(1j * np.asarray(pose.angle))
-    return np.asarray(pose.angle + mount.turned), np.asarray(pose.place + turn * mount.at, complex)

@@ -24,7 +24,7 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.contacts import Apart, Pose, StandIn
+from camgen.machine.contacts import Apart, StandIn
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.joining import joined
 from camgen.machine.run import Run, solve
@@ -33,7 +33,7 @@ from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
 from camgen.machines.linkage import figures
 from camgen.machines.linkage import tables as t
-from camgen.machines.linkage.bodies import Bodies, placed
+from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought, turning_text
@@ -110,9 +110,10 @@ class Linkage(Mechanism):
     @cached_property
     def modules(self) -> Sequence[inc.Included]:
         """The machines of other specs, each above those before it."""
+        if not self.includes:
+            return ()
         host = self.model_dump(by_alias=True, exclude_none=True)
-        poses = self._own_poses(np.zeros(1))
-        top = max(pose.z + part.thickness for part in self.bodies.parts for pose in poses[part.name])
+        top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
         return inc.stacked(self.includes, host, self.drive.speed_rpm, top, self.print.slide_clearance)
 
     @cached_property
@@ -161,7 +162,7 @@ class Linkage(Mechanism):
         return math.radians(low), math.radians(high)
 
     def course(self, phase: Floats) -> Floats:
-        """theta at a phase of the period, (n,) rad: the same where the drive turns."""
+        """theta at a phase of the period, (n,) rad."""
         if self.drive.range_deg is None:
             return phase
         low, high = self.range
@@ -235,24 +236,6 @@ class Linkage(Mechanism):
         """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
         which no bodies are made."""
         return (*self.bodies.parts, *(part for each in self.modules for part in each.parts()))
-
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Every copy on its body; theta is the phase of the period."""
-        theta = np.asarray(theta, float)
-        found = dict(self._own_poses(theta))
-        for each in self.modules:
-            found |= each.poses(self.course(theta))
-        return found
-
-    def _own_poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        run, found = self.run(self.course(theta), 0), dict[str, list[Pose]]()
-        still = m.Pose(np.zeros(run.theta.shape, complex), np.zeros(run.theta.shape))
-        poses = {body.name: still if body.name == m.GROUND else run.pose(body.name) for body in run.machine.bodies}
-        for mount in self.bodies.mounts:
-            found.setdefault(mount.part, []).append(Pose(*placed(mount, poses[mount.body]), mount.flipped, mount.z))
-        for sketch in figures.paths(self):
-            found[sketch.name] = [Pose(still.angle, still.place)]
-        return found
 
     def features(self) -> Sequence[Feature]:
         """Holes and pins of the joints."""

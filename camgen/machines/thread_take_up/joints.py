@@ -37,7 +37,15 @@ def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
 
 
 def mounts_of(spec: ThreadTakeUp) -> Sequence[Mount]:
-    """Parts that make the joints."""
-    c = spec.take_up.frame * cmath.exp(1j * spec.take_up.tilt)
-    links = (Mount("input-crank", "crank"), Mount("bell-crank", "coupler"), Mount("output-crank", "output"))
-    return (Mount("frame", GROUND), Mount("pivot", GROUND, c, spec.take_up.tilt), *links)
+    """Every part on its body, a level for each layer."""
+    t, p, level = spec.take_up, spec.making, spec.level
+    dowels = [t.pivot + cmath.exp(1j * t.tilt) * place for place, _ in spec.bands["pivot"][1][1:]]
+    return (
+        Mount("frame", GROUND), Mount("pivot", GROUND, t.pivot, t.tilt, z=p.thickness), Mount("output-crank", "output", z=level),
+        Mount("input-crank", "crank", z=2 * level), Mount("bell-crank", "coupler", z=3 * level),
+        Mount("shaft", "crank", z=-p.shaft_length), Mount("collar", "crank", z=-level),
+        Mount("pin-a", "crank", complex(t.crank), flipped=True, z=2 * level),
+        Mount("pin-b", "output", complex(t.output), flipped=True, z=level), *(Mount("dowel", GROUND, z) for z in dowels),
+        Mount("finger", "coupler", t.eye, flipped=True, z=3 * level),
+        *(Mount("guide", GROUND, z, flipped=True) for z in t.guides),
+    )  # fmt: skip

@@ -29,7 +29,6 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
-from camgen.machine.contacts import Pose
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machine.study import Sketch, Study
@@ -180,7 +179,7 @@ class ThreadTakeUp(Mechanism):
     # ---- parts -------------------------------------------------------------------------------------------------------
 
     @property
-    def _level(self) -> float:
+    def level(self) -> float:
         """Height of a layer of the assembly: a part's thickness and the play to the next, mm."""
         return self.making.thickness + self.print.slide_clearance
 
@@ -197,7 +196,7 @@ class ThreadTakeUp(Mechanism):
         return (self.making.pin_diameter + self.print.press_clearance) / 2
 
     @cached_property
-    def _bands(self) -> Mapping[str, tuple[tuple[Disc, ...], tuple[Disc, ...]]]:
+    def bands(self) -> Mapping[str, tuple[tuple[Disc, ...], tuple[Disc, ...]]]:
         """Hubs and holes of each flat part, in its own frame: (centre, radius), mm."""
         g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
         self.take_up  # noqa: B018  refuses lengths that do not assemble before any part is drawn
@@ -236,7 +235,7 @@ class ThreadTakeUp(Mechanism):
 
     def parts(self) -> Sequence[Part]:
         """Five flat parts, and the round ones: shaft with its collar, pins, dowels, finger and guides."""
-        p, level, slide = self.making, self._level, self.print.slide_clearance
+        p, level, slide = self.making, self.level, self.print.slide_clearance
         flat = [
             self._flat("frame", "Frame with the guides", p.thickness, (
                 "shaft at the origin; the guides are pressed in", "the outermost holes are for screws from behind",
@@ -290,7 +289,7 @@ class ThreadTakeUp(Mechanism):
 
     def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
         """A band round hubs with holes; raises DesignError where two holes meet."""
-        hubs, holes = self._bands[name]
+        hubs, holes = self.bands[name]
         pairs = [(a, b) for k, a in enumerate(holes) for b in holes[k + 1 :]]
         wall, worst = min(((abs(a[0] - b[0]) - a[1] - b[1], (a, b)) for a, b in pairs), key=lambda each: each[0])
         if wall <= 0:
@@ -311,37 +310,12 @@ class ThreadTakeUp(Mechanism):
 
     # ---- assembly ----------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
-        theta = np.asarray(theta, float)
-        run, p, level = self.take_up.run(theta), self.making, self._level
-        still, zero = np.zeros(theta.shape, complex), np.zeros(theta.shape)
-        (a, b, d), c = (run.point("coupler", name)[0] for name in "ABD"), self.take_up.pivot
-        coupler, output = run.pose("coupler").angle, run.pose("output").angle
-        tilt = np.full(theta.shape, self.take_up.tilt)
-        dowels = [c + cmath.exp(1j * self.take_up.tilt) * place for place, _ in self._bands["pivot"][1][1:]]
-        return {
-            "frame": [Pose(zero, still)],
-            "pivot": [Pose(tilt, still + c, z=p.thickness)],
-            "output-crank": [Pose(output, still + c, z=level)],
-            "input-crank": [Pose(theta, still, z=2 * level)],
-            "bell-crank": [Pose(coupler, a, z=3 * level)],
-            "shaft": [Pose(theta, still, z=-p.shaft_length)],
-            "collar": [Pose(theta, still, z=-level)],
-            "pin-a": [Pose(theta, a, True, 2 * level)],
-            "pin-b": [Pose(output, b, True, level)],
-            "dowel": [Pose(zero, still + place) for place in dowels],
-            "finger": [Pose(coupler, d, True, 3 * level)],
-            "guide": [Pose(zero, still + guide, True) for guide in self.take_up.guides],
-            "eye path": [Pose(zero, still)],
-        }
-
     def features(self) -> Sequence[Feature]:
         """What its joints are measured on."""
         return features_of(self)
 
     def mounts(self) -> Sequence[Mount]:
-        """Parts that make the joints."""
+        """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
         return mounts_of(self)
 
     def asked(self) -> Sequence[Asked]:
@@ -372,7 +346,7 @@ class ThreadTakeUp(Mechanism):
             findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
         if self.masses is not None and self.motor is not None:
             p = self.making
-            levers = {"a": play / 2 + p.thickness / 2, "b": self._level + play / 2 + p.thickness / 2}
+            levers = {"a": play / 2 + p.thickness / 2, "b": self.level + play / 2 + p.thickness / 2}
             shaft = p.shaft_diameter - p.shaft_flat
             findings += strengths(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers, shaft)
         if self.consumption is not None:
@@ -391,9 +365,9 @@ class ThreadTakeUp(Mechanism):
         run = t.run(theta)
         a, b, d = (run.point("coupler", name)[0] for name in "ABD")
         crank, output, coupler = a / t.crank, (b - t.pivot) / t.output, (b - a) / t.coupler
-        bands = {name: self._bands[name][0] for name in ("input-crank", "output-crank")}
+        bands = {name: self.bands[name][0] for name in ("input-crank", "output-crank")}
         # the bell crank's eye moves in a search, the other links do not
-        bell = (*self._bands["bell-crank"][0][:2], (t.eye, self._bands["bell-crank"][0][2][1]))
+        bell = (*self.bands["bell-crank"][0][:2], (t.eye, self.bands["bell-crank"][0][2][1]))
 
         def least(distance: Floats, radius: float) -> tuple[float, float]:
             k = int(np.argmin(distance))
