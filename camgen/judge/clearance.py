@@ -23,8 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import tolerances
-from camgen.files.readback import read_3mf, read_dxf, read_stl, slice_mesh
+from camgen.files.dxf import read_dxf
+from camgen.files.formats import read_solid
 from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.contacts import Apart, Pose
 
@@ -235,12 +237,12 @@ def _overlaps(a: Sequence[Points], b: Sequence[Points], way: Way, begin: Floats,
 # ---- on files --------------------------------------------------------------------------------------------------------
 
 
-def sections(path: Path, height: float) -> list[Points]:
-    """Outer outlines of the section of an STL or 3MF file at a height of its own frame, counter-clockwise; holes are left out.
+def sections(path: Path, part: str, height: float) -> list[Points]:
+    """Outer outlines of the section of a part's solid in a file, at a height of its own frame, counter-clockwise.
 
-    ValueError where the section does not close.
+    Holes are left out. ValueError where the section does not close.
     """
-    mesh = next(iter(read_3mf(path).meshes.values())) if path.suffix == ".3mf" else read_stl(path)
+    mesh, _ = read_solid(path, part)
     return [ring.points for ring in slice_mesh(mesh, height) if ring.area > 0]
 
 
@@ -278,7 +280,8 @@ def judge_clearance(
                     shown = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
                     a, b = (drawn_outline(folder / f"{prefix}-{name}.dxf", over, chord_tolerance) for name, over in shown)
                 else:
-                    a, b = (sections(folder / f"{prefix}-{name}.{kind}", plane - rest[name][0].z) for name in (pair.a, pair.b))
+                    names = {name: folder / f"{prefix}-{name}.{kind}" for name in (pair.a, pair.b)}
+                    a, b = (sections(path, name, plane - rest[name][0].z) for name, path in names.items())
             except ValueError as error:
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, str(error)))
                 break
