@@ -29,6 +29,7 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.contacts import Apart, Pose
+from camgen.numerics import crests
 
 if TYPE_CHECKING:
     import shapely
@@ -38,8 +39,6 @@ _DENT = 1e-5  # mm, by which a vertex may lie inside its neighbours' line throug
 _BULGE = 1e-9  # mm, by which a chord may leave the curve where it matters
 _FRACTIONS = 129  # of a chord, at which the begin of an overlap is looked up
 _ROUNDS = 16  # of halving; a bulge falls to a quarter each time
-_GOLDEN = (math.sqrt(5) - 1) / 2
-_GOLDEN_STEPS = 60
 _ANGLES = 1441  # at which the distance is drawn and tabled: every quarter degree, both ends
 _DIGITS = 6  # of a distance, mm: coordinates in the files have no more
 
@@ -149,13 +148,9 @@ def _deepest(normals: Points, limits: Floats, p: Points, q: Points) -> tuple[Flo
         found: Floats = np.min(limits - np.real(np.conj(normals) * (p + u * (q - p))[:, None]), axis=1)
         return found
 
-    low, high = np.zeros(len(p)), np.ones(len(p))
-    for _ in range(_GOLDEN_STEPS if np.any(p != q) else 0):
-        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        rising = depth(left) < depth(right)
-        low, high = np.where(rising, left, low), np.where(rising, high, right)
+    none, whole = np.zeros(len(p)), np.ones(len(p))
     # an end of the chord may be its deepest place
-    shares = np.stack([(low + high) / 2, np.zeros(len(p)), np.ones(len(p))])
+    shares = np.stack([crests(depth, none, whole) if np.any(p != q) else whole / 2, none, whole])
     depths = np.stack([depth(u) for u in shares])
     best = np.argmax(depths, axis=0)[None]
     return np.maximum(np.take_along_axis(depths, best, 0)[0], 0.0), np.take_along_axis(shares, best, 0)[0]
