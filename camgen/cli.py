@@ -19,12 +19,13 @@ import click
 
 from camgen import __version__
 from camgen.errors import CamgenError, Fault, FileError, SpecError, explained, printable
+from camgen.files.formats import FORMATS
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
     from camgen.report.report import Report
 
-KINDS = ("dxf", "stl", "3mf", "report")
+KINDS = (*FORMATS, "report")
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 _EXIT_CODES = """\b

@@ -1,4 +1,4 @@
-"""Linear algebra and quadrature in plain array arithmetic, which gives the same bits on every processor.
+"""Linear algebra, quadrature, roots and extremes of one unknown in plain array arithmetic: the same bits on every processor.
 
 numpy's own (`@`, `np.linalg`) calls a BLAS library that picks its order of adding by the processor, so the last digits of
 what is written would differ from machine to machine. Systems here are small, and many at once.
@@ -7,12 +7,18 @@ what is written would differ from machine to machine. Systems here are small, an
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
+_GOLDEN = (math.sqrt(5) - 1) / 2
+_STEPS = 60  # of bisection and of the golden section: 2^-60 and 3e-13 of a bracket
+_RESOLVED = 4e-16  # of a place: the distance to the next float
 _DEPENDENT = 1e-13  # of a column's length, below which what is left beside the other columns is rounding
 
 
@@ -108,3 +114,78 @@ def gauss_legendre(n: int) -> tuple[Floats, Floats]:
     x = (x - x[::-1]) / 2
     weights = 2 / ((1 - x * x) * slope * slope)
     return x, (weights + weights[::-1]) / 2
+
+
+# ---- one unknown -----------------------------------------------------------------------------------------------------
+
+
+def roots(f: Callable[[Floats, Indices], tuple[Floats, Floats]], low: Floats, high: Floats, share: float = 0.0) -> Floats:
+    """Where functions change sign, each between its low and high, (n,); Newton's method kept inside the bracket by bisection.
+
+    f(t, i): values and slopes of the functions number i, (m,), at t, (m,); a slope of 0 or nan means unknown.
+    share: of the bracket, at which a step is small enough; 0 asks for all that the numbers hold.
+    """
+    low, high = np.array(low, float), np.array(high, float)
+    t = (low + high) / 2
+    last = np.maximum(share * (high - low), _RESOLVED * np.maximum(np.abs(low), np.abs(high)))
+    i = np.arange(t.size)
+    if not i.size:
+        return t
+    above = f(high, i)[0]
+    rising = np.where(above == 0, f(low, i)[0] < 0, above > 0) if np.any(above == 0) else above > 0
+    for _ in range(_STEPS):
+        value, slope = f(t[i], i)
+        beyond = (value > 0) == rising[i]
+        high[i[beyond]], low[i[~beyond]] = t[i[beyond]], t[i[~beyond]]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            new = t[i] - value / slope
+        new = np.where((low[i] <= new) & (new <= high[i]), new, (low[i] + high[i]) / 2)
+        step, t[i] = np.abs(new - t[i]), new
+        i = i[step > last[i]]
+        if not i.size:
+            break
+    return t
+
+
+def sign_changes(f: Callable[[Floats], Floats], grid: Floats, slope: Callable[[Floats], Floats] | None = None) -> Floats:
+    """Places between those of a growing grid, (n,), at which f changes sign, (k,); one between two of them, none beside nan.
+
+    f, slope: values and derivatives, (m,), at (m,) places; without a slope by bisection.
+    """
+    value = f(grid)
+    found = np.flatnonzero(np.isfinite(value[:-1] + value[1:]) & (np.signbit(value[:-1]) != np.signbit(value[1:])))
+
+    def both(t: Floats, _: Indices) -> tuple[Floats, Floats]:
+        return f(t), np.zeros(t.size) if slope is None else slope(t)
+
+    return roots(both, grid[found], grid[found + 1])
+
+
+def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int = _STEPS) -> Floats:
+    """Where functions are greatest, each between its low and high, (n,), with one crest there; golden section.
+
+    f(t): the n values at the n places t.
+    """
+    for _ in range(steps if low.size else 0):
+        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+        rising = f(left) < f(right)
+        low, high = np.where(rising, left, low), np.where(rising, high, right)
+    return np.asarray((low + high) / 2)
+
+
+def greatest(
+    f: Callable[[Any], Floats], a: float, b: float, also: Sequence[float] | Floats = (), count: int = 1025
+) -> tuple[float, float]:
+    """Place and value of the greatest f(x) on a..b: even samples, then zoomed in on the best until the interval is rounding.
+
+    also: further places to try, where f has a corner.
+    """
+    x = np.unique(np.concatenate((np.linspace(a, b, count), also)))
+    for _ in range(40):
+        y = f(x)
+        k = int(np.nanargmax(y))
+        low, high = x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)]
+        if high - low <= 1e-14 * max(1.0, abs(b)):
+            break
+        x = np.unique(np.concatenate((np.linspace(low, high, 17), [x[k]])))
+    return float(x[k]), float(y[k])

@@ -26,7 +26,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen.files.readback import read_stl, slice_mesh
+from camgen.files.stl import read_stl
+from camgen.geometry.mesh import slice_mesh
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = os.environ | {"LC_ALL": "C.UTF-8", "QT_QPA_PLATFORM": "offscreen"}

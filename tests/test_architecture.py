@@ -25,13 +25,12 @@ WINGS = {
 }
 GROUND = {"", "errors", "findings", "numerics", "spec", "tolerances"}
 TOP = {"__init__", "__main__", "cli"}
-# The judge sees files, the wanted motion and how bodies touch; never what made a curve, nor what wrote a file.
-MAKERS = {
-    "machine": {"cams", "followers", "closed_form", "balancing", "sizing", "cam_drive", "loops", "dyads", "newton"},
-    "files": {"export", "drawing", "sheet", "plates", "lying", "dimensions"},
-}
+# The judge sees files, the wanted motion and how bodies touch; never what made a curve. Of a format it takes the reading.
+MAKERS = {"cams", "followers", "closed_form", "balancing", "sizing", "cam_drive", "loops", "dyads", "newton"}
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
-LIGHT = {"__init__", "__main__", "cli", "errors", "findings", "tolerances", "report.terminal", "files.folder"}
+LIGHT = {
+    "__init__", "__main__", "cli", "errors", "findings", "tolerances", "report.terminal", "files.folder", "files.formats",
+}  # fmt: skip
 
 MODULES = {
     path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in sorted(PACKAGE.rglob("*.py"))
@@ -56,10 +55,11 @@ def imports(tree: ast.AST) -> set[str]:
     return found
 
 
-def ours(tree: ast.AST) -> set[tuple[str, str]]:
-    """(wing, module) of what is imported of camgen; the wing is "" for `from camgen import __version__`."""
-    found = {tuple(name.split(".")[1:3]) for name in imports(tree) if name.startswith("camgen.")}
-    return {(*parts, "")[:2] if parts[0] in {*WINGS, *GROUND, *TOP} else ("", parts[0]) for parts in found}  # type: ignore[misc]
+def ours(tree: ast.AST) -> set[tuple[str, str, str]]:
+    """(wing, module, name) of what is imported of camgen; the wing is "" for `from camgen import __version__`."""
+    found = {tuple(name.split(".")[1:4]) for name in imports(tree) if name.startswith("camgen.")}
+    known = {*WINGS, *GROUND, *TOP}
+    return {(*parts, "", "")[:3] if parts[0] in known else ("", parts[0], "") for parts in found}  # type: ignore[misc]
 
 
 def upward(module: str, tree: ast.AST) -> list[str]:
@@ -68,14 +68,17 @@ def upward(module: str, tree: ast.AST) -> list[str]:
     if here in TOP:
         return []
     allowed = GROUND | {here} | WINGS.get(here, set())
-    return [f"{module} imports {wing}" for wing, _ in sorted(ours(tree)) if wing not in allowed]
+    return [f"{module} imports {wing}" for wing, *_ in sorted(ours(tree)) if wing not in allowed]
 
 
 def bribes(module: str, tree: ast.AST) -> list[str]:
-    """What a judge imports of the makers."""
+    """What a judge imports of the makers: of files anything but functions that read."""
     if not module.startswith("judge."):
         return []
-    return [f"{module} imports {wing}.{name}" for wing, name in sorted(ours(tree)) if name in MAKERS.get(wing, set())]
+    return [
+        f"{module} imports {'.'.join(parts)}" for parts in sorted(ours(tree))
+        if (parts[0] == "machine" and parts[1] in MAKERS) or (parts[0] == "files" and not parts[2].startswith("read_"))
+    ]  # fmt: skip
 
 
 def heavy_at_top(module: str, tree: ast.Module) -> list[str]:
@@ -126,8 +129,10 @@ def test_only_figures_imports_matplotlib() -> None:
         (upward, "judge.contact", "from camgen.machines.mechanism import Mechanism"),
         (bribes, "judge.round_trip", "def f():\n    from camgen.machine.cams import DiscCam"),
         (bribes, "judge.motion", "from camgen.machine import loops"),
-        (bribes, "judge.motion", "from camgen.files.export import write_stl"),
-        (heavy_at_top, "files.export", "import trimesh.util"),
+        (bribes, "judge.motion", "from camgen.files.stl import write_stl"),
+        (bribes, "judge.motion", "from camgen.files import stl"),
+        (bribes, "judge.motion", "import camgen.files.formats"),
+        (heavy_at_top, "files.stl", "import trimesh.util"),
         (heavy_at_top, "cli", "import numpy as np"),
         (undocumented, "parts.part", '"""Parts."""\nclass A:\n    """A."""\n    def b(self): ...'),
     ],

@@ -10,8 +10,10 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from camgen.numerics import gauss_legendre, least_squares, product, solve
+from camgen.numerics import crests, gauss_legendre, greatest, least_squares, product, roots, sign_changes, solve
 
 RNG = np.random.default_rng(7)
 
@@ -101,3 +103,52 @@ def test_files_are_the_same_whatever_the_blas_kernel(tmp_path: Path, root: Path)
         made.append({path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()})
     for other in made[1:]:
         assert sorted(name for name in made[0] if made[0][name] != other.get(name)) == []
+
+
+@settings(max_examples=60)
+@given(st.lists(st.floats(-50, 50), min_size=1, max_size=6), st.floats(0.1, 3), st.sampled_from(["slope", "nan", "none"]))
+def test_roots_are_found_in_their_brackets_whatever_is_known_of_the_slope(
+    places: list[float], width: float, known: str
+) -> None:
+    """Of sinh(t - place), rising, and falling in every second one: to the last digits of the place."""
+    wanted, sign = np.array(places), np.where(np.arange(len(places)) % 2, -1.0, 1.0)
+
+    def f(t: np.ndarray, i: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        slope = sign[i] * np.cosh(t - wanted[i]) if known == "slope" else np.full(t.size, np.nan if known == "nan" else 0.0)
+        return sign[i] * np.sinh(t - wanted[i]), slope
+
+    low, high = wanted - width / 3, wanted + width
+    found = roots(f, low, high)
+    np.testing.assert_allclose(found, wanted, rtol=1e-15, atol=1e-15 * width)
+    assert np.all((low <= found) & (found <= high))
+    coarse = roots(f, low, high, 1e-3)
+    assert np.all(np.abs(coarse - wanted) <= 2e-3 * (high - low))
+    at_an_end = roots(f, wanted - width, wanted)  # the root is the end itself
+    np.testing.assert_allclose(at_an_end, wanted, rtol=1e-15, atol=1e-15 * width)
+
+
+def test_sign_changes_are_those_of_a_polynomial_and_none_beside_nan() -> None:
+    zeros = np.array([-0.7123, -0.1, 0.3001, 0.9])
+    values = np.polynomial.Polynomial.fromroots(zeros)
+    grid = np.linspace(-1, 1, 41) + 0.003
+    for slope in (None, values.deriv()):
+        np.testing.assert_allclose(sign_changes(values, grid, slope), zeros, atol=1e-14)
+    holed = sign_changes(lambda t: np.where(t < 0, np.nan, values(t)), grid)
+    np.testing.assert_allclose(holed, zeros[2:], atol=1e-14)
+    assert sign_changes(np.exp, grid).size == 0
+
+
+@given(st.lists(st.floats(-5, 5), min_size=1, max_size=5), st.floats(0.2, 0.8))
+def test_crests_of_roofs_and_domes(places: list[float], share: float) -> None:
+    """A roof's ridge is found to its digits, a dome's top, which is flat, to half of them."""
+    wanted = np.array(places)
+    low, high = wanted - share, wanted + 1
+    np.testing.assert_allclose(crests(lambda t: -np.abs(t - wanted), low, high), wanted, atol=1e-11)
+    np.testing.assert_allclose(crests(lambda t: -((t - wanted) ** 2), low, high), wanted, atol=1e-7)
+
+
+def test_greatest() -> None:
+    place, value = greatest(lambda x: np.cos(x - 1.23456789), 0.0, 3.0)
+    assert place == pytest.approx(1.23456789, abs=1e-7) and value == pytest.approx(1, abs=1e-14)
+    assert greatest(lambda x: -np.abs(x - 2.7182818), 0.0, 3.0)[0] == pytest.approx(2.7182818, abs=1e-12)
+    assert greatest(lambda x: np.where(x == 0.5, 2.0, -x), 0.0, 1.0, also=[0.5])[0] == 0.5

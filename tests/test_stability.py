@@ -12,7 +12,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent / "bench"))
 import stability  # noqa: E402
 
-from camgen.files.readback import Ring  # noqa: E402
+from camgen.geometry.rings import Ring  # noqa: E402
 from camgen.machines import MECHANISMS  # noqa: E402
 
 QUICK = [case for case in stability.CASES if case.quick]

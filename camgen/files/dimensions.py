@@ -8,9 +8,8 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from camgen.files.dxf import extent
 from camgen.geometry.arcs import as_circle, fit_arcs
-from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, start_point
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, extent, start_point
 
 _EDGES = 16  # rows that an outline may take in the table
 

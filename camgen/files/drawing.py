@@ -18,11 +18,10 @@ import numpy as np
 
 from camgen import __version__
 from camgen.files.dimensions import Hole, edge_rows, free, hole_of, holes_of, nearest_and_farthest, number
-from camgen.files.dxf import extent
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Contour, Floats, Points, Region, polygon
+from camgen.geometry.outlines import Contour, Floats, Points, Region, extent, polygon
 from camgen.parts.part import Layer, Part
 
 # Standard scales, mm of paper for a mm of the part. [ISO 5455]

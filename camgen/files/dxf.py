@@ -1,4 +1,4 @@
-"""DXF documents: millimetres, every contour one closed entity, the same bytes on every day.
+"""DXF documents: millimetres, every contour one closed entity, the same bytes on every day; what is read is held to that.
 
 Format R2010: the oldest that LibreCAD, GDAL and the laser shops' programs all read and that carries units.
 """
@@ -6,16 +6,32 @@ Format R2010: the oldest that LibreCAD, GDAL and the laser shops' programs all r
 from __future__ import annotations
 
 import io
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from camgen.geometry.arcs import as_circle, bulges
-from camgen.geometry.outlines import Arc, Contour, end_point, start_point
+from camgen.errors import FileError
+from camgen.files.formats import Job
+from camgen.geometry.arcs import as_circle, bulges, fit_arcs
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Points, Region, extent, polygon
+from camgen.geometry.rings import Ring
+from camgen.tolerances import SAME_POINT
+
+# What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
+CUT_LAYER, MARK_LAYER = "CUT", "CENTER"
+_CUT, _MARKS = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}
+# Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
+# stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
+_MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
+_NEAR = 1e-3  # mm, chord tolerance of the contours to which that way is measured
+# What an entity says of its place and shape; all else (visibility, width, colour, line type) is to be as nobody set it.
+_SHAPE = {"handle", "owner", "layer", "count", "flags", "center", "radius", "start", "end", "elevation", "extrusion"}
 
 
 @contextmanager
@@ -65,15 +81,191 @@ def add_contour(space: Any, contour: Contour, layer: str) -> None:
     line.lwpoints.set([(z.real, z.imag, 0.0, 0.0, b) for z, b in corners])
 
 
-def extent(contours: Sequence[Contour]) -> tuple[complex, complex]:
-    """Lower left and upper right corner of the box round contours of lines and arcs, complex mm, exact."""
-    points: list[complex] = []
-    for piece in (p for contour in contours for p in contour.pieces):
-        points += [start_point(piece), end_point(piece)]
-        if isinstance(piece, Arc):
-            low, high = sorted((piece.t0, piece.t1))
-            quarter = math.pi / 2
-            turns = range(math.ceil(low / quarter), math.floor(high / quarter) + 1)
-            points += [piece.centre + piece.radius * 1j ** (k % 4) for k in turns]
-    z = np.array(points)
-    return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+# ---- a part to cut -------------------------------------------------------------------------------------------------------
+
+
+def write_part(path: Path, job: Job) -> None:
+    """Write the part's drawing."""
+    write_dxf(path, job.region, job.centres, job.tolerance, job.curves)
+
+
+def write_dxf(
+    path: Path,
+    region: Region,
+    centres: Sequence[complex],
+    tolerance: float,
+    curves: Literal["bulge", "lines"] = "bulge",
+) -> None:
+    """Write a region's contours on layer CUT, a mark at each centre on layer CENTER, and nothing else.
+
+    Full circles are CIRCLEs; the others are arcs within tolerance ("bulge"), or chords for readers without bulges
+    ("lines"), mm. Outer contour first, counter-clockwise like the holes.
+    """
+
+    def flat(contour: Contour) -> Contour:
+        contour = contour.counter_clockwise()
+        if curves == "lines" and not as_circle(contour):
+            ring: Points = facet_contour(contour, tolerance)
+            return polygon(ring.tolist())
+        return fit_arcs(contour, tolerance)
+
+    contours = [flat(contour) for contour in (region.outer, *region.holes)]
+    marks = center_marks(region, centres)
+    box = extent([*contours, *(polygon(stroke) for stroke in marks.tolist())])
+    with document(path, _CUT | _MARKS if len(marks) else _CUT, box) as space:
+        for contour in contours:
+            add_contour(space, contour, CUT_LAYER)
+        for a, b in marks.tolist():
+            space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": MARK_LAYER})
+
+
+def center_marks(region: Region, centres: Sequence[complex]) -> Points:
+    """Strokes of crosses at the centres, (n, 2) complex mm: they end in the open, never on a contour of the region."""
+    if not centres:
+        return np.empty((0, 2), complex)
+    rings = [facet_contour(contour, _NEAR) for contour in (region.outer, *region.holes)]
+    middles = np.array(centres, complex)
+    near = np.min([point_to_ring(middles, ring) for ring in rings], axis=0)
+    reach = np.minimum(_MARK, _MARK_SHARE * near)
+    strokes = [(z - r * way, z + r * way) for z, r in zip(middles, reach, strict=True) if r >= _SMALLEST_MARK for way in (1, 1j)]
+    return np.array(strokes, complex).reshape(-1, 2)
+
+
+# ---- read back ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class DrawingFault:
+    """What is wrong with one entity of the CUT layer.
+
+    kind: "open" (size = the gap, mm), "duplicate", "entity" (not a closed polyline or circle, or not in the modelspace),
+    "number" (not finite), "zero_length" (size = how many segments), "plane" (mirrored or raised off z = 0), "look"
+    (invisible, with a width, in a colour of its own...), "layer" (off, frozen, locked or not plotted).
+    """
+
+    kind: str
+    size: float
+    message: str
+
+
+@dataclass(frozen=True)
+class DxfDrawing:
+    """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
+
+    cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks.
+    """
+
+    units: int | None
+    cut: tuple[Ring, ...]
+    marks: Points
+    faults: tuple[DrawingFault, ...]
+
+
+def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
+    """Ring of a DXF entity (None when it does not bound anything) and what is wrong with the entity."""
+    kind = entity.dxftype()
+    name = f"{kind} #{entity.dxf.handle}"
+    faults = []
+    if kind == "CIRCLE":
+        centre, radius = complex(*entity.dxf.center.vec2), float(entity.dxf.radius)
+        if not 0 < radius < 1e9:
+            return None, [DrawingFault("number", 1, f"{name} has the radius {radius:g}")]
+        points, bulges = centre + radius * np.array([1 + 0j, -1]), np.ones(2)
+        raised = entity.dxf.center.z
+    elif kind == "LWPOLYLINE":
+        rows = np.array(entity.get_points("xybse"), float).reshape(-1, 5)
+        points, bulges, raised = rows[:, 0] + 1j * rows[:, 1], rows[:, 2], entity.dxf.elevation
+        if rows[:, 3:].any():
+            faults.append(DrawingFault("look", 1, f"{name} has a width"))
+    else:
+        return None, [DrawingFault("entity", 1, f"{name} is not a closed polyline or a circle")]
+    if not (np.isfinite(points).all() and np.isfinite(bulges).all()):
+        return None, [DrawingFault("number", 1, f"{name} has a coordinate that is not finite")]
+    if raised != 0 or tuple(entity.dxf.extrusion) != (0, 0, 1):
+        faults.append(DrawingFault("plane", 1, f"{name} is mirrored or raised off the plane z = 0"))
+    if kind == "LWPOLYLINE" and not entity.closed:
+        gap = float(abs(points[-1] - points[0])) if len(points) else 0.0
+        return None, [*faults, DrawingFault("open", gap, f"{name} is open, with a gap of {gap:.6g} mm")]
+    kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
+    if not kept.all():
+        dropped = int(np.count_nonzero(~kept))
+        faults.append(DrawingFault("zero_length", dropped, f"{name} has {dropped} segment(s) of no length"))
+    ring = Ring(points[kept], bulges[kept])
+    if len(ring.points) < 2 or (len(ring.points) == 2 and not ring.bulges.any()):
+        return None, [*faults, DrawingFault("entity", 1, f"{name} bounds no area")]
+    return ring, faults
+
+
+def _same(a: Ring, b: Ring) -> bool:
+    """Whether two rings bound the same area, wherever they begin and whichever way they run."""
+    first, second = (np.array([*ring.box, abs(ring.area), ring.length]) for ring in (a, b))
+    return bool(np.allclose(first, second, rtol=1e-9, atol=1e-6))
+
+
+def read_dxf(path: str | Path) -> DxfDrawing:
+    """Read a DXF file; FileError when it cannot be read, is no DXF or is cut short.
+
+    Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) on CUT become rings, LINEs on
+    CENTER marks. Whatever else there is, or looks otherwise than drawn plainly, is a fault: somebody's laser will cut it,
+    or leave it out.
+    """
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        text = Path(path).read_bytes()
+        if not text.rstrip().endswith(b"EOF"):
+            raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
+        drawing = readfile(str(path))
+    except OSError as error:
+        raise FileError(path, error.strerror or str(error)) from None
+    except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
+    rings: list[Ring] = []
+    marks: list[tuple[complex, complex]] = []
+    faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
+    for entity in drawing.modelspace():
+        layer, kind = str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?", entity.dxftype()
+        if (layer, kind) == (MARK_LAYER, "LINE"):
+            start, end = entity.dxf.start, entity.dxf.end
+            marks.append((complex(*start.vec2), complex(*end.vec2)))
+            if start.z or end.z:
+                faults.append(DrawingFault("plane", 1, f"LINE #{entity.dxf.handle} is raised off the plane z = 0"))
+        elif layer != CUT_LAYER:
+            faults.append(DrawingFault("entity", 1, f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"))
+            continue
+        else:
+            ring, wrong = _ring_of(entity)
+            faults += wrong
+            if ring is not None:
+                if any(_same(ring, other) for other in rings):
+                    faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
+                rings.append(ring)
+        faults += _looks(entity)
+    units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
+    return DxfDrawing(units, tuple(rings), ends, tuple(faults))
+
+
+def _looks(entity: Any) -> Iterator[DrawingFault]:
+    """What is set of an entity that could hide it, thicken it or send it to another tool."""
+    for key, value in entity.dxfattribs().items():
+        if key not in _SHAPE and value != entity.dxf.dxf_default_value(key):
+            yield DrawingFault("look", 1, f"{entity.dxftype()} #{entity.dxf.handle} has {key} {value}")
+
+
+def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
+    """Layers of what is cut or marked that some program would not show, plot or send to the machine."""
+    for layer in drawing.layers:
+        states = {
+            "off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked(), "not plotted": not layer.dxf.plot,
+            "transparent": layer.transparency > 0, "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
+        }  # fmt: skip
+        if (said := ", ".join(name for name in states if states[name])) and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER):
+            yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
+
+
+def _elsewhere(drawing: Any) -> Iterator[DrawingFault]:
+    """What is drawn outside the modelspace: on paper, or in blocks."""
+    for block in drawing.blocks:
+        if len(block) and not block.is_modelspace:
+            yield DrawingFault("entity", len(block), f"{block.name} holds {len(block)} entities, and the modelspace alone is cut")

@@ -1,9 +1,7 @@
 """Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, or a mesh.
 
-    chain     lines and arcs that follow one another, end on end within CHAIN_GAP
-    outline   the largest closed contour; all lengths in mm, in the file's own frame
-
-Unlike `readback`, which is strict with our own files, this reads what others write and says what it made of it.
+The outline is the largest closed contour, all lengths in mm, in the file's own frame. Unlike `read_dxf`, which is strict with
+our own files, this reads what others write and says what it made of it.
 """
 
 from __future__ import annotations
@@ -19,11 +17,14 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import FileError
-from camgen.files.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
+from camgen.files.stl import read_stl
+from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_most
+from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
+from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
-from camgen.tolerances import CHAIN_GAP, CURVE_CHORDS, SAME_POINT
+from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
 ENDINGS = (".dxf", ".stl", ".3mf")
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
@@ -50,29 +51,6 @@ class Outline:
     ring: Ring | None
     findings: tuple[Finding, ...]
     remark: str
-
-
-@dataclass(frozen=True)
-class _Chain:
-    """Edges from points[i] to points[i + 1], (n + 1,) complex; bulges (n,); closed: the last point is the first again."""
-
-    points: Points
-    bulges: Floats
-    closed: bool = False
-
-    def reversed(self) -> _Chain:
-        return _Chain(self.points[::-1], -self.bulges[::-1], self.closed)
-
-    @property
-    def size(self) -> float:
-        """Across its box, mm, arcs by the middle of each."""
-        a, b = self.points[:-1], self.points[1:]
-        z = np.concatenate([self.points, (a + b) / 2 - 0.5j * self.bulges * (b - a)])
-        return float(max(np.ptp(z.real), np.ptp(z.imag)))
-
-    @property
-    def straight(self) -> bool:
-        return len(self.bulges) == 1 and not self.bulges.any()
 
 
 def read_outline(path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None) -> Outline:
@@ -228,7 +206,7 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
             what = "a coordinate that is not finite, or as good as infinite"
             raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has {what}")
         else:
-            chains.append(_Chain(chain.points * scale, chain.bulges, chain.closed))
+            chains.append(Chain(chain.points * scale, chain.bulges, chain.closed))
     others = ", ".join(f"{count} {kind}" for kind, count in sorted(passed.items()))
     if not chains:
         raise FileError(path, f"holds no outline: {others or 'it is empty'}")
@@ -238,13 +216,13 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
         "the drawing names no unit: taken as millimetres" if code == _UNITLESS else
         f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",
     )  # fmt: skip
-    rings, loose = _joined(chains)
+    rings, loose = joined(chains)
     if not rings and not loose:
         raise FileError(path, "holds no outline: all that is drawn has no size")
     biggest = max(rings, key=lambda ring: abs(ring.area), default=None)
     size = max(np.ptp(biggest.points.real), np.ptp(biggest.points.imag)) if biggest else 0.0
     wide = [chain for chain in loose if chain.size >= size and not (biggest and chain.straight)]
-    gap, remark = _gap(wide)
+    gap, remark = nearest_gap(wide)
     closed = at_most(
         "DXF_CLOSED", gap, 0, "mm", path.name,
         remark or f"{len(rings)} closed contour(s)"
@@ -289,11 +267,11 @@ def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
             yield entity
 
 
-def _chain(entity: Any, tolerance: float) -> _Chain | None:
+def _chain(entity: Any, tolerance: float) -> Chain | None:
     """The curve of an entity in the world's xy plane, drawing units; None for what is no curve, or not in that plane."""
     kind, dxf = entity.dxftype(), entity.dxf
     if kind == "LINE":
-        return _Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
+        return Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
     if kind in ("SPLINE", "ELLIPSE"):
         try:
             points = _spline(entity, tolerance) if kind == "SPLINE" else _ellipse(entity, tolerance)
@@ -323,6 +301,10 @@ def _chain(entity: Any, tolerance: float) -> _Chain | None:
     if dxf.extrusion.z < 0:  # drawn from below: mirrored in the y axis
         points, bulges = -np.conj(points), -bulges
     return _open_or_closed(points, bulges)
+
+
+def _open_or_closed(points: Points, bulges: Floats) -> Chain:
+    return Chain(points, bulges, abs(points[0] - points[-1]) <= SAME_POINT)
 
 
 def _ellipse(entity: Any, tolerance: float) -> Points:
@@ -385,77 +367,6 @@ def _round(rows: Floats, closed: bool) -> tuple[Points, Floats]:
     """Points and bulges of (n, 3) rows x, y, bulge; a closed polyline ends at its first point."""
     points, bulges = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
     return (np.append(points, points[:1]), bulges) if closed else (points, bulges[:-1])
-
-
-def _open_or_closed(points: Points, bulges: Floats) -> _Chain:
-    return _Chain(points, bulges, abs(points[0] - points[-1]) <= SAME_POINT)
-
-
-def _joined(chains: Sequence[_Chain]) -> tuple[list[Ring], list[_Chain]]:
-    """Rings of chains that close, alone or end on end, and what stays open.
-
-    Ends within CHAIN_GAP are one. Where more than two meet, the contour branches and stays open.
-    """
-    from scipy.spatial import cKDTree
-
-    rings = [ring for chain in chains if chain.closed and (ring := _ring([chain])) is not None]
-    pieces = [chain for chain in chains if not chain.closed and chain.size > SAME_POINT]
-    if not pieces:
-        return rings, []
-    ends = np.array([z for chain in pieces for z in (chain.points[0], chain.points[-1])])
-    places = np.column_stack([ends.real, ends.imag])
-    apart, near = cKDTree(places).query(places, 3, distance_upper_bound=np.nextafter(CHAIN_GAP, 1))
-    paired = np.isfinite(apart).sum(axis=1) == 2  # each end and one other
-    own = np.arange(len(ends))
-    other = np.where(paired, np.where(near[:, 0] == own, near[:, 1], near[:, 0]), 0)
-    partner = np.where(paired & paired[other], other, -1).tolist()
-    used = [False] * len(pieces)
-    loose = []
-    # runs that begin at a free end first; what is left goes round
-    for start in [k for k in range(len(ends)) if partner[k] < 0] + list(range(0, len(ends), 2)):
-        if used[start // 2]:
-            continue
-        run, end = [], start
-        while end >= 0 and not used[end // 2]:
-            used[end // 2] = True
-            run.append(pieces[end // 2] if end % 2 == 0 else pieces[end // 2].reversed())
-            end = partner[end ^ 1]
-        ring = _ring(run) if end >= 0 else None
-        if ring is not None:
-            rings.append(ring)
-        else:
-            loose.append(_Chain(np.concatenate([*(c.points[:-1] for c in run), run[-1].points[-1:]]),
-                                np.concatenate([c.bulges for c in run])))  # fmt: skip
-    return rings, loose
-
-
-def _ring(run: Sequence[_Chain]) -> Ring | None:
-    """Ring of chains end on end, less edges of no length; None where it bounds nothing."""
-    points = np.concatenate([chain.points[:-1] for chain in run])
-    bulges = np.concatenate([chain.bulges for chain in run])
-    kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
-    points, bulges = points[kept], bulges[kept]
-    if len(points) < 2 or (len(points) == 2 and not bulges.any()):
-        return None
-    return Ring(points, bulges)
-
-
-def _gap(loose: Sequence[_Chain]) -> tuple[float, str]:
-    """Smallest distance between the free ends of an open contour, mm, and a sentence; 0 and nothing where there is none."""
-    if not loose:
-        return 0.0, ""
-    ends = np.array([z for chain in loose for z in (chain.points[0], chain.points[-1])])
-    from scipy.spatial import cKDTree
-
-    rows = np.column_stack([ends.real, ends.imag])
-    apart, near = cKDTree(rows).query(rows, 2)
-    a = int(np.argmin(apart[:, 1]))
-    b = int(near[a, 0] if near[a, 0] != a else near[a, 1])
-    gap = float(abs(ends[a] - ends[b]))
-    places = " and ".join(f"({z.real:.4f}, {z.imag:.4f})" for z in (ends[a], ends[b]))
-    if gap <= CHAIN_GAP:
-        return max(gap, CHAIN_GAP), f"the contour branches or is drawn twice: more than two ends meet at {places}"
-    return gap, f"the contour is open: the nearest free ends, {places}, are {gap:.4g} mm apart"
 
 
 # ---- meshes ----------------------------------------------------------------------------------------------------------

@@ -17,8 +17,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from camgen.geometry.facets import ShareLaw, Track, cross, dot, facet, fewest, roots
+from camgen.geometry.facets import LAST_STEP, ShareLaw, Track, cross, dot, facet, fewest
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth, start_point
+from camgen.numerics import roots
 
 # A biarc turns by no more than this, rad, however loose the tolerance: each of its arcs stays well below a half circle.
 _BIARC_TURN = 2 * math.pi / 3
@@ -82,7 +83,7 @@ def deviations(piece: Smooth, t: Floats) -> Floats:
         along = fit.tangent_joint[i]
         return dot(along, piece.at(s) - fit.joint[i]), dot(along, piece.at(s, 1))
 
-    parting = roots(past_joint, t[:-1], t[1:])
+    parting = roots(past_joint, t[:-1], t[1:], LAST_STEP)
 
     # Both halves as one array of 2n arcs; an arc is a point on it, its tangent there and its curvature.
     point = np.concatenate([fit.z0, fit.joint])
@@ -109,7 +110,7 @@ def deviations(piece: Smooth, t: Floats) -> Floats:
     arc = np.broadcast_to(np.arange(2 * n)[:, None], grid.shape)
     slope = parallel(grid.ravel(), arc.ravel())[0].reshape(grid.shape)
     row, column = np.nonzero(slope[:, :-1] * slope[:, 1:] < 0)
-    s = roots(lambda x, i: parallel(x, row[i]), grid[row, column], grid[row, column + 1])
+    s = roots(lambda x, i: parallel(x, row[i]), grid[row, column], grid[row, column + 1], LAST_STEP)
 
     worst = np.abs(offset(grid.ravel(), arc.ravel())).reshape(grid.shape).max(axis=1)
     np.maximum.at(worst, row, np.abs(offset(s, row)))

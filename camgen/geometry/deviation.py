@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from camgen.geometry.outlines import Contour, Floats, Points
 from camgen.geometry.rings import Ring
+from camgen.numerics import crests
 
 _SEEDS = 4  # samples of the curve for each vertex, among which its foot is sought
 _LEAST_SEEDS = 2048
 _NEWTON = 12  # steps towards the foot; four are enough from so near
 _SAMPLES = 9  # of a stretch, its ends among them, between which the largest distance is bracketed
-_GOLDEN = (5**0.5 - 1) / 2
 _STEPS = 40  # of the golden section: 0.618^40 of a bracket is 4e-9 of it, the distance there being flat
 _NEAR_WORST = 0.5  # of the worst sample; stretches below it cannot hold the largest distance
 
@@ -46,13 +46,11 @@ def outline_error(contour: Contour, ring: Ring) -> float:
     low = places[near, np.maximum(worst[near] - 1, 0)]
     high = places[near, np.minimum(worst[near] + 1, _SAMPLES - 1)]
     edge, piece = edge[near], piece[near]
-    largest = float(off.max())
-    for _ in range(_STEPS):
-        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        a, b = (_distance(ring, edge, _points(contour, place, piece)) for place in (left, right))
-        largest = max(largest, float(np.max(a)), float(np.max(b)))
-        low, high = np.where(a < b, left, low), np.where(a < b, high, right)
-    return largest
+
+    def away(place: Floats) -> Floats:
+        return _distance(ring, edge, _points(contour, place, piece))
+
+    return max(float(off.max()), float(np.max(away(crests(away, low, high, _STEPS)))))
 
 
 def _points(contour: Contour, places: Floats, piece: NDArray[np.int64], order: int = 0) -> Points:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth
+from camgen.numerics import roots
 
 # (turn of the tangent, length, change of curvature) of many short panels -> their shares.
 ShareLaw = Callable[[Floats, Floats, Floats], Floats]
@@ -28,7 +29,7 @@ _PANEL_TURN = 0.2
 # Rounding of a tangent's angle, rad, and of a curvature, relative: smaller differences are noise and count as none.
 _TURN_NOISE, _CURVATURE_NOISE = 1e-15, 1e-12
 # Newton stops after a step of this part of the bracket; being quadratic it has then reached the square of it.
-_LAST_STEP = 1e-4
+LAST_STEP = 1e-4
 # Times the ends are spread again before one more is granted, at most and at least: where deviation loses its leading
 # term (at an inflection) the error only halves each time, elsewhere two are enough.
 _ROUNDS, _LEAST_ROUNDS = 16, 4
@@ -79,7 +80,7 @@ class Track:
         flips = np.flatnonzero(kappa[:-1] * kappa[1:] < 0)
         radians = np.floor(self.turned[1:])
         turns = t[1:-1][radians[:-1] < radians[1:]]
-        zeros = roots(lambda s, _: (self._bend(s), np.zeros(s.size)), t[flips], t[flips + 1])
+        zeros = roots(lambda s, _: (self._bend(s), np.zeros(s.size)), t[flips], t[flips + 1], LAST_STEP)
         flat = (kappa[1:-1] == 0) & ((kappa[:-2] != 0) | (kappa[2:] != 0))
         self.cuts = np.unique(np.concatenate([zeros, t[1:-1][flat], turns]))
 
@@ -143,27 +144,6 @@ def fewest(track: Track, deviation: Callable[[Floats], Floats], tolerance: float
     raise ValueError(f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {measured.max():.3g} mm")
 
 
-def roots(g: Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]], lo: Floats, hi: Floats) -> Floats:
-    """Where each g changes its sign between lo and hi, (n,); Newton kept inside its bracket by bisection.
-
-    g(t, i) gives value and slope of the functions number i at t; a slope of 0 means unknown.
-    """
-    lo, hi = lo.copy(), hi.copy()
-    t, last = (lo + hi) / 2, _LAST_STEP * (hi - lo)
-    i = np.arange(t.size)
-    rising = g(hi, i)[0] > 0
-    while i.size:
-        value, slope = g(t[i], i)
-        beyond = (value > 0) == rising[i]
-        hi[i[beyond]], lo[i[~beyond]] = t[i[beyond]], t[i[~beyond]]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            new = t[i] - value / slope
-        new = np.where((lo[i] <= new) & (new <= hi[i]), new, (lo[i] + hi[i]) / 2)
-        step, t[i] = np.abs(new - t[i]), new
-        i = i[step > last[i]]
-    return t
-
-
 def _facet_law(tolerance: float) -> ShareLaw:
     return lambda turn, length, _: np.sqrt(turn * length / (8 * tolerance))
 
@@ -193,7 +173,7 @@ def sagittas(track: Track, t: Floats) -> Floats:
             return dot(square[i], piece.at(s, 1)), dot(square[i], piece.at(s, 2))
 
         facet = own[spans]
-        s = roots(g, edges[spans], edges[spans + 1])
+        s = roots(g, edges[spans], edges[spans + 1], LAST_STEP)
         return facet, (piece.at(s) - z[facet]) * np.conj(along[facet])
 
     u = along[own]

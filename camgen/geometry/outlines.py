@@ -263,3 +263,17 @@ def kidney(centre: complex, radius: float, half_width: float, start: float, swee
             Arc(first, half_width, start + math.pi, math.pi),
         )
     )
+
+
+def extent(contours: Sequence[Contour]) -> tuple[complex, complex]:
+    """Lower left and upper right corner of the box round contours of lines and arcs, complex mm, exact."""
+    points: list[complex] = []
+    for piece in (p for contour in contours for p in contour.pieces):
+        points += [start_point(piece), end_point(piece)]
+        if isinstance(piece, Arc):
+            low, high = sorted((piece.t0, piece.t1))
+            quarter = math.pi / 2
+            turns = range(math.ceil(low / quarter), math.floor(high / quarter) + 1)
+            points += [piece.centre + piece.radius * 1j ** (k % 4) for k in turns]
+    z = np.array(points)
+    return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())

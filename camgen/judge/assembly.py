@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.files.readback import read_3mf
+from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept

@@ -19,10 +19,13 @@ from typing import Any
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.readback import read_3mf, read_dxf, read_stl, slice_mesh
+from camgen.files.dxf import read_dxf
+from camgen.files.formats import read_solid
 from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.contacts import Apart, Poses
+from camgen.numerics import crests
 
 _CHORDS = 90  # of the turn, to begin with
 _DENT = 1e-5  # mm, by which a vertex may lie inside its neighbours' line through the rounding to float32
@@ -30,8 +33,6 @@ _BULGE = 1e-9  # mm, by which a chord may leave the curve where it matters
 _PARTS = 128  # of a chord, at which the place of what it comes to is looked up
 _POINT = 1e-12  # mm, a chord that is none
 _ROUNDS = 16  # of halving; a bulge falls to a quarter each time
-_GOLDEN = (math.sqrt(5) - 1) / 2
-_GOLDEN_STEPS = 60
 _ANGLES = 1441  # at which the distance is drawn and tabled: every quarter degree, both ends
 _DIGITS = 6  # of a distance, mm: coordinates in the files have no more
 
@@ -102,16 +103,16 @@ def _along(area: Any, p: Points, q: Points) -> tuple[Floats, Floats]:
     least: Floats = shapely.distance(area, np.where(np.abs(q - p) < _POINT, shapely.points(p.real, p.imag), chords))
     share, hit = np.zeros(len(p)), np.flatnonzero(least <= 0)
     p, way = p[hit], (q - p)[hit]
-    low, high = np.zeros(len(hit)), np.ones(len(hit))
-    for _ in range(_GOLDEN_STEPS if np.any(way != 0) else 0):
-        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        falling = signed_distances(area, p + left * way) > signed_distances(area, p + right * way)
-        low, high = np.where(falling, left, low), np.where(falling, high, right)
+    none, whole = np.zeros(len(hit)), np.ones(len(hit))
+
+    def depth(u: Floats) -> Floats:
+        return -signed_distances(area, p + u * way)
+
     # an end of the chord may be its deepest place
-    shares = np.stack([(low + high) / 2, np.zeros(len(hit)), np.ones(len(hit))])
-    depths = np.stack([signed_distances(area, p + u * way) for u in shares])
-    best = np.argmin(depths, axis=0)[None]
-    least[hit] = np.minimum(np.take_along_axis(depths, best, 0)[0], 0.0)
+    shares = np.stack([crests(depth, none, whole) if np.any(way != 0) else whole / 2, none, whole])
+    depths = np.stack([depth(u) for u in shares])
+    best = np.argmax(depths, axis=0)[None]
+    least[hit] = np.minimum(-np.take_along_axis(depths, best, 0)[0], 0.0)
     share[hit] = np.take_along_axis(shares, best, 0)[0]
     return least, share
 
@@ -168,12 +169,12 @@ def _overlaps(area: Any, way: Way) -> tuple[tuple[float, float], ...]:
 # ---- on files --------------------------------------------------------------------------------------------------------
 
 
-def sections(path: Path, height: float) -> list[Points]:
-    """Outer outlines of the section of an STL or 3MF file at a height of its own frame, counter-clockwise; holes are left out.
+def sections(path: Path, part: str, height: float) -> list[Points]:
+    """Outer outlines of the section of a part's solid in a file, at a height of its own frame, counter-clockwise.
 
-    ValueError where the section does not close.
+    Holes are left out. ValueError where the section does not close.
     """
-    mesh = next(iter(read_3mf(path).meshes.values())) if path.suffix == ".3mf" else read_stl(path)
+    mesh, _ = read_solid(path, part)
     return [ring.points for ring in slice_mesh(mesh, height) if ring.area > 0]
 
 
@@ -211,7 +212,8 @@ def judge_clearance(
                     shown = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
                     a, b = (drawn_outline(folder / f"{prefix}-{name}.dxf", over, chord_tolerance) for name, over in shown)
                 else:
-                    a, b = (sections(folder / f"{prefix}-{name}.{kind}", plane - rest[name][0].z) for name in (pair.a, pair.b))
+                    names = {name: folder / f"{prefix}-{name}.{kind}" for name in (pair.a, pair.b)}
+                    a, b = (sections(path, name, plane - rest[name][0].z) for name, path in names.items())
             except ValueError as error:
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, str(error)))
                 break

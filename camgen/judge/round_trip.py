@@ -16,9 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.readback import Mesh, Package, mesh_faults, read_3mf, read_dxf, read_stl, slice_mesh
+from camgen.files.dxf import read_dxf
+from camgen.files.formats import read_solid
+from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring, thinnest_wall
+from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.judge.as_printed import printed
 from camgen.numerics import product
@@ -127,23 +130,11 @@ def _misplaced(marks: Points, wanted: Points) -> list[str]:
 
 
 def judge_mesh(path: Path, expected: Expected) -> Judged:
-    """Watertightness, volume, sections and walls of the one solid in an STL or 3MF file."""
-    where = path.name
-    if path.suffix != ".3mf":
-        return judge_solid(read_stl(path, normals=True), expected, where)
-    package = read_3mf(path)
-    remarks = _remarks(package)
-    names = [item.name for item in package.items]
-    remarks += [] if names == [expected.part] else [f"holds {', '.join(names[:5]) or 'nothing'} instead of {expected.part} alone"]
+    """Watertightness, volume, sections and walls of the one solid in a file."""
+    mesh, remarks = read_solid(path, expected.part)
     if remarks:
-        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
-    (item,) = package.items
-    return judge_solid(item.placed, expected, where)
-
-
-def _remarks(package: Package) -> list[str]:
-    """What is wrong with a package as such."""
-    return [*package.warnings, *([] if package.unit.lower() == "millimeter" else [f"unit is {package.unit}"])]
+        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", path.name, "; ".join(remarks)),), None)
+    return judge_solid(mesh, expected, path.name)
 
 
 def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
@@ -186,7 +177,7 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
     """
     package, where = read_3mf(path), path.name
-    remarks = _remarks(package)
+    remarks = package.remarks
     strange = sorted(set(package.meshes) - set(originals))
     remarks += [f"there is no part {name}" for name in strange]
     found, wanted = Counter(item.name for item in package.items), Counter(name for name, _ in places or ())

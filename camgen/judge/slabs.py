@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.files.readback import Mesh, read_3mf, slice_mesh
+from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.tolerances import FLOAT32_ROUNDING
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -34,6 +34,7 @@ from camgen.machine.followers import FlatFace, Follower, Motion, RoundTip
 from camgen.machine.followers import SwingingArm as SwingingArm
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program, Segment
+from camgen.numerics import greatest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
@@ -291,35 +292,12 @@ class DiscCam(Generic[F]):
         return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
 
 
-def greatest(f: Callable[[Any], Floats], a: float, b: float, also: Sequence[float] | Floats = ()) -> tuple[float, float]:
-    """Place and value of the largest f(x) on a..b: even samples, then zoomed in on the best until the interval is rounding.
-
-    also: further places to try, where f has a corner.
-    """
-    x = np.unique(np.concatenate((np.linspace(a, b, 1025), also)))
-    for _ in range(40):
-        y = f(x)
-        k = int(np.nanargmax(y))
-        low, high = x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)]
-        if high - low <= 1e-14 * max(1.0, abs(b)):
-            break
-        x = np.unique(np.concatenate((np.linspace(low, high, 17), [x[k]])))
-    return float(x[k]), float(y[k])
-
-
 def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
-    """Places along a piece (t0 < t1) where f changes sign: its knots, even samples, the lowest place; then bisection."""
+    """Places along a piece (t0 < t1) where f changes sign: looked for at its knots, even samples, the lowest place."""
     spread = piece.spread(1025)
     lowest, _ = greatest(lambda x: -f(x), piece.t0, piece.t1, spread)
-    x = np.union1d(spread, lowest)
-    y = f(x)
-    k = np.flatnonzero(np.sign(y[:-1]) * np.sign(y[1:]) < 0)
-    low, high, sign = x[k], x[k + 1], np.sign(y[k])
-    for _ in range(60):
-        middle = (low + high) / 2
-        same = np.sign(f(middle)) == sign
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return [float(r) for r in (low + high) / 2]
+    found: list[float] = sign_changes(f, np.union1d(spread, lowest)).tolist()
+    return found
 
 
 def _continued(segment: Segment, begin: float, a: float, b: float) -> Motion:

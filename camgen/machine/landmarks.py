@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from camgen.machine.jets import thread_length
 from camgen.machine.model import Floats, Points
+from camgen.numerics import sign_changes
 
 Curve = Callable[[Floats, int], Points]
 Function = Callable[[Floats, int], Floats]
@@ -26,25 +27,11 @@ def zeros(f: Function, n: int = 720) -> Floats:
     """Angles of a turn at which f changes sign, (k,) rad in [0, 2 pi), sorted.
 
     f(theta, order): real values (order 0) and slopes (1), (n,), of period 2 pi; nan where not assembled. Two changes
-    within one n-th of a turn go unseen. Newton's method, kept inside the bracket by bisection,
-    and bisection alone where the slope is nan.
+    within one n-th of a turn go unseen.
     """
     # Off the round angles, where symmetry likes to put zeros.
     grid = np.linspace(0.0, TURN, n + 1) + 0.381966 * (TURN / n)
-    value = f(grid, 0)
-    value[-1] = value[0]
-    found = np.flatnonzero(np.isfinite(value[:-1] * value[1:]) & (np.signbit(value[:-1]) != np.signbit(value[1:])))
-    low, high, sign = grid[found], grid[found + 1], np.where(np.signbit(value[found]), -1.0, 1.0)
-    theta = (low + high) / 2
-    for _ in range(60 if found.size else 0):
-        value = f(theta, 0) * sign
-        low, high = np.where(value > 0, theta, low), np.where(value > 0, high, theta)
-        with np.errstate(all="ignore"):
-            new = theta - value / (f(theta, 1) * sign)
-        new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
-        done, theta = np.abs(new - theta) <= 4e-16 * TURN, new
-        if done.all():
-            break
+    theta = sign_changes(lambda t: f(t, 0), grid, lambda t: f(t, 1))
     return np.sort((theta + SAME_ANGLE) % TURN - SAME_ANGLE)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +15,7 @@ from camgen.machine.forces import Forces, kinetostatics
 from camgen.machine.jets import Jet
 from camgen.machine.loops import State, chain_of
 from camgen.machine.model import GROUND, Cam, Floats, Machine, Path, Place, Points, Pose
+from camgen.numerics import sign_changes
 
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 8192
@@ -162,17 +162,4 @@ class Run:
         return sign_changes(force, np.sort(self.theta))
 
 
-def sign_changes(value: Callable[[Floats], Floats], grid: Floats) -> Floats:
-    """Angles between those of a sorted grid at which a continuous value changes sign, (k,) rad, by bisection."""
-    at = value(grid)
-    found = np.flatnonzero(np.signbit(at[:-1]) != np.signbit(at[1:]))
-    found = found[np.isfinite(at[found] * at[found + 1])]
-    low, high, left = grid[found], grid[found + 1], np.signbit(at[found])
-    for _ in range(math.ceil(math.log2(1e15)) if found.size else 0):
-        middle = (low + high) / 2
-        same = np.signbit(value(middle)) == left
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return (low + high) / 2
-
-
-__all__ = ["GROUND", "Play", "Run", "sign_changes", "solve"]
+__all__ = ["GROUND", "Play", "Run", "solve"]

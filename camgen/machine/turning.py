@@ -19,9 +19,11 @@ from camgen.errors import DesignError
 from camgen.machine.loops import Chain, Direct, Step, chain_of
 from camgen.machine.model import Floats, Machine
 from camgen.machine.newton import Block
+from camgen.numerics import crests, roots
 
 # Angles a turn that are looked at first.
 LOOKED = 720
+INSIDE = 1e-12  # rad, by which a range ends before its dead point, where rounding decides whether the chain closes
 # Determinant below which a position counts as a fold: 0.06 deg of transmission angle.
 FOLD = 1e-3
 # Determinant at all samples above which none of them is beside a gap: it is 0 at both ends of one, and a dyad that passes
@@ -140,12 +142,7 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
     at = safe(theta)
     inner = np.flatnonzero((at[1:-1] <= at[:-2]) & (at[1:-1] <= at[2:])) + 1
     inner = inner[at[inner] >= 0]
-    low, high = theta[inner - 1], theta[inner + 1]
-    for _ in range(60 if inner.size else 0):
-        a, b = low + (high - low) / 3, high - (high - low) / 3
-        first = safe(a) < safe(b)
-        low, high = np.where(first, low, a), np.where(first, b, high)
-    middle = (low + high) / 2
+    middle = crests(lambda t: -safe(t), theta[inner - 1], theta[inner + 1])
     k = int(np.nanargmin(np.where(at >= 0, at, np.inf)))
     return [(float(theta[k]), float(at[k])), *zip(middle.tolist(), safe(middle).tolist(), strict=True)]
 
@@ -177,11 +174,11 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
                 continue
             bad = min(gaps, key=abs)
             good = bad - sign * math.tau / LOOKED
-        for _ in range(60):
-            middle = (good + bad) / 2
-            good, bad = (middle, bad) if closes(np.array([middle]))[0] else (good, middle)
-        if abs(good) < abs(nearest):
-            nearest, by = good, step.block.joints
+        low, high = np.array([min(good, bad)]), np.array([max(good, bad)])
+        (edge,) = roots(lambda t, _, f=closes: (np.where(f(t), sign, -sign), np.zeros(1)), low, high).tolist()  # type: ignore[misc]
+        edge -= sign * INSIDE
+        if abs(edge) < abs(nearest):
+            nearest, by = edge, step.block.joints
     return nearest, by
 
 

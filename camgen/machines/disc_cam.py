@@ -27,7 +27,7 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, loaded
-from camgen.machine.cams import DiscCam, SwingingArm, greatest
+from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Pose, Rolling
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
@@ -38,6 +38,7 @@ from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, 
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
+from camgen.numerics import greatest
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
 

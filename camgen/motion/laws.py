@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import Fault, SpecError
+from camgen.numerics import greatest
 from camgen.tolerances import LAW_CLOSES
 
 Floats = NDArray[np.float64]
@@ -102,12 +103,7 @@ def largest(f: Callable[[Floats], Floats], breaks: Sequence[float] = ()) -> floa
     marks = [0.0, *breaks, 1.0]
     for begin, end in zip(marks, marks[1:], strict=False):
         last = end if end == 1 else math.nextafter(end, begin)
-        u = np.linspace(begin, last, max(33, 4097 // len(marks)))
-        for _ in range(12):
-            value = np.abs(f(u))
-            k = int(np.argmax(value))
-            found = max(found, float(value[k]))
-            u = np.linspace(u[max(k - 1, 0)], u[min(k + 1, len(u) - 1)], 33)
+        found = max(found, greatest(lambda u: np.abs(f(u)), begin, last, count=max(33, 4097 // len(marks)))[1])
     return found
 
 

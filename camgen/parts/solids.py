@@ -10,7 +10,6 @@ A prism keeps the rings' vertices as they are. Only a stack of layers passes thr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_circle, facet_contour
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
@@ -27,20 +27,6 @@ Faces = NDArray[np.int64]
 
 # Earcut takes quadratic time. Rings of more points than _LONG are first cut into some _CHUNKS chunks, see _banded.
 _LONG, _CHUNKS = 8000, 1500
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """A closed triangle mesh: vertices (n, 3) mm, unique; faces (m, 3) indices, anticlockwise seen from outside."""
-
-    vertices: Floats
-    faces: Faces
-
-    @property
-    def volume(self) -> float:
-        """Signed volume, mm^3; positive when the faces look outwards."""
-        a, b, c = np.moveaxis(self.vertices[self.faces], 1, 0)
-        return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
 
 
 def solid(part: Part, tolerance: float) -> Mesh:

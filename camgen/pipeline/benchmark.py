@@ -19,12 +19,16 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.files.export import Placed, write_3mf, write_dxf, write_stl
+from camgen.files.dxf import write_dxf
+from camgen.files.formats import FORMATS
+from camgen.files.stl import write_stl
+from camgen.files.threemf import Placed, write_3mf
 from camgen.findings import ROUTINE, Finding
 from camgen.geometry.arcs import fit_arcs, theoretical_arcs
 from camgen.geometry.crossing import crossed_at
 from camgen.geometry.deviation import outline_error
 from camgen.geometry.facets import facet_contour, theoretical_vertices
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.rolling import judged_angles
@@ -32,13 +36,13 @@ from camgen.machine.contacts import Apart, Rolling
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
 from camgen.parts.part import Part
-from camgen.parts.solids import Mesh, solid
+from camgen.parts.solids import solid
 from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
 from camgen.pipeline.judging import Read, judge_part, pass_by
 from camgen.pipeline.making import compensation
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-KINDS, JUDGED = ("dxf", "stl", "3mf"), ("dxf", "stl")  # a 3MF holds the numbers of the STL
+KINDS, JUDGED = tuple(FORMATS), ("dxf", "stl")  # a 3MF holds the numbers of the STL
 STAGES = ("design", "arcs", "solids", "write", "judge dxf", "judge stl")
 _EXACT = 1e-6  # mm, chords of the sections that stand for the exact ones
 

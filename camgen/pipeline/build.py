@@ -12,6 +12,7 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
+from camgen.files.formats import FORMATS
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.machine.contacts import Pose, Rolling
@@ -23,7 +24,7 @@ from camgen.pipeline.making import make
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 
-KINDS = ("dxf", "stl", "3mf", "report")
+KINDS = (*FORMATS, "report")
 _PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "matplotlib")
 _DRAWN = 0.01  # mm, arc tolerance of the report's moving picture
 _FRAMES = 120  # of the moving picture
@@ -74,7 +75,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
     kinds = [kind for kind in KINDS if any(path.name in listed or path.exists() for path in _files(case, kind))]
     with Workers(jobs) as workers:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
-    judged = {path.name for kind in ("dxf", "stl", "3mf") for path in _files(case, kind)} | {"spec.toml"}
+    judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
     judged |= {name for name in listed if name.endswith(".3mf")}
     changed = [name for name in changed_files(folder) if name not in judged]
     if changed:

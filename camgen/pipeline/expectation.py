@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from camgen.files.export import center_marks
-from camgen.files.readback import Mesh, slice_mesh
+from camgen.files.dxf import center_marks
 from camgen.geometry.crossing import crossed_at, spread
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Floats, Line, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.round_trip import Expected, Section, Undo

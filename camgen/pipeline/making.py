@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen import spec as specs
-from camgen.files.export import Placed, placing, write_3mf, write_dxf, write_stl
+from camgen.files.formats import FORMATS, Job, write_part
+from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.machine.study import Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
 
 if TYPE_CHECKING:
-    from camgen.files.lying import Side, Solid
-    from camgen.parts.solids import Mesh
+    from camgen.files.plates import Side
+    from camgen.geometry.mesh import Mesh
 
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
 
@@ -51,12 +52,12 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
         write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
 
 
-def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Solid]) -> dict[str, Side]:
+def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, Side]:
     """On which side each printed part is laid whose solid, as sent to the printer, is known.
 
     A chamfer against the elephant's foot is made at the part's own underside, which it then lies on.
     """
-    from camgen.files.lying import lying_side, side
+    from camgen.files.plates import lying_side, side
 
     drawn = mechanism.print.elephant_foot > 0
     printed = [part.name for part in mechanism.parts() if part.made == "printed" and part.name in meshes]
@@ -67,25 +68,24 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Solid]) -> dict[str, 
 def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh] | None:
     """Write one part's files; its solid as designed and as sent to the printer, None where no file asks for one."""
     mechanism, part = case.mechanism, case.parts[name]
-    tolerance = mechanism.accuracy.chord_tolerance
+    tolerance, wanted = mechanism.accuracy.chord_tolerance, [kind for kind in FORMATS if kind in only]
+    mesh = sent = None
+    if any(FORMATS[kind].solid for kind in wanted):
+        from camgen.parts.solids import solid
+
+        fit = compensation(mechanism)
+        mesh = solid(part, tolerance)
+        sent = solid(compensated(part, fit), tolerance) if fit else mesh
+    centres = part.centres if mechanism.output.center_marks else ()
+    title, key = f"{mechanism.name}-{name}", _key(mechanism)
+    job = Job(name, title, key, part.region, centres, tolerance, mechanism.output.curves, sent)
+    for kind in wanted:
+        write_part(case.file(name, kind), job)
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
 
-        centres = part.centres if mechanism.output.center_marks else ()
-        write_dxf(case.file(name, "dxf"), part.region, centres, tolerance, mechanism.output.curves)
         write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
-    if not only & {"stl", "3mf"}:
-        return None
-    from camgen.parts.solids import solid
-
-    fit = compensation(mechanism)
-    mesh = solid(part, tolerance)
-    sent = solid(compensated(part, fit), tolerance) if fit else mesh
-    if "stl" in only:
-        write_stl(case.file(name, "stl"), sent, f"{mechanism.name}-{name}")
-    if "3mf" in only:
-        write_3mf(case.file(name, "3mf"), {name: sent}, [Placed(name, name)], _key(mechanism))
-    return mesh, sent
+    return None if mesh is None or sent is None else (mesh, sent)
 
 
 def _key(mechanism: Mechanism) -> str:

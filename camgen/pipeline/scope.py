@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from camgen.files.formats import FORMATS
 from camgen.findings import Finding, NotJudged
 from camgen.machine.contacts import Apart, Rolling
 from camgen.machines.mechanism import Mechanism
@@ -13,7 +14,7 @@ from camgen.machines.mechanism import Mechanism
 if TYPE_CHECKING:
     from camgen.pipeline.jobs import Case
 
-DRAWN, SOLID = ("dxf",), ("stl", "3mf")
+DRAWN, SOLID = (tuple(kind for kind, form in FORMATS.items() if form.solid == solid) for solid in (False, True))
 ANY = (*DRAWN, *SOLID)
 
 # Keys of [print] that change what is sent to a printer.

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.files.export import write_stl
-from camgen.files.readback import mesh_faults, read_stl, slice_mesh
+from camgen.files.stl import read_stl, write_stl
+from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Ring
 from camgen.judge.contact import rolling_contact
-from camgen.parts.solids import Mesh
 
 
 def best(work: Callable[[], object], rounds: int = 7) -> float:

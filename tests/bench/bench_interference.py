@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.files.readback import Mesh
 from camgen.geometry.rings import Points, Ring
 from camgen.judge.interference import interference, swept
 from camgen.judge.slabs import Body, Slab, slabs_of
@@ -91,7 +90,7 @@ def take_up() -> tuple[float, list[Body]]:
                 found = mechanism.poses(theta)[name][k]
                 return found.angle, found.position
 
-            slabs = slabs_of(Mesh(mesh.vertices, mesh.faces))
+            slabs = slabs_of(mesh)
             bodies.append(Body(f"{part.name}-{k + 1}", slabs, course, pose.z, pose.flipped))
     return mechanism.running_gap, bodies
 

@@ -323,7 +323,8 @@ def whole_processes(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     """The cam of specs/uniform-swing.toml as STL: read back and judged here, extruded and written there."""
     import numpy as np
 
-    from camgen.files.readback import read_stl, slice_mesh
+    from camgen.files.stl import read_stl
+    from camgen.geometry.mesh import slice_mesh
 
     spec, out = ROOT / "specs" / "uniform-swing.toml", folder / "whole"
     ours = [sys.executable, "-m", "camgen", "build", str(spec), "-o", str(out), "--set", "parts.make='cams'", "--only", "stl"]
@@ -367,7 +368,7 @@ def outlines(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     import numpy as np
     from test_facets import knife_cam
 
-    from camgen.files.export import write_stl
+    from camgen.files.stl import write_stl
     from camgen.geometry.outlines import Region
     from camgen.parts.part import Layer, Part
     from camgen.parts.solids import rings, solid
@@ -397,7 +398,8 @@ def slicing(folder: Path, rounds: int) -> Iterator[Row]:
     """A prism of 41,000 triangles, from the file to closed contours."""
     from bench_contact import write_prism
 
-    from camgen.files.readback import read_stl, slice_mesh
+    from camgen.files.stl import read_stl
+    from camgen.geometry.mesh import slice_mesh
 
     path = folder / "prism.stl"
     count = write_prism(path)

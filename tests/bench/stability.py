@@ -27,7 +27,9 @@ import mpmath
 import numpy as np
 
 from camgen.errors import CamgenError
-from camgen.files.readback import read_dxf, read_stl, slice_mesh
+from camgen.files.dxf import read_dxf
+from camgen.files.stl import read_stl
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Ring, shape_of
 from camgen.pipeline import build as pipeline
 

@@ -11,15 +11,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.export import Placed, write_3mf
-from camgen.files.lying import lying_side, side
-from camgen.files.plates import DENSITY, Layout, Spot, footprint, laid_out, parts_list, write_plates
-from camgen.files.readback import read_3mf
+from camgen.files.plates import DENSITY, Layout, Spot, footprint, laid_out, lying_side, parts_list, side, write_plates
+from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.judge.round_trip import judge_copies
 from camgen.judge.slabs import judge_plate
 from camgen.parts.part import Layer, Part, hull
-from camgen.parts.solids import Mesh, solid
+from camgen.parts.solids import solid
 
 BED = (120.0, 90.0)
 
@@ -134,7 +133,7 @@ def test_a_part_lies_on_the_side_with_least_overhang(tmp_path: Path) -> None:
         package = read_3mf(path)
         for item in package.items:
             placed = package.meshes[item.name].moved(item.transform)
-            lying = side(Mesh(placed.vertices, placed.faces), np.array([0, 0, -1.0]))
+            lying = side(placed, np.array([0, 0, -1.0]))
             assert lying.overhang == pytest.approx(0, abs=1e-3) or item.name != "ledge"
 
 

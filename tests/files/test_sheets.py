@@ -14,10 +14,10 @@ from ezdxf.layouts import Modelspace
 
 from camgen.files.dimensions import holes_of
 from camgen.files.drawing import write_drawing
-from camgen.files.export import write_stl
-from camgen.files.readback import Mesh, read_stl
 from camgen.files.sheet import LAYERS
+from camgen.files.stl import read_stl, write_stl
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import DesignError
-from camgen.files.readback import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.crossing import Edge, chord, crossed_at, rounded, spread, volume
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.outlines import Arc, Line, Region, circle, kidney, polygon
 from camgen.geometry.rings import Ring, Shape
 from camgen.parts.part import Layer, Part
@@ -71,14 +71,14 @@ def test_mesh_is_closed_and_as_large(crossed: Region) -> None:
     taller = Region(polygon([-4, 2, 2 + 4j, -4 + 3j]))
     part = Part("x", "X", (Layer(PLATE, 0, 1.3), Layer(taller, 1.3, 4)), crossed=crossed)
     made = solid(part, 1e-4)
-    faults = mesh_faults(Mesh(made.vertices, made.faces))
+    faults = mesh_faults(made)
     assert faults.count == 0 and faults.bodies == 1
     assert np.array_equal(made.vertices, made.vertices.astype(np.float32))
     assert faults.volume == pytest.approx(part.volume, abs=part.walls * 1e-4)
     for z in (0.4, 0.9, 1.8, 2.6):
         region = PLATE if z < 1.3 else taller
         areas = [area(shape) for shape in crossed_at(facetted(region), facetted(crossed), z)]
-        rings = slice_mesh(Mesh(made.vertices, made.faces), z)
+        rings = slice_mesh(made, z)
         assert sum(r.area for r in rings) == pytest.approx(sum(areas), abs=0.05)
     again = solid(part, 1e-4)
     assert made.vertices.tobytes() == again.vertices.tobytes() and made.faces.tobytes() == again.faces.tobytes()
@@ -137,8 +137,7 @@ def test_edge_of_a_box_is_an_arc_in_every_plane_across(up: int, out: int, mirror
     box = Region(polygon([0 - 2j, 8 - 2j, 8 + 2j, 0 + 2j]).moved(side, mirror=mirror))
     wide = Region(polygon([-9 - 9j, 9 - 9j, 9 + 9j, -9 + 9j]))
     part = Part("x", "X", (Layer(box, low, high),), crossed=wide, edges=(edge.mirrored if mirror else edge,))
-    made = solid(part, 1e-4)
-    mesh = Mesh(made.vertices, made.faces)
+    mesh = solid(part, 1e-4)
     assert mesh_faults(mesh).count == 0
     assert part.volume == pytest.approx(48 - (1 - math.pi / 4) * (2 * 0.13 + 3 * 0.25 + 0.31 / 3), abs=1e-12)
     assert mesh_faults(mesh).volume == pytest.approx(part.volume, abs=2e-3)

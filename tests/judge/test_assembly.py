@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.export import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.findings import Finding
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
 from camgen.judge.assembly import sweep
 from camgen.machine.contacts import Pose
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.solids import Mesh, solid
+from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
 # The stitch whose needles slide along the spreaders.

@@ -17,7 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen import spec
-from camgen.files.export import Placed, write_3mf, write_stl
+from camgen.files.stl import write_stl
+from camgen.files.threemf import Placed, write_3mf
 from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, meeting, signed_distances
 from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
 from camgen.parts.solids import solid

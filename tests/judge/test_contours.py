@@ -15,8 +15,10 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen.files.export import write_dxf, write_stl
+from camgen.files.dxf import write_dxf
+from camgen.files.stl import write_stl
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, polygon
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.rolling import judge_motion, judged_angles
@@ -25,7 +27,7 @@ from camgen.machine.contacts import Rolling
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
 from camgen.parts.part import Layer, Part
-from camgen.parts.solids import Mesh, solid
+from camgen.parts.solids import solid
 from camgen.pipeline.build import read_mechanism
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.making import compensation

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.export import Placed, placing, write_3mf
-from camgen.files.readback import Mesh
+from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Clearance, interference, swept
@@ -219,8 +219,7 @@ def test_jumps_and_false_names_are_refused() -> None:
 
 
 def mesh(part: Part) -> Mesh:
-    made = solid(part, 0.01)
-    return Mesh(made.vertices, made.faces)
+    return solid(part, 0.01)
 
 
 def test_slabs_of_a_stepped_part_and_of_a_cone() -> None:

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from stl_rows import TRIANGLE, with_own_normals
 
-from camgen.files.export import write_stl
-from camgen.files.readback import read_stl, slice_mesh
+from camgen.files.stl import read_stl, write_stl
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import bore_circle, shape_of
 from camgen.judge.contact import rolling_contact
 from camgen.parts.solids import solid

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.export import write_dxf, write_stl
-from camgen.files.readback import read_dxf, read_stl, slice_mesh
+from camgen.files.dxf import read_dxf, write_dxf
+from camgen.files.stl import read_stl, write_stl
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.outlines import Contour, Region, circle, polygon
 from camgen.geometry.rings import shape_of
 from camgen.judge.motion import Verdict, judge_machine

@@ -18,7 +18,7 @@ import pytest
 from stl_rows import TRIANGLE, with_own_normals
 
 from camgen.errors import FileError
-from camgen.files.readback import read_dxf
+from camgen.files.dxf import read_dxf
 from camgen.geometry.rings import Ring, Shape, shape_of
 from camgen.judge.rolling import judge_motion
 from camgen.judge.round_trip import Expected, Section, _judge_sections, judge_mesh

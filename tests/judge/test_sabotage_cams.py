@@ -12,7 +12,7 @@ import ezdxf
 import numpy as np
 import pytest
 
-from camgen.files.readback import read_dxf
+from camgen.files.dxf import read_dxf
 from camgen.geometry.rings import shape_of
 from camgen.judge.rolling import judge_pair
 from camgen.machine.contacts import Rolling

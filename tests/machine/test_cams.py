@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.machine.cams import DiscCam, SwingingArm, greatest
+from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.motion.laws import UNIFORM
 from camgen.motion.program import Program, Segment, uniform_swing
 
@@ -233,12 +233,6 @@ def test_resting_on_a_point_is_the_law_of_cosines() -> None:
             assert abs(complex(arm.trace(s)) - point) == pytest.approx(3.0, abs=1e-13)
             assert abs(complex(arm.trace(s + leaves * 0.01)) - point) > 3.0
     assert math.isnan(float(arm.resting_on(60 + 1j)))
-
-
-def test_greatest() -> None:
-    place, value = greatest(lambda x: np.cos(x - 1.23456789), 0.0, 3.0)
-    assert value == 1.0 and place == pytest.approx(1.23456789, abs=1e-7)
-    assert greatest(lambda x: -np.abs(x - 2.7182818), 0.0, 3.0)[0] == pytest.approx(2.7182818, abs=1e-12)
 
 
 @pytest.mark.parametrize("rho", [14.62, 20.0, 25.0, 45.0, 100.0, 1e6])

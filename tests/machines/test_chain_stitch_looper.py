@@ -16,8 +16,9 @@ import shapely
 
 from camgen import spec
 from camgen.errors import DesignError, SpecError
-from camgen.files.export import write_stl
-from camgen.files.readback import Mesh, mesh_faults, read_3mf, read_stl, slice_mesh
+from camgen.files.stl import read_stl, write_stl
+from camgen.files.threemf import read_3mf
+from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.outlines import Arc, Contour
 from camgen.judge.clearance import judge_clearance, sections
 from camgen.machines.chain_stitch_looper.design import clearances
@@ -184,7 +185,7 @@ def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
     floor = m.bodies.plan[2].imag
     wanted = shapely.Polygon([(z.real, z.imag) for z in (complex(p.at(0.0)) for p in m.bodies.section_outline(12.0, 0.9).pieces)])
     for name, mirror in (("upper-spreader", 1), ("lower-spreader", -1)):
-        (found,) = sections(tmp_path / f"{name}.stl", -floor)
+        (found,) = sections(tmp_path / f"{name}.stl", name, -floor)
         ring = shapely.Polygon([(mirror * z.real, z.imag) for z in found])
         assert ring.exterior.hausdorff_distance(wanted.exterior) < 1e-5  # float32
 

@@ -18,9 +18,10 @@ import shapely
 
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, SpecError
-from camgen.files.readback import read_stl, slice_mesh
+from camgen.files.stl import read_stl
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, shape_of
 from camgen.judge.rolling import mounted
 from camgen.machine.cams import DiscCam

@@ -15,13 +15,14 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.export import Placed, placing, write_3mf
-from camgen.files.readback import read_3mf, read_stl
+from camgen.files.stl import read_stl
+from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
 from camgen.geometry.arcs import as_circle
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import circle
 from camgen.judge.assembly import sweep
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.solids import Mesh, solid
+from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline import making
 
@@ -266,9 +267,8 @@ def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
 
 def test_a_plate_that_lost_its_copies(folder: Path) -> None:
     package = read_3mf(folder / f"{NAME}-plate.3mf")
-    meshes = {name: Mesh(mesh.vertices, mesh.faces) for name, mesh in package.meshes.items()}
     items = [Placed(item.name, f"{item.name} {k}", item.transform) for k, item in enumerate(package.items)]
-    write_3mf(folder / f"{NAME}-plate.3mf", meshes, items[1:], "key")
+    write_3mf(folder / f"{NAME}-plate.3mf", package.meshes, items[1:], "key")
     assert failing(folder) == {("BED_FIT", "1 plate")}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import SpecError
-from camgen.files.readback import read_dxf
+from camgen.files.dxf import read_dxf
 from camgen.geometry.facets import facet_contour
 from camgen.machine.closed_form import slider_travel
 from camgen.machines import MECHANISMS

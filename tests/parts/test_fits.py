@@ -14,10 +14,9 @@ from hypothesis import strategies as st
 from scipy.special import ellipe
 
 from camgen.errors import DesignError
-from camgen.files.readback import Mesh as ReadMesh
-from camgen.files.readback import slice_mesh
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.outlines import Arc, Contour, Line, Region, Smooth, circle, kidney, polygon
 from camgen.geometry.rings import Ring, Shape, fit_circle, shape_of
 from camgen.judge.as_printed import grown, printed
@@ -148,7 +147,7 @@ def test_a_crossed_part_has_no_fits() -> None:
 def test_undone_bush_is_the_bush() -> None:
     fit = Compensation(hole=0.1, profile=0.15, shrinkage=0.02)
     made = solid(compensated(bush(), fit), 0.001)
-    file = shape_of(slice_mesh(ReadMesh(made.vertices, made.faces), 2.5))
+    file = shape_of(slice_mesh(made, 2.5))
     shape = printed(file, fit.hole, fit.profile, fit.shrinkage)
     assert fit_circle(shape.outer.points)[1] == pytest.approx(10, abs=1e-3)
     assert sorted(fit_circle(h.points)[1] for h in shape.holes) == pytest.approx([1, 4], abs=2e-3)

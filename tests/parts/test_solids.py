@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import DesignError
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Region, Smooth, circle, kidney, polygon
 from camgen.parts.part import Layer, Part, keyed_bore
-from camgen.parts.solids import Mesh, _check, _triangles, rings, solid
+from camgen.parts.solids import _check, _triangles, rings, solid
 
 TOLERANCE = 1e-3
 

@@ -79,7 +79,7 @@ def test_a_fault_in_a_part_leaves_nothing_behind(tmp_path: Path) -> None:
 # What runs only where an output asks for it: (function, kinds of files that ask for it).
 STAGES = {
     "camgen.parts.solids.solid": "stl",
-    "camgen.files.export.write_dxf": "dxf",
+    "camgen.files.dxf.write_dxf": "dxf",
     "camgen.files.drawing.write_drawing": "dxf",
     "camgen.judge.budget.error_budget": "report",
     "camgen.report.figures.plot_svg": "report",

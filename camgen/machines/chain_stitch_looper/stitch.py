@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError
 from camgen.motion.laws import LAWS, Law
 from camgen.motion.program import Program, Segment
+from camgen.numerics import roots
 
 Floats = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -129,7 +130,6 @@ class Stitch:
         """Share of their stroke above which the needles are for the feed's angle."""
         if self.needle_program is HARMONIC:
             return math.cos(self.feed / 4) ** 2  # half of 1 - cos phi_m, without cancellation
-        from scipy.optimize import brentq
 
         def longer(share: float) -> float:
             way = _angle(self.needle_program, share, True) - _angle(self.needle_program, share, False)
@@ -142,7 +142,11 @@ class Stitch:
                 "feed_deg", math.degrees(self.feed), 0.0, math.degrees(longer(_VANISHING) + self.feed), "deg",
                 "shaft angle over which the needles are off their lowest point", "let them dwell there for less",
             )  # fmt: skip
-        return float(brentq(longer, _VANISHING, 1 - _HAIR, xtol=1e-15))
+
+        def both(share: Floats, _: object) -> tuple[Floats, Floats]:
+            return np.array([longer(s) for s in share.tolist()]), np.zeros(share.size)
+
+        return float(roots(both, np.array([_VANISHING]), np.array([1 - _HAIR]))[0])
 
     def design(self, published: bool = False) -> Design:
         """All figures, corrected or as printed; DesignError where no such mechanism exists."""

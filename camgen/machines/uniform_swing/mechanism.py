@@ -29,7 +29,7 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
 from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine
-from camgen.machine.cams import DiscCam, SwingingArm, greatest
+from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Assembly, Pose, Rolling
 from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
@@ -40,6 +40,7 @@ from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
 from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
+from camgen.numerics import greatest
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows

@@ -12,7 +12,10 @@ import numpy as np
 import pytest
 from test_solids import TOLERANCE, cam, hub
 
-from camgen.files.export import Placed, placing, write_3mf, write_dxf, write_stl
+from camgen.files.dxf import read_dxf, write_dxf
+from camgen.files.formats import FORMATS, Job, read_solid, write_part
+from camgen.files.stl import write_stl
+from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.geometry.outlines import Region, circle
 from camgen.parts.solids import solid
 
@@ -142,6 +145,25 @@ def test_3mf_of_an_assembly(tmp_path):
     assert np.abs(rows.T - turned).max() < 1e-6
 
 
+@pytest.mark.parametrize("kind", FORMATS)
+def test_every_format_is_written_and_one_of_a_solid_read_by_its_ending(tmp_path, kind):
+    part = hub()
+    mesh, path = solid(part, TOLERANCE), tmp_path / f"hub.{kind}"
+    write_part(path, Job("hub", "x-hub", "key", part.region, part.centres, TOLERANCE, "bulge", mesh))
+    if FORMATS[kind].solid:
+        found, remarks = read_solid(path, "hub")
+        assert remarks == [] and found.volume == pytest.approx(mesh.volume, rel=1e-6)
+        assert found.faces.shape == mesh.faces.shape
+    else:
+        assert len(read_dxf(path).cut) == 1 + len(part.region.holes)
+
+
+def test_a_package_of_another_part_is_told(tmp_path):
+    part = hub()
+    write_part(tmp_path / "hub.3mf", Job("hub", "x", "k", part.region, (), TOLERANCE, "bulge", solid(part, TOLERANCE)))
+    assert read_solid(tmp_path / "hub.3mf", "cam")[1] == ["holds hub instead of cam alone"]
+
+
 def test_placing_is_a_rotation_and_a_shift():
     point = np.array([3.0, 4.0, 1.0])
     for flipped in (False, True):
@@ -163,7 +185,9 @@ class Later(datetime.datetime):
 datetime.datetime = Later
 sys.path.insert(0, sys.argv[3])
 from test_solids import cam, hub
-from camgen.files.export import *
+from camgen.files.dxf import write_dxf
+from camgen.files.stl import write_stl
+from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.files.drawing import write_drawing
 from camgen.parts.solids import solid
 folder = pathlib.Path(sys.argv[1])

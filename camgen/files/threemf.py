@@ -1,0 +1,335 @@
+"""3MF: named solids and their copies in one package, written and read with lib3mf.
+
+    part      a file in the package, by its name
+    object    what a part defines, by part and number; number BUILD stands for what the part has built
+    item      one thing to build: an object where a transform places it
+
+Packages are counted before they are unpacked: components within components multiply, and so do packed bytes.
+"""
+
+from __future__ import annotations
+
+import re
+import uuid
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.errors import FileError
+from camgen.files.formats import Job
+from camgen.geometry.mesh import Mesh
+from camgen.geometry.rings import Floats, Ints
+from camgen.numerics import product
+
+# Digits after the point in 3MF. lib3mf works them out in float32: with 9 the fewest numbers, one in 25, come back an
+# ulp off; with more or fewer it is up to one in five.
+_DECIMALS = 9
+_NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes millimetres then
+MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
+MOST_BYTES = 1_000_000_000  # unpacked
+BUILD, _NONE = -1, -2
+_OURS = {"[content_types].xml", "_rels/.rels", "3d/3dmodel.model"}  # parts of a package as camgen writes it
+
+Object = tuple[str, int]
+
+
+# ---- writing ---------------------------------------------------------------------------------------------------------
+
+
+def write_part(path: Path, job: Job) -> None:
+    """Write the part's solid under its name."""
+    assert job.solid is not None, "a file of a solid is asked for"
+    write_3mf(path, {job.name: job.solid}, [Placed(job.name, job.name)], job.key)
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """One copy in a 3MF: its object's name, its own name, a rotation with shift (3, 4) for column vectors."""
+
+    object: str
+    name: str
+    transform: Floats = field(default_factory=lambda: np.eye(3, 4))
+
+
+def placing(angle: float, position: complex, z: float, thickness: float, flipped: bool = False) -> Floats:
+    """Transform (3, 4) of a part turned by angle (rad) about z and moved to position (complex mm) and height z, mm.
+
+    flipped: first turned over about Oy, (x, y, z) -> (-x, y, thickness - z): a rotation, no mirror image.
+    """
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
+    shift = [position.real, position.imag, z + (thickness if flipped else 0)]
+    return np.column_stack([product(turn, over), shift]) + 0.0
+
+
+def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], key: str) -> None:
+    """Write a 3MF of named meshes and their copies; `key` (the spec's hash) makes every UUID, so same key, same bytes.
+
+    A copy in place under its object's own name is a build item of the mesh; any other is a named components object
+    that places the mesh. Meshes that no copy places are left out: PrusaSlicer opens no file that has one.
+    """
+    import lib3mf
+
+    def made(*what: object) -> str:
+        return str(uuid.uuid5(uuid.NAMESPACE_URL, ":".join(map(str, ("camgen", key, *what)))))
+
+    model = lib3mf.get_wrapper().CreateModel()
+    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+    model.SetBuildUUID(made("build"))
+    identity = _transform(np.eye(3, 4))
+    meshes: dict[str, Any] = {}
+    placed = {item.object for item in items}
+    for name, mesh in objects.items():
+        if name not in placed:
+            continue
+        vertices, faces = np.ascontiguousarray(mesh.vertices, np.float32), np.ascontiguousarray(mesh.faces, np.uint32)
+        thing = meshes[name] = model.AddMeshObject()
+        thing.SetName(name)
+        thing.SetUUID(made("mesh", name))
+        thing.SetGeometry(
+            (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
+        )
+    for item in items:
+        thing = meshes[item.object]
+        if item.name != item.object or not np.array_equal(item.transform, np.eye(3, 4)):
+            thing = model.AddComponentsObject()
+            thing.SetName(item.name)
+            thing.SetUUID(made("copy", item.name))
+            thing.AddComponent(meshes[item.object], _transform(item.transform)).SetUUID(made("component", item.name))
+        build = model.AddBuildItem(thing, identity)
+        build.SetUUID(made("item", item.name))
+        build.SetPartNumber(item.name)
+    writer = model.QueryWriter("3mf")
+    writer.SetDecimalPrecision(_DECIMALS)
+    path.write_bytes(bytes(writer.WriteToBuffer()))
+
+
+def _transform(matrix: Floats) -> Any:
+    """lib3mf's transform (4, 3), which serves row vectors."""
+    import lib3mf
+
+    result = lib3mf.Transform()
+    for i, row in enumerate(np.asarray(matrix).T.tolist()):
+        result.Fields[i][:] = row
+    return result
+
+
+# ---- reading ---------------------------------------------------------------------------------------------------------
+
+
+def read_part(path: Path, name: str) -> tuple[Mesh, list[str]]:
+    """The first solid that the package builds, and what is wrong where it is to hold the part of this name alone."""
+    package = read_3mf(path)
+    names = [item.name for item in package.items]
+    strange = [] if names == [name] else [f"holds {', '.join(names[:5]) or 'nothing'} instead of {name} alone"]
+    return package.items[0].placed if names else Mesh(np.empty((0, 3)), np.empty((0, 3), int)), package.remarks + strange
+
+
+@dataclass(frozen=True)
+class Item:
+    """One thing to build: the name of its object, the mesh, and the (3, 4) transform that places it."""
+
+    name: str
+    mesh: Mesh
+    transform: Floats
+
+    @property
+    def placed(self) -> Mesh:
+        """The mesh in its place."""
+        return self.mesh.moved(self.transform)
+
+
+@dataclass(frozen=True)
+class Package:
+    """A 3MF file: its unit, what is built, and what is wrong with it as a package.
+
+    items: meshes as placed; components of an assembly are resolved to the meshes they are made of.
+    warnings: lib3mf's own, objects of one name, of another type than model or that nothing builds, vertices that no
+    triangle uses (left out of the meshes).
+    """
+
+    unit: str
+    warnings: tuple[str, ...]
+    items: tuple[Item, ...]
+
+    @property
+    def remarks(self) -> list[str]:
+        """All that is wrong with it as a package, its unit too."""
+        return [*self.warnings, *([] if self.unit.lower() == "millimeter" else [f"unit is {self.unit}"])]
+
+    @property
+    def meshes(self) -> dict[str, Mesh]:
+        """The meshes that are built, by the names of their objects."""
+        return {item.name: item.mesh for item in self.items}
+
+
+def _array(records: list[Any], kind: type, columns: int) -> NDArray[Any]:
+    """lib3mf's list of C structures as an array; they share one block of memory, of which the first tells."""
+    return np.frombuffer(records[0]._b_base_, kind).reshape(-1, columns) if records else np.empty((0, columns), kind)
+
+
+def read_3mf(path: str | Path, strict: bool = True) -> Package:
+    """Read a 3MF file with lib3mf, in strict mode unless it is another program's.
+
+    FileError when it is refused, in a unit that there is not, or places far too much.
+    """
+    try:
+        return _package(str(path), Path(path).read_bytes(), strict)
+    except OSError as error:
+        raise FileError(path, error.strerror or str(error)) from None
+
+
+@lru_cache(maxsize=16)  # several checks look at each file of a folder
+def _package(path: str, data: bytes, strict: bool) -> Package:
+    import lib3mf
+
+    if not data.startswith(b"PK"):
+        raise FileError(path, "not a 3MF file: it is no zip archive")
+    _refuse_bomb(path)
+    try:
+        model = lib3mf.get_wrapper().CreateModel()
+        reader = model.QueryReader("3mf")
+        reader.SetStrictModeActive(strict)
+        reader.ReadFromFile(path)
+    except lib3mf.ELib3MFException as error:
+        raise FileError(path, f"not a valid 3MF file: {error}") from None
+    told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
+    if any(code == _NO_UNIT for code, _ in told):
+        raise FileError(path, "names a unit that there is not in a 3MF file; millimeter was expected")
+    warnings = [*(text for _, text in told), *(_extras(path) if strict else ())]
+    meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
+    inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
+    for thing in _each(model.GetMeshObjects(), "GetCurrentMeshObject"):
+        name = thing.GetName()
+        mesh, idle = _without_spare(
+            _array(thing.GetVertices(), np.float32, 3).astype(float),
+            _array(thing.GetTriangleIndices(), np.uint32, 3).astype(np.int64),
+        )
+        meshes[thing.GetUniqueResourceID()] = name, mesh
+        warnings += [f"object '{name}' has {idle} vertices that no triangle uses"] if idle else []
+    for thing in _each(model.GetComponentsObjects(), "GetCurrentComponentsObject"):
+        parts = [thing.GetComponent(i) for i in range(thing.GetComponentCount())]
+        inside[thing.GetUniqueResourceID()] = [
+            (part.GetObjectResource().GetUniqueResourceID(), _matrix(part.GetTransform())) for part in parts
+        ]
+    kinds = {thing.GetUniqueResourceID(): thing for thing in _each(model.GetObjects(), "GetCurrentObject")}
+    warnings += [
+        f"object '{thing.GetName()}' is of type {thing.GetType().name.lower()}, not model"
+        for thing in kinds.values() if thing.GetType() != lib3mf.ObjectType.Model
+    ]  # fmt: skip
+    names = Counter(name for name, _ in meshes.values())
+    warnings += [f"{count} objects have the name '{name}'" for name, count in names.items() if count > 1]
+    items: list[Item] = []
+    waiting = [
+        (item.GetObjectResource().GetUniqueResourceID(), _matrix(item.GetObjectTransform()))
+        for item in _each(model.GetBuildItems(), "GetCurrent")
+    ][::-1]
+    built = set()
+    while waiting:
+        number, outer = waiting.pop()
+        built.add(number)
+        if number in meshes:
+            items.append(Item(*meshes[number], outer[:3]))
+        else:
+            waiting += [(part, product(outer, inner)) for part, inner in reversed(inside[number])]
+    warnings += [f"nothing builds object '{thing.GetName()}'" for number, thing in kinds.items() if number not in built]
+    return Package(model.GetUnit().name, tuple(warnings), tuple(items))
+
+
+def _each(iterator: Any, current: str) -> Iterator[Any]:
+    """What one of lib3mf's iterators runs through."""
+    while iterator.MoveNext():
+        yield getattr(iterator, current)()
+
+
+def _without_spare(vertices: Floats, faces: Ints) -> tuple[Mesh, int]:
+    """A mesh less the vertices that no triangle uses, and how many these were."""
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    return Mesh(vertices[used], (np.cumsum(used) - 1)[faces]), int(np.count_nonzero(~used))
+
+
+def _matrix(transform: Any) -> Floats:
+    """(4, 4) matrix for column vectors of lib3mf's (4, 3) fields, which serve row vectors."""
+    return np.vstack([np.array([list(row) for row in transform.Fields]).T, [0, 0, 0, 1]])
+
+
+# ---- before it is unpacked -------------------------------------------------------------------------------------------
+
+
+def _refuse_bomb(path: str | Path) -> None:
+    """FileError where a 3MF places more than MOST_COPIES or unpacks to more than MOST_BYTES, or is no package.
+
+    lib3mf walks through all copies as it reads: a billion, in a file of a kilobyte, take it half a minute.
+    """
+    inside: dict[Object, list[Object]] = {}
+    try:
+        with zipfile.ZipFile(path) as package:
+            size = sum(part.file_size for part in package.infolist())
+            if size > MOST_BYTES:
+                raise FileError(path, f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read")
+            parts = {name: package.read(name) for name in package.namelist()}
+        if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
+            return
+        for name, text in parts.items():
+            try:
+                _count(f"/{name}".lower(), text, inside)
+            except expat.ExpatError:
+                if name.lower().endswith(".model"):
+                    raise
+        copies: dict[Object, int] = {}
+        for each in TopologicalSorter(inside).static_order():
+            copies[each] = 1 + sum(copies[other] for other in inside[each])
+    except CycleError as error:
+        raise FileError(path, f"not a valid 3MF file: object {error.args[1][0][1]} is made of itself") from None
+    except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, expat.ExpatError, ValueError) as error:
+        raise FileError(path, f"not a valid 3MF file: {error}") from None
+    except KeyError as error:
+        raise FileError(path, f"not a valid 3MF file: there is no object {error.args[0][1]} in it") from None
+    most = max(copies.values(), default=0)
+    if most > MOST_COPIES:
+        said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
+        raise FileError(path, f"places {said} copies of its objects; {MOST_COPIES} at most are read")
+
+
+def _extras(path: str | Path) -> list[str]:
+    """What a package holds beside meshes and what is built of them, and could be printed: sentences, none for a plain one.
+
+    Beams, slices, volumes and the like stand in elements of extensions, modifiers of a slicer in parts of their own.
+    """
+    with zipfile.ZipFile(path) as package:
+        names = package.namelist()
+        found = sorted({tag.decode() for name in names for tag in re.findall(rb"<(\w+:\w+)", package.read(name))})
+    other = [name for name in names if name.lower() not in _OURS]
+    said = [f"holds elements of extensions: {', '.join(found[:5])}"] if found else []
+    return said + ([f"holds parts that are not camgen's: {', '.join(other[:5])}"] if other else [])
+
+
+def _count(part: str, text: bytes, inside: dict[Object, list[Object]]) -> None:
+    """Add to `inside` which objects each object of a part is made of."""
+    holder: list[Object] = []
+
+    def begin(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal holder
+        kind = tag.rpartition(" ")[2]
+        if kind == "object":
+            holder = inside.setdefault((part, int(attributes.get("id", _NONE))), [])
+        elif kind == "build":
+            holder = inside.setdefault((part, BUILD), [])
+        elif kind in ("component", "item"):
+            other = next((value.lower() for key, value in attributes.items() if key.endswith(" path")), part)
+            holder.append((other, int(attributes.get("objectid", _NONE))))
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = begin
+    parser.Parse(text, True)

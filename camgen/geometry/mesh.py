@@ -1,0 +1,191 @@
+"""Triangle meshes: what keeps one from bounding a solid, and its sections at a height."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from camgen.geometry.rings import Floats, Ints, Points, Ring
+from camgen.numerics import product
+from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangle mesh: vertices (n, 3) mm, faces (m, 3) their indices, counter-clockwise seen from outside.
+
+    normals: (m, 3) as a file stores them, None where it was not asked for them or a mesh has none.
+    """
+
+    vertices: Floats
+    faces: Ints
+    normals: Floats | None = None
+
+    @cached_property
+    def across(self) -> Floats:
+        """Outward normal of each face, as long as twice its area, (m, 3) mm^2."""
+        corners = self.vertices[self.faces]
+        return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+
+    @property
+    def volume(self) -> float:
+        """Signed volume, mm^3; positive when the faces look outwards."""
+        middle = self.vertices.mean(axis=0) if len(self.vertices) else np.zeros(3)
+        return float(np.einsum("ij,ij->", self.vertices[self.faces[:, 0]] - middle, self.across) / 6)
+
+    def moved(self, transform: Floats) -> Mesh:
+        """Image under a (3, 4) transform: rotation and shift, applied to column vectors."""
+        return Mesh(product(self.vertices, transform[:, :3].T) + transform[:, 3], self.faces)
+
+
+def welded(corners: Floats) -> Mesh:
+    """Mesh of (m, 3, 3) corners, vertices unique by exact bits.
+
+    A hash table by scatter and gather: all corners write their number to the slot of their hash, the one that stays
+    stands for all corners equal to it, and whoever lost the slot to another point tries again with another hash.
+    """
+    flat = np.ascontiguousarray(corners.reshape(-1, 3)) + 0.0  # -0 becomes 0
+    bits = flat.view(np.uint64)
+    stand_in = np.empty(len(flat), np.int64)
+    slots = 1 << max(len(flat).bit_length(), 4)
+    slot_of = np.empty(slots, np.int64)
+    left = np.arange(len(flat))
+    seed = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
+    while len(left):
+        mine = bits[left]
+        mixed = mine[:, 0] * seed[0] ^ mine[:, 1] * seed[1] ^ mine[:, 2] * seed[2]
+        slot = ((mixed ^ mixed >> np.uint64(29)) * seed[0] >> np.uint64(20)) % np.uint64(slots)
+        slot_of[slot] = left
+        winner = slot_of[slot]
+        same = (bits[winner] == mine).all(axis=1)
+        stand_in[left[same]] = winner[same]
+        left = left[~same]
+        seed = seed * seed[1] | np.uint64(1)
+    first = np.zeros(len(flat), bool)
+    first[stand_in] = True
+    number = np.cumsum(first) - 1
+    return Mesh(flat[first], number[stand_in].reshape(-1, 3))
+
+
+@dataclass(frozen=True)
+class MeshFaults:
+    """What keeps a mesh from bounding a solid, counted, and what it bounds.
+
+    Edges of one triangle only (open), run twice the same way (flipped), of more than two triangles (crowded);
+    triangles without area; stored normals that are not the triangle's own, which harm no solid; bodies (joined by edges);
+    signed volume, mm^3, negative when inside out.
+    """
+
+    open_edges: int
+    flipped_edges: int
+    crowded_edges: int
+    degenerate: int
+    turned_normals: int
+    bodies: int
+    volume: float
+
+    @property
+    def count(self) -> int:
+        """Number of faulty edges and triangles; 0 for a watertight mesh."""
+        return self.open_edges + self.flipped_edges + self.crowded_edges + self.degenerate
+
+
+def mesh_faults(mesh: Mesh) -> MeshFaults:
+    """Count the faults of a mesh."""
+    a, b = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    key = np.minimum(a, b) * len(mesh.vertices) + np.maximum(a, b)
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    uses = np.diff(starts, append=len(key))
+    balance = np.add.reduceat(np.where(a < b, 1, -1)[order], starts) if len(key) else uses
+    face = order // 3
+    joined = np.flatnonzero(np.diff(key[order]) == 0)
+    return MeshFaults(
+        open_edges=int(np.count_nonzero(uses == 1)),
+        flipped_edges=int(np.count_nonzero((uses == 2) & (balance != 0))),
+        crowded_edges=int(np.count_nonzero(uses > 2)),
+        degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
+        turned_normals=0 if mesh.normals is None else _turned(mesh.normals, mesh.across),
+        bodies=_components(len(mesh.faces), face[joined], face[joined + 1]),
+        volume=mesh.volume,
+    )
+
+
+def _turned(stored: Floats, own: Floats) -> int:
+    """How many of the stored unit normals are not those of their triangles, which have the directions `own`, (m, 3)."""
+    size = np.linalg.norm(own, axis=1, keepdims=True)
+    off = np.linalg.norm(stored - own / np.where(size == 0, 1, size), axis=1)
+    return int(np.count_nonzero(~(off <= NORMAL_ROUNDING) & (size[:, 0] > 0)))
+
+
+def _components(count: int, a: Ints, b: Ints) -> int:
+    """Number of connected components of a graph with links a-b: every node takes its neighbours' least label."""
+    label = np.arange(count)
+    while (label[a] != label[b]).any():
+        least = np.minimum(label[a], label[b])
+        np.minimum.at(label, label[a], least)
+        np.minimum.at(label, label[b], least)
+        while (label[label] != label).any():
+            label = label[label]
+    return int(np.count_nonzero(label == np.arange(count)))
+
+
+def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
+    """Section of a mesh at height z: straight rings, material on their left (outside ccw, holes cw).
+
+    A vertex at exactly z counts as above. A point on the line through its neighbours, within SAME_POINT, is left out:
+    such points come from the diagonals of upright walls. ValueError when the section does not close.
+    """
+    above = mesh.vertices[:, 2] >= z
+    side = above[mesh.faces]
+    high = side.sum(axis=1)
+    cut = np.flatnonzero((high == 1) | (high == 2))
+    if not len(cut):
+        return []
+    top = high[cut] == 1
+    lone = np.argmax(side[cut] == top[:, None], axis=1)  # the corner that is alone on its side
+    faces, row = mesh.faces[cut], np.arange(len(cut))
+    a, b, c = (faces[row, (lone + k) % 3] for k in range(3))
+    tail, head = np.where(top, b, c), np.where(top, c, b)  # crossing runs from edge a-tail to edge a-head
+    size = len(mesh.vertices)
+    start = np.minimum(a, tail) * size + np.maximum(a, tail)
+    end = np.minimum(a, head) * size + np.maximum(a, head)
+    by_start, by_end = np.argsort(start), np.argsort(end)
+    wrong = int(np.count_nonzero(start[by_start] != end[by_end]))
+    if wrong or (np.diff(start[by_start]) == 0).any():
+        raise ValueError(f"the section at z = {z:.6g} mm does not close")
+    following = np.empty(len(cut), np.int64)
+    following[by_end] = by_start
+    low, up = mesh.vertices[start // size], mesh.vertices[start % size]
+    share = (z - low[:, 2]) / (up[:, 2] - low[:, 2])
+    x, y = (low[:, k] + share * (up[:, k] - low[:, k]) for k in (0, 1))
+    points = x + 1j * y
+    return [ring for loop in _loops(following) if (ring := _without_idle(points[loop])) is not None]
+
+
+def _loops(following: Ints) -> list[Ints]:
+    """The cycles of a permutation, each as its members in order."""
+    step, loops = following.tolist(), []
+    seen = bytearray(len(step))
+    for first in range(len(step)):
+        if seen[first]:
+            continue
+        loop, k = [], first
+        while not seen[k]:
+            seen[k] = 1
+            loop.append(k)
+            k = step[k]
+        loops.append(np.array(loop))
+    return loops
+
+
+def _without_idle(z: Points) -> Ring | None:
+    """Ring through z less repeated points and those on the line of their neighbours; None when nothing is left."""
+    z = z[np.abs(z - np.roll(z, 1)) > SAME_POINT]
+    before, after = z - np.roll(z, 1), np.roll(z, -1) - z
+    # The far neighbour is to lie on the line of the short edge: so two near vertices that bend a little are not both idle.
+    idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.minimum(np.abs(before), np.abs(after))
+    z = z[~(idle & (np.real(np.conj(before) * after) > 0))]
+    return Ring(z, np.zeros(len(z))) if len(z) > 2 else None
