@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.closed_form import FourBar, four_bar
 from camgen.machine.run import solve
 from camgen.machine.study import Plot, Sketch, Study, Table
+from camgen.machine.targets import Course
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
@@ -54,6 +56,19 @@ def study(linkage: Linkage) -> Study:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def targets(linkage: Linkage) -> list[Finding]:
+    """What is wanted of outputs by value, on the model as designed."""
+    theta = np.linspace(*linkage.range, ROWS)
+    run = linkage.solve(theta, 1)
+    found = []
+    for wanted in linkage.wanted:
+        unit, scale = ("deg", math.degrees(1)) if isinstance(linkage.chain.output(wanted.name).of, m.Angle) else ("mm", 1.0)
+        value, slope = scale * run.derivatives(wanted.name)
+        course = Course(theta, value, slope, unit, linkage.drive.range_deg is None)
+        found += [target.finding(course, f"{wanted.name} as designed") for target in wanted.targets]
+    return found
 
 
 def _forces(linkage: Linkage, theta: Floats) -> Study:

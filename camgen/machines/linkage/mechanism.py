@@ -238,7 +238,8 @@ class Linkage(Mechanism):
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""
         lash = {"mm": self.allowed.lash, "rad": math.radians(self.allowed.lash_deg)}
-        return [Asked(output.name, lash=lash[output.unit]) for output in self.chain.outputs]
+        targets = {wanted.name: wanted.targets for wanted in self.wanted}
+        return [Asked(output.name, lash=lash[output.unit], targets=targets[output.name]) for output in self.chain.outputs]
 
     def printed(self) -> Sequence[Part]:
         """All of them."""
@@ -252,9 +253,9 @@ class Linkage(Mechanism):
         return (Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2))
 
     def limits(self) -> Sequence[Finding]:
-        """How near each loop comes to a fold."""
+        """Targets by the model as designed, and how near each loop comes to a fold."""
         low, high = self.range
-        found = []
+        found = figures.targets(self)
         for fold in folds(self.chain, low, high):
             angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
             found.append(at_least(

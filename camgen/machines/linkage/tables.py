@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from camgen.errors import Fault
+from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
 from camgen.motion.segments import NamedLaw
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
@@ -92,11 +93,22 @@ class Cam(Record):
 
 
 class Wanted(Record):
-    """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place."""
+    """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place; and its targets."""
 
     name: Name
     point: Name | None = Field(None, description="a point: its path")
     link: Name | None = Field(None, description="a link: its angle, or its place along its slide")
+    stroke: Stroke | None = None
+    points: Through | None = None
+    straightness: Straight | None = None
+    dwell: Dwell | None = None
+    time_ratio: TimeRatio | None = None
+
+    @property
+    def targets(self) -> tuple[Target, ...]:
+        """What is wanted of it by value."""
+        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio)
+        return tuple(target for target in every if target is not None)
 
 
 class Masses(Record):
