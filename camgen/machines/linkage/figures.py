@@ -58,17 +58,25 @@ def study(linkage: Linkage) -> Study:
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
 
 
-def targets(linkage: Linkage) -> list[Finding]:
-    """What is wanted of outputs by value, on the model as designed."""
+def courses(linkage: Linkage) -> list[Course]:
+    """Of each output its course, on the model as designed."""
     theta = np.linspace(*linkage.range, ROWS)
     run = linkage.solve(theta, 1)
     found = []
     for wanted in linkage.wanted:
         unit, scale = ("deg", math.degrees(1)) if isinstance(linkage.chain.output(wanted.name).of, m.Angle) else ("mm", 1.0)
         value, slope = scale * run.derivatives(wanted.name)
-        course = Course(theta, value, slope, unit, linkage.drive.range_deg is None)
-        found += [target.finding(course, f"{wanted.name} as designed") for target in wanted.targets]
+        found.append(Course(theta, value, slope, unit, linkage.drive.range_deg is None))
     return found
+
+
+def targets(linkage: Linkage) -> list[Finding]:
+    """What is wanted of outputs by value, on the model as designed."""
+    return [
+        target.finding(course, f"{wanted.name} as designed")
+        for wanted, course in zip(linkage.wanted, courses(linkage), strict=True)
+        for target in wanted.targets
+    ]
 
 
 def _forces(linkage: Linkage, theta: Floats) -> Study:
