@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from camgen import __version__
-from camgen.errors import CamgenError, Fault, FileError, SpecError, explained, printable
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
 from camgen.files.formats import FORMATS
 
 if TYPE_CHECKING:
@@ -94,6 +94,8 @@ def new(mechanism: str, file: Path | None) -> None:
     """Write a commented starter spec of a MECHANISM to FILE, or print it; it builds as it is."""
     _known(mechanism)
     _hand_over((_starters() / f"{mechanism}.toml").read_text(encoding="utf-8"), file)
+    if file is None:
+        click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -302,7 +304,7 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
             except (CamgenError, OSError) as error:
                 failure = explained(error)
                 worst = max(worst, failure.exit_code)
-                _complain(failure)
+                _complain(failure, path)
                 records.append(_failure_record(path, failure))
                 continue
             worst = max(worst, 0 if report.ok else 1)
@@ -317,9 +319,10 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
     raise click.exceptions.Exit(worst)
 
 
-def _complain(error: CamgenError) -> None:
-    """Print a user's error on stderr."""
-    click.echo(printable(f"error: {error}", keep="\n"), err=True)
+def _complain(error: CamgenError, source: Path | None = None) -> None:
+    """Print a user's error on stderr, with the spec's name where the error does not say it by itself."""
+    named = f"{source}: " if source is not None and isinstance(error, DesignError) else ""
+    click.echo(printable(f"error: {named}{error}", keep="\n"), err=True)
 
 
 def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:

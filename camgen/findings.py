@@ -8,7 +8,10 @@ from dataclasses import asdict, dataclass
 
 @dataclass(frozen=True)
 class Finding:
-    """One check: stable code, verdict, measured value against its limit, unit, where (file or part), a sentence."""
+    """One check: stable code, verdict, measured value against its limit, unit, where (file or part), a sentence.
+
+    floor: whether the limit is the least that is asked, not the most that is borne; not written to report.json.
+    """
 
     code: str
     ok: bool
@@ -17,10 +20,11 @@ class Finding:
     unit: str
     where: str
     message: str
+    floor: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """The finding as report.json lists it."""
-        return asdict(self)
+        return {key: value for key, value in asdict(self).items() if key != "floor"}
 
 
 @dataclass(frozen=True)
@@ -56,4 +60,4 @@ def at_least(
     code: str, measured: float, limit: float, unit: str, where: str, message: str, tolerance: float = 0.0
 ) -> Finding:
     """A finding that holds when measured >= limit - tolerance; nan never holds. The limit is told as it was written."""
-    return Finding(code, bool(measured >= limit - tolerance), float(measured), float(limit), unit, where, message)
+    return Finding(code, bool(measured >= limit - tolerance), float(measured), float(limit), unit, where, message, True)

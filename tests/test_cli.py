@@ -247,7 +247,7 @@ def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_new_prints_and_writes_the_starter(run: Run, tmp_path: Path, root: Path, mechanism: str) -> None:
     text = (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
-    assert run("new", mechanism) == (0, text, "")
+    assert run("new", mechanism) == (0, text, f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml\n")
     file = tmp_path / "mine.toml"
     assert run("new", mechanism, file) == (0, "", "")
     assert file.read_text(encoding="utf-8") == text

@@ -41,12 +41,14 @@ class Staged:
 
     An earlier result stays as it is until the block has succeeded, and after any exception or Ctrl-C. FileError where
     the target holds anything that its manifest does not list, where it is no folder, and for any OSError in the block.
-    A spec.toml that somebody has changed since is kept beside the new one; `kept` names what it is called there.
+    A spec.toml that somebody has changed since is kept beside the new one; `kept` names what it is called there; `gone` are
+    files of the earlier result that the new one has not.
     """
 
     def __init__(self, target: Path) -> None:
         self.target = Path(target)
         self.kept: list[str] = []
+        self.gone: list[str] = []
         self._made: list[Path] = []  # parents that did not exist, outermost first
 
     def __enter__(self) -> Path:
@@ -93,9 +95,10 @@ class Staged:
             raise
 
     def _keep_edited(self) -> None:
-        """Take over edited specs that earlier builds kept, and a spec.toml that is not as its build wrote it."""
+        """Take over edited specs that earlier builds kept, and a spec.toml that is not as its build wrote it; note what goes."""
         if not (self.target / MANIFEST).is_file():
             return
+        self.gone = [name for name in manifest_files(self.target) if not (self._new / name).is_file()]
         kept = {path.name: path.read_bytes() for path in sorted(self.target.iterdir()) if _EDITED.fullmatch(path.name)}
         spec, made = self.target / SPEC, self._new / SPEC
         if spec.is_file() and SPEC in changed_files(self.target, {SPEC}):

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
@@ -59,8 +59,8 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
         )  # fmt: skip
     except ValueError as error:  # a section that does not close, a motion that jumps
-        return [copies, Finding("INTERFERENCE", False, math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
-    findings = [copies, *interference(clearances, machine.gap)]
+        return [copies, at_least("INTERFERENCE", math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
+    findings = [copies, *interference(clearances, machine.gap, machine.angle)]
     ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
     rows = [
         (f"{c.a}, {c.b}", "touch" if c.allowed is not None else "apart", c.gap, c.proven, math.degrees(c.theta))

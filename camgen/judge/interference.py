@@ -444,19 +444,25 @@ def _deepest(overlaps: Sequence[tuple[_Motion, Any, Any, Floats]], theta: float)
     return low, theta
 
 
-def interference(clearances: Sequence[Clearance], needed: float) -> list[Finding]:
-    """INTERFERENCE: each pair that comes too near or is not proven to stay clear, else the tightest of either kind."""
+def interference(clearances: Sequence[Clearance], needed: float, angle: str = "cam angle") -> list[Finding]:
+    """INTERFERENCE: each pair that comes too near or is not proven to stay clear, else the tightest of either kind.
+
+    Of bodies that must stay apart the gap, at least the needed one, mm; of bodies that touch by intent the overlap, at most
+    what facets and fits may show. angle: what theta is called.
+    """
     findings = []
     apart = [(c.proven - needed, c) for c in clearances if c.allowed is None]
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
         seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {-c.gap:.4f} mm or more"
-        remark = f"{len(apart)} pair(s) must stay apart; {seen}, the gap stated holds between the samples too"
-        findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap"), remark))
+        remark = f"gap of two bodies that must stay apart, {_of(apart)}; {seen}, the gap stated holds between the samples too"
+        findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark))
     for c in _worst(touching):
         seen = f"overlap seen {max(0.0, -c.gap):.4f} mm"
-        remark = f"{len(touching)} pair(s) touch by intent; {seen}, what is stated bounds it between the samples too"
-        findings.append(at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", _place(c, "overlap"), remark))
+        remark = f"overlap of two bodies that touch by intent, {_of(touching)}; {seen}, what is stated bounds it between the "
+        remark += "samples too"
+        where = _place(c, "overlap", angle)
+        findings.append(at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", where, remark))
     return findings
 
 
@@ -466,5 +472,9 @@ def _worst(judged: Sequence[tuple[float, Clearance]]) -> list[Clearance]:
     return [c for margin, c in ordered if not margin >= 0] or [c for _, c in ordered[:1]]
 
 
-def _place(c: Clearance, what: str) -> str:
-    return f"{c.a} and {c.b}: {what}, cam angle {math.degrees(c.theta):.3f} deg"
+def _of(pairs: Sequence[object]) -> str:
+    return "the only pair" if len(pairs) == 1 else f"of {len(pairs)} pairs"
+
+
+def _place(c: Clearance, what: str, angle: str) -> str:
+    return f"{c.a} and {c.b}: {what}, {angle} {math.degrees(c.theta):.3f} deg"

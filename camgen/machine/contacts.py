@@ -160,7 +160,7 @@ Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 class Moved:
     """A machine as the sweep needs it: its parts' names, their poses, contacts and features, what else is in the way.
 
-    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm.
+    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm; angle: what theta is.
     """
 
     parts: Sequence[str]
@@ -169,3 +169,4 @@ class Moved:
     stand_ins: Sequence[StandIn]
     gap: float
     tolerance: float
+    angle: str = "cam angle"

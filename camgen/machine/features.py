@@ -17,6 +17,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from camgen.machine.model import Floats
+from camgen.machine.targets import Target
 
 
 @dataclass(frozen=True)
@@ -147,13 +148,14 @@ class Asked:
 
     motion(theta, order): the wanted one, (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine with
     all joints where they are meant. stroke: whether the difference of its extremes is judged; lash: free play that the
-    designer accepts, mm or rad, never more than half of its range.
+    designer accepts, mm or rad, never more than half of its range; targets: what is wanted of it by value.
     """
 
     output: str
     motion: Callable[[Floats, int], Any] | None = None
     stroke: bool = False
     lash: float = math.inf
+    targets: tuple[Target, ...] = ()
 
 
 def eyes(feature: Feature) -> Iterator[Eye]:

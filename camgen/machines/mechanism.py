@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Asked, CamOutline, Feature, Mount
 from camgen.machine.model import Machine
 from camgen.machine.model import Pose as BodyPose
 from camgen.machine.run import Run, solve
@@ -115,6 +115,12 @@ class Mechanism(Spec, ABC):
         return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
 
     @property
+    def angle_name(self) -> str:
+        """What theta is called in findings: a cam's angle where one turns, else the crank's."""
+        cams = any(isinstance(contact, Rolling | CamOutline) for contact in self.touching())
+        return "cam angle" if cams else "crank angle"
+
+    @property
     def range(self) -> tuple[float, float]:
         """Least and greatest theta, rad: of a drive that goes to and fro less than a turn."""
         return 0.0, math.tau
@@ -169,7 +175,7 @@ class Mechanism(Spec, ABC):
     def moved(self) -> Moved:
         """What the sweep needs."""
         names, tolerance = [part.name for part in self.parts()], self.accuracy.chord_tolerance
-        return Moved(names, self.poses, self.touching(), self.stand_ins(), self.running_gap, tolerance)
+        return Moved(names, self.poses, self.touching(), self.stand_ins(), self.running_gap, tolerance, self.angle_name)
 
     @property
     def running_gap(self) -> float:

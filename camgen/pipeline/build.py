@@ -61,7 +61,12 @@ def build(
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
-    return replace(report, remarks=[f"{said} {name}" for name in staged.kept])
+    remarks = [f"{said} {name}" for name in staged.kept]
+    if staged.gone and only < frozenset(KINDS):
+        gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
+        count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
+        remarks.append(f"the earlier {staged.target} had {count}, which are gone with it: a build without --only makes all")
+    return replace(report, remarks=remarks, folder=staged.target)
 
 
 def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
@@ -77,7 +82,11 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
     judged |= {name for name in listed if name.endswith(".3mf")}
-    changed = [name for name in changed_files(folder) if name not in judged]
+    differ = changed_files(folder)
+    as_they_are = [name for name in differ if name in judged]
+    if as_they_are:
+        report = replace(report, remarks=[f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"])
+    changed = [name for name in differ if name not in judged]
     if changed:
         said = f"changed since the build, and not judged by what they hold: {', '.join(changed)}"
         report = replace(report, findings=(*report.findings, at_most("MANIFEST", len(changed), 0, "files", MANIFEST, said)))

@@ -200,6 +200,7 @@ def _machine(
 ) -> tuple[Outcome, dict[str, Floats]]:
     """The machine closed on what was measured: findings, plots of each output, its speed, error and play, motion.csv."""
     from camgen.judge.motion import judge_machine
+    from camgen.judge.targets import judge_targets
     from camgen.pipeline.curves import Curves
 
     machine, fit = mechanism.model, compensation(mechanism)
@@ -229,6 +230,7 @@ def _machine(
             tables.append(verdict.table)
             for curve in curves.values():
                 curve.add(kind, verdict.proof)
+            findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
     columns = {"theta_deg": np.degrees(theta)}
     for curve in curves.values():
         columns |= curve.columns

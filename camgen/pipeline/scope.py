@@ -58,8 +58,10 @@ def reading(mechanism: Mechanism) -> list[Stage]:
     if any(rolling.reach is not None for rolling in rollings):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", ANY))
     if mechanism.features():
-        strokes = ("STROKE_ERROR",) if any(asked.stroke for asked in mechanism.asked()) else ()
-        stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *strokes), "the linkage, closed on the holes of its parts", ANY))
+        asked = mechanism.asked()
+        more = dict.fromkeys(target.code for each in asked for target in each.targets)
+        more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
+        stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *more), "the linkage, closed on the holes of its parts", ANY))
     return stages
 
 

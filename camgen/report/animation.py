@@ -235,6 +235,6 @@ def player(animation: Animation) -> str:
         f'<title id="drawn">The mechanism in motion</title><desc id="drawn-what">Seen along the axes, y up: '
         f"{escape(names)}.</desc>{drawing}</svg><ul>{''.join(legend)}</ul>"
         '<div class="controls"><button type="button" id="play" hidden>Play</button>'
-        '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="cam angle, degrees" hidden>'
+        '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
         f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div></figure>'
     )

@@ -51,7 +51,7 @@ class Report:
     parts: one mapping each with `name`, `count`, `material_mm3` and more; `files` in it lists the part's file names.
     budget: the error budget by stage; files: further files of the folder to which the page links; not_judged: codes that
     were left out; warnings: sentences that a person should read before the parts are made; remarks: what this run did
-    beside the result, told but not written: the same spec gives the same files.
+    beside the result, and folder: where it wrote, told but not written: the same spec gives the same files.
     """
 
     name: str
@@ -68,6 +68,7 @@ class Report:
     not_judged: Sequence[NotJudged] = ()
     warnings: Sequence[str] = ()
     remarks: Sequence[str] = ()
+    folder: Path | None = None
 
     @property
     def ok(self) -> bool:
@@ -238,14 +239,11 @@ def _section(title: str, body: str) -> str:
 
 
 def _used(finding: Finding) -> float | None:
-    """Share of its limit that a finding uses, above 1 where it fails; None where a share has no meaning.
-
-    A finding does not say whether its limit is a ceiling or a floor; verdict and order of the two numbers tell.
-    """
+    """Share of its limit that a finding uses, above 1 where it fails; None where a share has no meaning."""
     measured, limit = finding.measured, finding.limit
     if not (math.isfinite(measured) and math.isfinite(limit)) or measured == limit:
         return None
-    part, whole = (measured, limit) if (measured < limit) == finding.ok else (limit, measured)
+    part, whole = (limit, measured) if finding.floor else (measured, limit)
     return part / whole if part >= 0 and whole > 0 else None
 
 
@@ -282,7 +280,7 @@ def _findings_table(findings: Sequence[Finding], not_judged: Sequence[NotJudged]
             f'<th scope="row"><code>{escape(finding.code)}</code> <small>{escape(finding.where)}</small>'
             f"<p>{escape(finding.message)}</p></th>"
             f'<td class="n">{_text(finding.measured)}{unit}</td>'
-            f'<td class="n">{_text(finding.limit)}{unit}</td>{bar}</tr>'
+            f'<td class="n">{"≥ " if finding.floor else ""}{_text(finding.limit)}{unit}</td>{bar}</tr>'
         )
     head = "".join(f'<th scope="col">{name}</th>' for name in ("Verdict", "Check", "Measured", "Limit", "Of the limit"))
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join([*rows, *open_rows])}</tbody></table>"

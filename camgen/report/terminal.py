@@ -76,22 +76,23 @@ def print_report(report: Report) -> None:
     failed = [finding for finding in report.findings if not finding.ok]
     for finding in failed:
         console.print(Text(printable(f"{finding.code} ({finding.where}): {finding.message}")), soft_wrap=True)
-    for each in report.not_judged:
-        console.print(Text(printable(f"{each.code} {_OPEN}: {each.why}")), soft_wrap=True)
     for text in (*report.warnings, *report.remarks):
         console.print(Text(printable(f"note: {text}")), soft_wrap=True)
     count = len(report.findings)
     verdict = f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL"
     open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
     console.print(Text(printable(verdict + open_)), soft_wrap=True)
+    if report.folder is not None:
+        console.print(Text(printable(f"files are in {report.folder}")), soft_wrap=True)
 
 
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
     margin = abs(finding.limit - finding.measured)
-    short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ")
+    limit = f"{'>= ' if finding.floor else ''}{finding.limit:.4g}"
+    short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ").replace(", crank angle ", ", at ")
     cells = {
-        "finding": finding.code, "measured": f"{finding.measured:.4g}", "limit": f"{finding.limit:.4g}",
+        "finding": finding.code, "measured": f"{finding.measured:.4g}", "limit": limit,
         "margin": f"{margin if finding.ok else -margin:.4g}", "unit": finding.unit,
         "where": short if of == 1 else f"tightest of {of}: {short}", "": "ok" if finding.ok else "FAIL",
     }  # fmt: skip

@@ -75,7 +75,8 @@ def test_a_part_out_of_its_place_is_named(tmp_path: Path, name: str, shifted: st
     close = SLIDING if name == "chain-stitch-looper" else ()
     failed = [f for f in swept(tmp_path / "x.3mf", name, *close, **{shifted: by}) if not f.ok]
     assert {f.code for f in failed} == {"INTERFERENCE"}
-    assert any(f.where.startswith(f"{pair}: ") and "cam angle" in f.where for f in failed), [f.where for f in failed]
+    angle = "cam angle" if "cam" in name else "crank angle"
+    assert any(f.where.startswith(f"{pair}: ") and angle in f.where for f in failed), [f.where for f in failed]
 
 
 def test_fits_without_air_may_touch(tmp_path: Path) -> None:

@@ -122,6 +122,21 @@ def test_what_a_broken_file_leaves_unjudged_is_named(make: Make, tmp_path: Path)
     assert {"MOTION_ERROR", "VOLUME", "ROUND_TRIP"} <= {each.code for each in report.not_judged}
 
 
+def test_a_file_that_was_changed_and_still_holds_is_named(make: Make, tmp_path: Path) -> None:
+    assert not make("disc-cam", "dxf").remarks
+    drawing = tmp_path / "disc-cam" / "disc-cam-cam.dxf"
+    drawing.write_text("999\nlooked at by somebody\n" + drawing.read_text("utf-8"), "utf-8")
+    report = check(tmp_path / "disc-cam")
+    assert report.ok and [text for text in report.remarks if "changed since the build" in text and "disc-cam-cam.dxf" in text]
+
+
+def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
+    make("disc-cam", "dxf,stl")
+    (said,) = make("disc-cam", "dxf").remarks
+    assert "1 more file (STL)" in said and "--only" in said
+    assert not make("disc-cam", "dxf").remarks
+
+
 def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
     make: Make, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -129,7 +144,9 @@ def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
     print_report(report)
     told = capsys.readouterr().out
     assert re.search(r"^INTERFERENCE .* not judged *$", told, re.M)  # in the table
-    last = told.splitlines()[-1]
+    last, place = told.splitlines()[-2:]
+    assert place == f"files are in {tmp_path / 'uniform-swing'}"
+    assert told.count("BED_FIT") == 2  # once in the table, once in the verdict
     assert last == f"{len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
         "BED_FIT, WATERTIGHT, VOLUME (need STL or 3MF)"
     )

@@ -293,7 +293,8 @@ class ChainStitchLooper(Mechanism):
                 "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
                 f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-d.held[k]:.3f} mm short of that axis"
             )  # fmt: skip
-            found.append(Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", f"spreader {k + 1} and needle {2 - k}", said))
+            where = f"spreader {k + 1} and needle {2 - k}"
+            found.append(Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", where, said, True))
         one, two = (math.degrees(angle) for angle in d.pierce_angles)
         found.append(
             at_most(

@@ -207,9 +207,30 @@ class Drawing:
                 yield Fault(f"output.{k}.link", repr(GROUND), "a link that moves")
             if output.name in [other.name for other in self.outputs[:k]]:
                 yield Fault(f"output.{k}.name", repr(output.name), "a name of its own")
+            yield from self._target_faults(f"output.{k}", output)
         for name in self.masses:
             if name not in self.links or name == GROUND:
                 yield _unknown(f"masses.{name}", name, [link for link in self.links if link != GROUND])
+
+    def _target_faults(self, path: str, output: t.Wanted) -> Iterable[Fault]:
+        of_a_link = [key for key in ("points", "straightness") if output.link is not None and getattr(output, key)]
+        of_a_point = [key for key in ("dwell", "time_ratio") if output.point is not None and getattr(output, key)]
+        yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link") for key in of_a_link)
+        yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path") for key in of_a_point)
+        if output.points is not None:
+            yield from output.points.faults(f"{path}.points")
+        if output.straightness is not None:
+            yield from output.straightness.faults(f"{path}.straightness")
+        if self.drive.range_deg is None:
+            return
+        if output.time_ratio is not None:
+            yield Fault(f"{path}.time_ratio", "", "nothing here: it is asked of a drive that turns all round, without range_deg")
+        low, high = self.drive.range_deg
+        asked = {"points.theta_deg": output.points and output.points.theta_deg,
+                 "straightness.range_deg": output.straightness and output.straightness.range_deg}  # fmt: skip
+        for key, angles in asked.items():
+            if angles and not low <= min(angles) <= max(angles) <= high:
+                yield Fault(f"{path}.{key}", str(list(angles)), f"angles within drive.range_deg, {low:g} to {high:g}")
 
     def _shape_faults(self) -> list[Fault]:
         """Links whose lengths contradict each other."""

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.closed_form import FourBar, four_bar
 from camgen.machine.run import solve
 from camgen.machine.study import Plot, Sketch, Study, Table
+from camgen.machine.targets import Course
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
@@ -54,6 +56,27 @@ def study(linkage: Linkage) -> Study:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def courses(linkage: Linkage) -> list[Course]:
+    """Of each output its course, on the model as designed."""
+    theta = np.linspace(*linkage.range, ROWS)
+    run = linkage.run(theta, 1)
+    found = []
+    for wanted in linkage.wanted:
+        unit, scale = ("deg", math.degrees(1)) if isinstance(linkage.chain.output(wanted.name).of, m.Angle) else ("mm", 1.0)
+        value, slope = scale * run.derivatives(wanted.name)
+        found.append(Course(theta, value, slope, unit, linkage.drive.range_deg is None))
+    return found
+
+
+def targets(linkage: Linkage) -> list[Finding]:
+    """What is wanted of outputs by value, on the model as designed."""
+    return [
+        target.finding(course, f"{wanted.name} as designed")
+        for wanted, course in zip(linkage.wanted, courses(linkage), strict=True)
+        for target in wanted.targets
+    ]
 
 
 def _forces(linkage: Linkage, theta: Floats) -> Study:

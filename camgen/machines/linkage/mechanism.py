@@ -29,6 +29,7 @@ from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.joining import joined
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study, together
+from camgen.machine.targets import stroke
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
 from camgen.machines.linkage import figures
@@ -40,6 +41,7 @@ from camgen.parts.catalogue import DENSITY, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
 
+_LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
@@ -156,6 +158,11 @@ class Linkage(Mechanism):
         return self.drive.speed_rpm * math.tau / 60
 
     @property
+    def angle_name(self) -> str:
+        """Of a drive that goes to and fro theta is no crank's angle."""
+        return super().angle_name if self.drive.range_deg is None else "drive angle"
+
+    @property
     def range(self) -> tuple[float, float]:
         """Least and greatest theta, rad."""
         low, high = self.drive.range_deg or (0.0, 360.0)
@@ -259,9 +266,16 @@ class Linkage(Mechanism):
 
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""
-        lash = {"mm": self.allowed.lash, "rad": math.radians(self.allowed.lash_deg)}
-        own = [Asked(output.name, lash=lash[output.unit]) for output in self.chain.outputs]
-        return [*own, *(asked for each in self.modules for asked in each.asked())]
+        return (*self._asked, *(asked for each in self.modules for asked in each.asked()))
+
+    @cached_property
+    def _asked(self) -> tuple[Asked, ...]:
+        found = []
+        for wanted, course in zip(self.wanted, figures.courses(self), strict=True):
+            given = self.allowed.lash if course.unit == "mm" else self.allowed.lash_deg
+            lash = _LASH * stroke(course) if given is None else given
+            found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
+        return tuple(found)
 
     def printed(self) -> Sequence[Part]:
         """All that are printed."""
@@ -276,9 +290,9 @@ class Linkage(Mechanism):
         return (*own, *(thing for each in self.modules for thing in each.bought()))
 
     def limits(self) -> Sequence[Finding]:
-        """How near each loop comes to a fold."""
+        """Targets by the model as designed, and how near each loop comes to a fold."""
         low, high = self.range
-        found = []
+        found = figures.targets(self)
         for fold in folds(self.chain, low, high):
             angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
             found.append(at_least(

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from camgen.errors import Fault
+from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
 from camgen.motion.segments import NamedLaw
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
@@ -92,11 +93,22 @@ class Cam(Record):
 
 
 class Wanted(Record):
-    """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place."""
+    """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place; and its targets."""
 
     name: Name
     point: Name | None = Field(None, description="a point: its path")
     link: Name | None = Field(None, description="a link: its angle, or its place along its slide")
+    stroke: Stroke | None = None
+    points: Through | None = None
+    straightness: Straight | None = None
+    dwell: Dwell | None = None
+    time_ratio: TimeRatio | None = None
+
+    @property
+    def targets(self) -> tuple[Target, ...]:
+        """What is wanted of it by value."""
+        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio)
+        return tuple(target for target in every if target is not None)
 
 
 class Include(Record):
@@ -181,8 +193,10 @@ class Limits(Record):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
-    lash: Annotated[float, Field(ge=0, le=1e6)] = Field(1e6, description="mm, free play of an output by all joints' play")
-    lash_deg: Annotated[float, Field(ge=0, le=360)] = Field(360.0, description="deg, the same of an angle")
+    lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
+        None, description="mm, free play of an output by all joints' play; a quarter of its stroke unless given"
+    )
+    lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(None, description="deg, the same of an angle")
     min_wall: Length = Field(0.8, description="mm")
 
 

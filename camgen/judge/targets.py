@@ -1,0 +1,29 @@
+"""Targets judged from files: each output's course by the joints as measured, against what the spec wants of it by value."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from camgen.findings import Finding
+from camgen.judge.motion import Proof, unit_of
+from camgen.machine.features import Asked
+from camgen.machine.model import Floats
+from camgen.machine.targets import Course
+
+
+def judge_targets(asked: Sequence[Asked], proof: Proof, theta: Floats, where: str) -> list[Finding]:
+    """A finding for each target of each output. theta: (n,) rad, even, both ends of the turn or range included."""
+    findings = []
+    for each in asked:
+        if each.targets:
+            moved = proof.moved(each.output, theta)
+            unit, scale = unit_of(proof.machine.output(each.output))
+            whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9
+            course = Course(theta, scale * moved.value, scale * moved.slope, unit, whole)
+            place = f"{where}, {each.output}"
+            closes = bool(np.isfinite(course.value).all())
+            findings += [target.finding(course, place) for target in each.targets if closes]  # else MOTION_ERROR has told
+    return findings

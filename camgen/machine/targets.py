@@ -1,0 +1,321 @@
+"""What is wanted of an output by value: stroke, places of a path, straightness, dwell, time ratio.
+
+    course   an output over a turn, or a range, in a person's units: by the model's closed form, or by joints as measured
+    target   one wish with its tolerance: a table of the spec that measures a course and says its finding
+
+theta is the drive's angle from the drawn position; where a program moves the drive, the angle of its period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import Fault
+from camgen.findings import Finding, at_least, at_most
+from camgen.machine.model import Floats, Points
+from camgen.spec import Record
+
+_FINE = 8  # places between two samples at which a dwell is looked for
+_WINDOWS = 720  # stretches of a path, from so many places, of which the straightest is looked for
+_CLOSER = 12  # of them that are measured by the least zone
+
+Size = Annotated[float, Field(gt=0, le=1e6)]
+Value = Annotated[float, Field(ge=-1e6, le=1e6)]
+Angle = Annotated[float, Field(ge=-36000, le=36000)]
+
+
+@dataclass(frozen=True)
+class Course:
+    """An output at theta, (n,) rad, growing, both ends of the range included: value in `unit` ("mm", complex for a path, or
+    "deg") and slope to theta, (n,). whole: whether the range is one turn, after which it goes on as before."""
+
+    theta: Floats
+    value: Any
+    slope: Any
+    unit: str
+    whole: bool
+
+    def at(self, theta: Floats) -> Any:
+        """The value there, (m,): cubic between the samples; of a whole turn at any angle."""
+        low, high = self.theta[0], self.theta[-1]
+        turns = np.floor((theta - low) / (high - low)) if self.whole else np.zeros(np.shape(theta))
+        t = theta - turns * (high - low)
+        k = np.clip(np.searchsorted(self.theta, t, side="right") - 1, 0, len(self.theta) - 2)
+        h = self.theta[k + 1] - self.theta[k]
+        u, a, b = (t - self.theta[k]) / h, self.value[k], self.value[k + 1]
+        bend = (1 - u) * (h * self.slope[k] - (b - a)) - u * (h * self.slope[k + 1] - (b - a))
+        return a + u * (b - a) + u * (1 - u) * bend + turns * (self.value[-1] - self.value[0])
+
+    def extreme(self, sign: int) -> tuple[float, float]:
+        """theta and value where a real output is greatest (sign 1) or least (-1): where its slope vanishes, or at an end."""
+        k = int(np.argmax(sign * self.value))
+        last = len(self.theta) - 2
+        found = [(float(self.theta[k]), float(self.value[k]))]
+        for j in {k - 1, k, *((0, last) if self.whole and k in (0, last + 1) else ())} & set(range(last + 1)):
+            a, b = self.slope[j], self.slope[j + 1]
+            if a * b < 0:
+                t = float(self.theta[j] + a / (a - b) * (self.theta[j + 1] - self.theta[j]))
+                found.append((t, float(self.at(np.array([t]))[0])))
+        return max(found, key=lambda pair: sign * pair[1])
+
+    def nearest(self, place: complex) -> list[tuple[float, float]]:
+        """theta and distance, mm, of each place of a path that is nearer to `place` than its neighbours; by theta."""
+        away = np.abs(self.value[:-1] - place) if self.whole else np.abs(self.value - place)
+        before, after = np.roll(away, 1), np.roll(away, -1)
+        if not self.whole:
+            before[0] = after[-1] = math.inf
+        k = np.flatnonzero((away <= before) & (away <= after))
+        step = self.theta[1] - self.theta[0]
+        low, high = self.theta[k] - step, self.theta[k] + step
+        if not self.whole:
+            low, high = np.maximum(low, self.theta[0]), np.minimum(high, self.theta[-1])
+        for _ in range(60):
+            a, b = low + (high - low) / 3, high - (high - low) / 3
+            left = np.abs(self.at(a) - place) < np.abs(self.at(b) - place)
+            low, high = np.where(left, low, a), np.where(left, b, high)
+        t = (low + high) / 2
+        return sorted(zip(t.tolist(), np.abs(self.at(t) - place).tolist(), strict=True))
+
+
+def stroke(course: Course) -> float:
+    """Difference of the extremes; of a path the larger side of its box."""
+    if np.iscomplexobj(course.value):
+        sides = [(course.value.real, course.slope.real), (course.value.imag, course.slope.imag)]
+        return max(stroke(Course(course.theta, *side, course.unit, course.whole)) for side in sides)
+    return course.extreme(1)[1] - course.extreme(-1)[1]
+
+
+class Stroke(Record):
+    """How far an output goes: the difference of its extremes; of a path the larger side of its box."""
+
+    code: ClassVar[str] = "STROKE_ERROR"
+
+    value: Size = Field(description="mm; deg of an angle")
+    tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """STROKE_ERROR."""
+        made = stroke(course)
+        said = f"stroke {made:.6g} {course.unit}, {self.value:g} wanted; the limit is the tolerance of the spec"
+        return at_most(self.code, abs(made - self.value), self.tolerance, course.unit, where, said)
+
+
+class Through(Record):
+    """Places that a path passes, each at its nearest."""
+
+    code: ClassVar[str] = "PATH_ERROR"
+
+    at: tuple[tuple[Value, Value], ...] = Field(min_length=1, max_length=1000, description="mm, places [x, y] as drawn")
+    tolerance: Size = Field(description="mm, how far from each the path may pass")
+    in_order: bool = Field(False, description="whether it passes them in this order as theta grows; no unit")
+    theta_deg: tuple[Angle, ...] | None = Field(None, description="deg, when it is there: one angle for each place")
+
+    def faults(self, path: str) -> list[Fault]:
+        """What does not go together."""
+        if self.theta_deg is not None and len(self.theta_deg) != len(self.at):
+            return [Fault(f"{path}.theta_deg", f"{len(self.theta_deg)} angles", f"one for each of the {len(self.at)} places")]
+        if self.theta_deg is not None and self.in_order:
+            return [Fault(f"{path}.in_order", "true", "false, or no theta_deg: angles say the order already")]
+        return []
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """PATH_ERROR: the place that the path misses most."""
+        places = [complex(*place) for place in self.at]
+        if self.theta_deg is not None:
+            t = np.radians(self.theta_deg)
+            met = list(zip(t.tolist(), np.abs(course.at(t) - places).tolist(), strict=True))
+            how = "at the angles given"
+        else:
+            ways = [course.nearest(place) for place in places]
+            met = _in_order(ways, course.whole) if self.in_order else [min(way, key=lambda pair: pair[1]) for way in ways]
+            how = "in their order" if self.in_order else "each at its nearest"
+        if not met:
+            return at_most(self.code, math.nan, self.tolerance, "mm", where, "the path never passes them in this order")
+        k = max(range(len(met)), key=lambda k: met[k][1])
+        x, y = self.at[k]
+        said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k} ({x:g}, {y:g}) is missed most, "
+        said += f"theta {math.degrees(met[k][0]) % 360 if course.whole else math.degrees(met[k][0]):.2f} deg"
+        return at_most(self.code, met[k][1], self.tolerance, "mm", where, said)
+
+
+class Straight(Record):
+    """How straight a stretch of a path is: the width of the narrowest strip that holds it (ISO 1101)."""
+
+    code: ClassVar[str] = "STRAIGHTNESS"
+
+    tolerance: Size = Field(description="mm, greatest width of the strip")
+    range_deg: tuple[Angle, Angle] | None = Field(None, description="deg of theta, from and to: which stretch")
+    length: Size | None = Field(None, description="mm from end to end: instead, the straightest stretch that is so long")
+
+    def faults(self, path: str) -> list[Fault]:
+        """What does not go together."""
+        if (self.range_deg is None) == (self.length is None):
+            return [Fault(path, "", "either range_deg or length")]
+        if self.range_deg is not None and not 0 < self.range_deg[1] - self.range_deg[0] <= 360:
+            return [Fault(f"{path}.range_deg", str(list(self.range_deg)), "the least before the greatest, at most a turn apart")]
+        return []
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """STRAIGHTNESS."""
+        if self.range_deg is not None:
+            low, high = np.radians(self.range_deg)
+            way = course.at(np.linspace(low, high, len(course.theta)))
+            width = strip(way)
+            over = f"from {self.range_deg[0]:g} to {self.range_deg[1]:g} deg"
+        else:
+            assert self.length is not None
+            width, begins, ends = straightest(course, self.length)
+            over = f"the straightest {self.length:g} mm, from {math.degrees(begins):.1f} to {math.degrees(ends):.1f} deg"
+            if math.isnan(width):
+                over = f"no two places of the path are {self.length:g} mm apart"
+        return at_most(self.code, width, self.tolerance, "mm", where, f"strip that holds the path {over}")
+
+
+class Dwell(Record):
+    """How long an output rests: the longest span of theta over which it stays within a band."""
+
+    code: ClassVar[str] = "DWELL"
+
+    span_deg: Annotated[float, Field(gt=0, le=360)] = Field(description="deg of theta, at least")
+    band: Size = Field(description="width, mm; deg of an angle")
+    at: Value | None = Field(None, description="the middle of the band, mm; deg of an angle; anywhere unless given")
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """DWELL."""
+        span, begins = dwell(course, self.band, self.at)
+        said = f"longest span within a band of {self.band:g} {course.unit}"
+        said += f" about {self.at:g}" if self.at is not None else ""
+        said += f", from {math.degrees(begins):.2f} deg" if span > 0 else ": it never is there"
+        return at_least(self.code, math.degrees(span), self.span_deg, "deg", where, said)
+
+
+class TimeRatio(Record):
+    """Quick return: time of the slower stroke to that of the quicker one, between the output's extremes."""
+
+    code: ClassVar[str] = "TIME_RATIO"
+
+    value: Annotated[float, Field(ge=1, le=1e3)] = Field(description="slower to quicker, 1 or more; no unit")
+    tolerance: Size = Field(description="how far it may differ; no unit")
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """TIME_RATIO."""
+        made, least, most = time_ratio(course)
+        said = f"ratio {made:.6g}, {self.value:g} wanted; extremes at {math.degrees(least):.2f} and {math.degrees(most):.2f} deg"
+        return at_most(self.code, abs(made - self.value), self.tolerance, "1", where, said)
+
+
+Target = Stroke | Through | Straight | Dwell | TimeRatio
+
+
+def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> list[tuple[float, float]]:
+    """Of each place one of its nearest passes so that theta grows from place to place, the worst distance the least; none
+    where there is no such order."""
+
+    def passed(limit: float) -> list[tuple[float, float]] | None:
+        for start in (pair for pair in ways[0] if pair[1] <= limit):
+            chain, end = [start], start[0] + math.tau if whole else math.inf
+            for way in ways[1:]:
+                later = [(t + turn, away) for t, away in way if away <= limit for turn in ((0.0, math.tau) if whole else (0.0,))]
+                later = [pair for pair in later if chain[-1][0] < pair[0] < end]
+                if not later:
+                    break
+                chain.append(min(later))
+            else:
+                return chain
+        return None
+
+    limits = sorted(away for way in ways for _, away in way)
+    found = next((chain for limit in limits if (chain := passed(limit)) is not None), None)
+    return found or []
+
+
+def strip(places: Points) -> float:
+    """Width of the narrowest strip that holds all places, mm: one side of it lies along an edge of their convex hull."""
+    hull = _hull(places)
+    if len(hull) < 3:
+        return 0.0
+    widths = []
+    for a, b in pairwise([*hull, hull[0]]):
+        away = ((hull - a) * np.conj((b - a) / abs(b - a))).imag
+        widths.append(float(np.ptp(away)))
+    return min(widths)
+
+
+def _hull(places: Points) -> Points:
+    """Corners of the convex hull, counter-clockwise.   [Andrew 1979]"""
+    ordered = sorted({(z.real, z.imag) for z in places.tolist()})
+    half: list[list[complex]] = []
+    for run in (ordered, ordered[::-1]):
+        chain: list[complex] = []
+        for x, y in run:
+            z = complex(x, y)
+            while len(chain) > 1 and ((chain[-1] - chain[-2]).conjugate() * (z - chain[-2])).imag <= 0:
+                chain.pop()
+            chain.append(z)
+        half.append(chain[:-1])
+    return np.array(half[0] + half[1])
+
+
+def straightest(course: Course, length: float) -> tuple[float, float, float]:
+    """Of all stretches of a path whose ends are `length` mm apart the narrowest strip: width, theta of both ends; nan where
+    there is none."""
+    n = _WINDOWS
+    span = course.theta[-1] - course.theta[0]
+    theta = course.theta[0] + np.arange(2 * n + 1 if course.whole else n + 1) * (span / n)
+    z = course.at(theta)
+    found = []
+    for i in range(n):
+        ahead = z[i : i + n + 1] - z[i]
+        far = np.flatnonzero(np.abs(ahead) >= length)
+        if far.size:
+            end = int(far[0])
+            found.append((float(np.ptp((ahead[: end + 1] * np.conj(ahead[end])).imag) / abs(ahead[end])), i, i + end))
+    closer = [(strip(z[i : j + 1]), float(theta[i]), float(theta[j])) for _, i, j in sorted(found)[:_CLOSER]]
+    return min(closer, default=(math.nan, math.nan, math.nan))
+
+
+def dwell(course: Course, band: float, at: float | None = None) -> tuple[float, float]:
+    """Longest span of theta, rad, over which a real output stays within a band, and where it begins."""
+    n = (len(course.theta) - 1) * _FINE
+    theta = np.linspace(course.theta[0], course.theta[-1], n + 1)
+    if course.whole:
+        theta = np.concatenate([theta, theta[1:] + (theta[-1] - theta[0])])
+    value, step = course.at(theta), theta[1] - theta[0]
+    best, begins = 0.0, float(theta[0])
+    if at is not None:
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(value - at) <= band / 2, [False]])))
+        for i, j in edges.reshape(-1, 2):
+            if (j - 1 - i) * step > best:
+                best, begins = float((j - 1 - i) * step), float(theta[i])
+    else:
+        low: list[int] = []  # of the window, growing values; high: falling ones
+        high: list[int] = []
+        first = heads = tails = 0
+        for k, x in enumerate(value.tolist()):
+            while len(low) > heads and value[low[-1]] >= x:
+                low.pop()
+            while len(high) > tails and value[high[-1]] <= x:
+                high.pop()
+            low.append(k)
+            high.append(k)
+            while value[high[tails]] - value[low[heads]] > band:
+                first += 1
+                heads += low[heads] < first
+                tails += high[tails] < first
+            if (k - first) * step > best:
+                best, begins = float((k - first) * step), float(theta[first])
+    return min(best, float(course.theta[-1] - course.theta[0])), begins
+
+
+def time_ratio(course: Course) -> tuple[float, float, float]:
+    """Time of the slower stroke to that of the quicker, and theta of the least and the greatest place, rad."""
+    least, most = course.extreme(-1)[0], course.extreme(1)[0]
+    there = (most - least) % math.tau
+    return max(there, math.tau - there) / max(min(there, math.tau - there), 1e-300), least, most

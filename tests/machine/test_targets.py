@@ -1,0 +1,98 @@
+"""Targets measured on courses whose answers are known in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from camgen.machine import targets
+from camgen.machine.targets import Course, Dwell, Straight, Stroke, Through, TimeRatio
+
+THETA = np.linspace(0, math.tau, 1441)
+PART = np.radians(np.linspace(-30, 50, 321))
+
+
+def wave(theta: np.ndarray = THETA, whole: bool = True) -> Course:
+    return Course(theta, 20 * np.cos(theta), -20 * np.sin(theta), "mm", whole)
+
+
+def ellipse() -> Course:
+    """Half-axes 20 and 5, off the round angles."""
+    return Course(THETA, 20 * np.cos(THETA) + 5j * np.sin(THETA), -20 * np.sin(THETA) + 5j * np.cos(THETA), "mm", True)
+
+
+def test_between_samples_the_course_is_right() -> None:
+    theta = np.random.default_rng(3).uniform(-7, 20, 400)
+    assert np.max(np.abs(wave().at(theta) - 20 * np.cos(theta))) < 1e-9
+    turning = Course(THETA, THETA + np.sin(THETA), 1 + np.cos(THETA), "deg", True)
+    assert np.max(np.abs(turning.at(theta) - theta - np.sin(theta))) < 1e-9
+
+
+def test_stroke() -> None:
+    assert targets.stroke(wave()) == pytest.approx(40, abs=1e-9)
+    assert targets.stroke(wave(PART, False)) == pytest.approx(20 - 20 * math.cos(math.radians(50)), abs=1e-9)
+    assert targets.stroke(ellipse()) == pytest.approx(40, abs=1e-9)
+    assert Stroke(value=40.1, tolerance=0.2).finding(wave(), "").ok
+    assert not Stroke(value=40.1, tolerance=0.05).finding(wave(), "").ok
+
+
+@pytest.mark.parametrize("band", [0.5, 3.0, 12.0])
+def test_a_sine_dwells_longest_where_it_turns_back(band: float) -> None:
+    span = math.degrees(2 * math.acos(1 - band / 20))
+    assert math.degrees(targets.dwell(wave(), band)[0]) == pytest.approx(span, abs=0.07)
+    half = math.degrees(2 * math.acos(1 - band / 40))  # of the band about 20 only its lower half is reached
+    assert math.degrees(targets.dwell(wave(), band, 20)[0]) == pytest.approx(half, abs=0.07)
+    assert Dwell(span_deg=span - 0.1, band=band).finding(wave(), "").ok
+    assert not Dwell(span_deg=span + 0.1, band=band).finding(wave(), "").ok
+    assert not Dwell(span_deg=1, band=band, at=60.0).finding(wave(), "").ok
+
+
+def test_time_ratio_of_two_harmonic_strokes() -> None:
+    """Out over 200 deg, back over 160 deg."""
+    out = math.radians(200)
+    u = np.where(out > THETA, THETA / out, 1 + (THETA - out) / (math.tau - out))
+    rate = np.where(out > THETA, math.pi / out, math.pi / (math.tau - out))
+    course = Course(THETA, -np.cos(math.pi * u), rate * np.sin(math.pi * u), "mm", True)
+    assert targets.time_ratio(course)[0] == pytest.approx(200 / 160, abs=1e-5)
+    assert TimeRatio(value=1.25, tolerance=1e-3).finding(course, "").ok
+    assert not TimeRatio(value=1.26, tolerance=1e-3).finding(course, "").ok
+
+
+def test_places_of_a_path() -> None:
+    path = ellipse()
+    error = Through(at=((25.0, 0.0), (0.0, -8.0)), tolerance=4.0).finding(path, "")
+    assert error.measured == pytest.approx(5, abs=1e-9) and not error.ok
+    t = math.radians(33)
+    there = 20 * math.cos(t), 5 * math.sin(t)
+    assert Through(at=(there,), tolerance=1e-6, theta_deg=(33.0,)).finding(path, "").ok
+    late = Through(at=(there,), tolerance=1e-6, theta_deg=(34.0,)).finding(path, "")
+    speed = abs(complex(-20 * math.sin(t), 5 * math.cos(t)))
+    assert late.measured == pytest.approx(speed * math.radians(1), rel=0.02)
+
+
+def test_order_of_places() -> None:
+    around = ((20.0, 0.0), (0.0, 5.0), (-20.0, 0.0), (0.0, -5.0))
+    asked = {"tolerance": 1e-6, "in_order": True}
+    assert Through(at=around, **asked).finding(ellipse(), "").ok
+    assert Through(at=(*around[2:], *around[:2]), **asked).finding(ellipse(), "").ok
+    swapped = (around[0], around[2], around[1], around[3])
+    assert Through(at=swapped, tolerance=1e-6).finding(ellipse(), "").ok
+    assert not Through(at=swapped, **asked).finding(ellipse(), "").ok
+
+
+def test_straightness_of_an_arc_is_its_height() -> None:
+    circle = Course(THETA, 30 * np.exp(1j * THETA), 30j * np.exp(1j * THETA), "mm", True)
+    height = 30 * (1 - math.cos(math.radians(20)))
+    assert Straight(tolerance=1.0, range_deg=(100.0, 140.0)).finding(circle, "").measured == pytest.approx(height, rel=1e-4)
+    chord = 2 * 30 * math.sin(math.radians(20))
+    assert targets.straightest(circle, chord)[0] == pytest.approx(height, rel=0.03)
+    assert math.isnan(targets.straightest(circle, 61.0)[0])
+    assert not Straight(tolerance=1.0, length=61.0).finding(circle, "").ok
+
+
+def test_a_strip_lies_as_it_must() -> None:
+    box = np.array([0, 10, 10 + 2j, 2j, 5 + 1j]) * np.exp(0.3j)
+    assert targets.strip(box) == pytest.approx(2, abs=1e-12)
+    assert targets.strip(np.array([0, 3 + 4j, 6 + 8j])) == 0

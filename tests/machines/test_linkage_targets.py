@@ -1,0 +1,102 @@
+"""Wanted values of a linkage's outputs: on the model against closed forms, from files, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+
+from camgen.errors import SpecError
+from camgen.findings import Finding
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.pipeline.build import build, check
+from camgen.spec import read, validate
+
+SHAPER = {
+    "points": {"O": [0, 0], "A": [0, 20], "D": [0, -50], "E": [0, 60]},
+    "links": {"ground": ["O", "D"], "crank": ["O", "A"], "arm": ["D", "E"]},
+    "slot": [{"pin": "A", "link": "arm", "along": ["D", "E"]}],
+}
+# Hoeken's straight-line chain, ten times its published proportions 1 : 2 : 2.5 : 2.5, tracing point at 5 on the coupler.
+HOEKEN = {
+    "points": {"O": [0, 0], "C": [20, 0], "A": [-10, 0], "B": [5, 20], "P": [20, 40]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B", "P"], "rocker": ["C", "B"]},
+    "lengths": {"O-C": 20, "O-A": 10, "A-B": 25, "C-B": 25, "B-P": 25, "A-P": 50},
+}
+
+
+def spec(**tables: Any) -> dict[str, Any]:
+    return {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables}
+
+
+def found(output: dict[str, Any], **tables: Any) -> dict[str, Finding]:
+    machine = validate(Linkage, spec(**tables, output=[output]))
+    return {finding.code: finding for finding in machine.limits()}
+
+
+def test_time_ratio_of_the_crank_shaper() -> None:
+    """(180 + alpha) / (180 - alpha), alpha the arm's swing."""
+    alpha = 2 * math.degrees(math.asin(20 / 50))
+    ratio = (180 + alpha) / (180 - alpha)
+    arm = {"name": "arm", "link": "arm"}
+    asked = {"time_ratio": {"value": ratio, "tolerance": 1e-4}, "stroke": {"value": alpha, "tolerance": 1e-5}}
+    good = found({**arm, **asked}, **SHAPER)
+    assert good["TIME_RATIO"].ok and good["STROKE_ERROR"].ok and good["STROKE_ERROR"].unit == "deg"
+    assert not found({**arm, "time_ratio": {"value": ratio + 0.01, "tolerance": 1e-3}}, **SHAPER)["TIME_RATIO"].ok
+
+
+def test_hoekens_line_is_nearly_straight_over_half_a_turn() -> None:
+    """Half a turn of the crank about the place away from the rocker's pivot, the least of its published uses."""
+    pen = {"name": "pen", "point": "P"}
+    straight = found({**pen, "straightness": {"range_deg": [-90, 90], "tolerance": 1.0}}, **HOEKEN)["STRAIGHTNESS"]
+    curved = found({**pen, "straightness": {"range_deg": [0, 360], "tolerance": 1.0}}, **HOEKEN)["STRAIGHTNESS"]
+    assert straight.ok and not curved.ok and curved.measured > 5
+
+
+def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None:
+    """The swing's 47.7 deg follow from the lengths; the rocker's hole 0.3 mm nearer makes it wider."""
+    from tests.machines.test_linkage import shifted_hole
+
+    data = read(root / "specs" / "linkage.toml")
+    least, most = (math.degrees(math.acos((70**2 + 50**2 - way**2) / (2 * 70 * 50))) for way in (40, 80))
+    data["output"][1] |= {"stroke": {"value": most - least, "tolerance": 0.1}}
+    data["output"][0] |= {"points": {"at": [[22, 52]], "tolerance": 1.0}}
+    file = tmp_path / "own.toml"
+    file.write_text(tomli_w.dumps(data), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    places = {code: [f.where for f in report.findings if f.code == code] for code in ("STROKE_ERROR", "PATH_ERROR")}
+    assert places["STROKE_ERROR"] == ["swing as designed", "linkage-*.dxf, swing"] and len(places["PATH_ERROR"]) == 2
+    shifted_hole(tmp_path / "linkage" / "linkage-rocker.dxf", 50 + 0j, -0.3)
+    failed = {(f.code, f.where) for f in check(tmp_path / "linkage").findings if not f.ok}
+    assert ("STROKE_ERROR", "linkage-*.dxf, swing") in failed and ("STROKE_ERROR", "swing as designed") not in failed
+
+
+@pytest.mark.parametrize(
+    ("output", "path"),
+    [
+        ({"link": "rocker", "points": {"at": [[1, 2]], "tolerance": 1}}, "output.0.points"),
+        ({"link": "rocker", "straightness": {"length": 3, "tolerance": 1}}, "output.0.straightness"),
+        ({"point": "P", "dwell": {"span_deg": 3, "band": 1}}, "output.0.dwell"),
+        ({"point": "P", "time_ratio": {"value": 2, "tolerance": 1}}, "output.0.time_ratio"),
+        ({"point": "P", "straightness": {"tolerance": 1}}, "output.0.straightness"),
+        ({"point": "P", "straightness": {"tolerance": 1, "range_deg": [50, 20]}}, "output.0.straightness.range_deg"),
+        ({"point": "P", "points": {"at": [[1, 2]], "tolerance": 1, "theta_deg": [1, 2]}}, "output.0.points.theta_deg"),
+        ({"link": "rocker", "stroke": {"value": 0, "tolerance": 1}}, "output.0.stroke.value"),
+        ({"link": "rocker", "stroke": {"value": 3}}, "output.0.stroke.tolerance"),
+    ],
+)
+def test_targets_that_cannot_be_asked(output: dict[str, Any], path: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, spec(**HOEKEN, output=[{"name": "o", **output}]))
+    assert path in [fault.path for fault in caught.value.faults]
+
+
+def test_angles_out_of_the_range_of_the_drive() -> None:
+    tables = {**HOEKEN, "drive": {"link": "crank", "range_deg": [-90, 90]}}
+    output = {"name": "o", "point": "P", "straightness": {"tolerance": 1, "range_deg": [50, 100]}}
+    with pytest.raises(SpecError, match="within drive.range_deg, -90 to 90"):
+        validate(Linkage, {"mechanism": "linkage", "name": "own", **tables, "output": [output]})
