@@ -251,6 +251,11 @@ def polygon(points: Sequence[complex]) -> Contour:
     return Contour(tuple(Line(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True)))
 
 
+def rectangle(low: complex, high: complex) -> Contour:
+    """The rectangle between two corners, mm; the first one is the lower left."""
+    return polygon([low, complex(high.real, low.imag), high, complex(low.real, high.imag)])
+
+
 def kidney(centre: complex, radius: float, half_width: float, start: float, sweep: float) -> Contour:
     """Arc slot: all points within half_width of an arc about `centre` (rad, sweep > 0), counter-clockwise."""
     first = centre + radius * cmath.exp(1j * start)

@@ -49,6 +49,7 @@ class Bearing:
     bore: float
     outside: float
     width: float
+    standard: str = "ISO 15"
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class MotorFace:
     """Face of a motor about its shaft: centring boss (diameter, height), places of its screw holes, complex mm.
 
     half: half the body's width across, mm; shaft: usual diameter, 0 where the frame sets none; depth: of the thread in its
-    holes, mm, or where they are plain the thickness of its flange, behind which nuts sit.
+    holes, mm, or where they are plain the thickness of its flange, behind which nuts sit; standard: "" where it has none.
     """
 
     name: str
@@ -68,6 +69,7 @@ class MotorFace:
     shaft: float
     depth: float = math.inf
     plain: bool = False
+    standard: str = "NEMA ICS 16"
 
     def screw_length(self, grip: float) -> float:
         """Length of the screws that hold it through a grip, mm; 0 where none is sold."""
@@ -124,6 +126,7 @@ BEARINGS = {
     )
 }
 
+DOWEL_STANDARD = "ISO 2338"
 # Diameter -> shortest and longest, mm.
 DOWELS = {
     1.0: (4, 10), 1.5: (4, 16), 2.0: (6, 20), 2.5: (6, 24), 3.0: (8, 30), 4.0: (8, 40), 5.0: (10, 50), 6.0: (12, 60),
@@ -168,7 +171,12 @@ def flange(boss: float, screw_circle: float, count: int, thread: str) -> MotorFa
     """
     screw = SCREWS[thread]
     places = tuple(cmath.rect(screw_circle / 2, math.tau * k / count) for k in range(count))
-    return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2 + _RIM, 0.0)
+    return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2 + _RIM, 0.0, standard="")
+
+
+def nut(name: str, thread: str, count: int) -> Bought:
+    """Nuts of a thread."""
+    return Bought(name, "ISO 4032", thread, count)
 
 
 def fastener(name: str, thread: str, through: float, count: int) -> Bought:

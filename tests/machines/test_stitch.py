@@ -17,16 +17,8 @@ from scipy.optimize import differential_evolution
 
 from camgen.errors import DesignError
 from camgen.machines.chain_stitch_looper.design import Room, best_clearance, clearances, kept
-from camgen.machines.chain_stitch_looper.stitch import (
-    Condition,
-    Design,
-    Stitch,
-    linear,
-    ratio_conditions,
-    ratio_range,
-    thread_per_stitch,
-    to_and_fro,
-)
+from camgen.machines.chain_stitch_looper.ratio import Condition, linear, ratio_conditions, ratio_range
+from camgen.machines.chain_stitch_looper.stitch import Design, Stitch, thread_per_stitch, to_and_fro
 from camgen.machines.chain_stitch_looper.study import study
 from camgen.motion.laws import LAWS
 

@@ -19,8 +19,9 @@ from pydantic import Field
 
 from camgen.errors import DesignError
 from camgen.geometry.crossing import Edge, rounded
-from camgen.geometry.outlines import Contour, Region, circle, polygon, start_point
-from camgen.machines.chain_stitch_looper.stitch import Condition, Design, Stitch, linear
+from camgen.geometry.outlines import Contour, Region, circle, polygon, rectangle, start_point
+from camgen.machines.chain_stitch_looper.ratio import Condition, linear
+from camgen.machines.chain_stitch_looper.stitch import Design, Stitch
 from camgen.machines.chain_stitch_looper.timing import Clock
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Record
@@ -243,8 +244,7 @@ class Bodies:
         z, half = g.spacing, max(self.upper.thickness, 6.0)
         r = g.needle / 2 + min(0.4, (z - g.needle) / 4)
         left, right, t = -_BEYOND, z + _BEYOND, p.plate_thickness
-        outline = polygon([complex(left, -t), complex(right, -t), complex(right, 0), complex(left, 0)])
-        top = polygon([complex(left, 0), complex(right, 0), complex(right, 2 * half), complex(left, 2 * half)])
+        outline, top = rectangle(complex(left, -t), complex(right)), rectangle(complex(left), complex(right, 2 * half))
         holes = tuple(circle(complex(x, half), r) for x in (0.0, z))
         return Part(
             "needle-plate", "Dummy of the needle plate, not to be made", (Layer(Region(outline), 0.0, 2 * half),),

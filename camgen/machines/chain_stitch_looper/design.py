@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import DesignError
-from camgen.machines.chain_stitch_looper.stitch import Pair, Stitch, fronts
+from camgen.machines.chain_stitch_looper.ratio import fronts
+from camgen.machines.chain_stitch_looper.stitch import Pair, Stitch
 
 Floats = NDArray[np.float64]
 

@@ -28,15 +28,8 @@ from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Pose, Slide
 from camgen.machine.study import Study
 from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
-from camgen.machines.chain_stitch_looper.stitch import (
-    HARMONIC,
-    Condition,
-    Design,
-    Stitch,
-    ratio_conditions,
-    ratio_range,
-    to_and_fro,
-)
+from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_conditions, ratio_range
+from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, to_and_fro
 from camgen.machines.chain_stitch_looper.study import study, timing_study
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program

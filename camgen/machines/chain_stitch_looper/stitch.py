@@ -15,10 +15,8 @@ A pair is always (of needle or spreader 1, of 2). Lengths mm, angles rad.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +33,8 @@ HOLDS = (0.4, 0.8)  # rad, up to which a loop stays where it is on a cylinder, b
 _USUAL_E = 4.0  # mm, the middle of the usual 3 to 5, which the source puts into S_m in place of its own e
 _STEPS = 7200  # of the turn, between which a position is bracketed
 _PARTS, _ROUNDS = 256, 6  # into which a bracket is cut, and how often: to the last bit
-_HAIR = 1e-12  # share of the stroke
-_VANISHING = 1e-9  # share of the stroke that is none
+HAIR = 1e-12  # share of the stroke
+VANISHING = 1e-9  # share of the stroke that is none
 
 
 def to_and_fro(law: Law) -> Program:
@@ -135,18 +133,18 @@ class Stitch:
             way = _angle(self.needle_program, share, True) - _angle(self.needle_program, share, False)
             return float(np.nan_to_num(way)) - self.feed
 
-        if longer(1 - _HAIR) >= 0:  # a dwell at the top, as long as the feed
-            return 1 - _HAIR
-        if longer(_VANISHING) < 0:
+        if longer(1 - HAIR) >= 0:  # a dwell at the top, as long as the feed
+            return 1 - HAIR
+        if longer(VANISHING) < 0:
             _refuse(
-                "feed_deg", math.degrees(self.feed), 0.0, math.degrees(longer(_VANISHING) + self.feed), "deg",
+                "feed_deg", math.degrees(self.feed), 0.0, math.degrees(longer(VANISHING) + self.feed), "deg",
                 "shaft angle over which the needles are off their lowest point", "let them dwell there for less",
             )  # fmt: skip
 
         def both(share: Floats, _: object) -> tuple[Floats, Floats]:
             return np.array([longer(s) for s in share.tolist()]), np.zeros(share.size)
 
-        return float(roots(both, np.array([_VANISHING]), np.array([1 - _HAIR]))[0])
+        return float(roots(both, np.array([VANISHING]), np.array([1 - HAIR]))[0])
 
     def design(self, published: bool = False) -> Design:
         """All figures, corrected or as printed; DesignError where no such mechanism exists."""
@@ -274,7 +272,7 @@ class Design:
     @property
     def out_of_fabric(self) -> Pair:
         """Shaft angle over which each needle is out of the fabric, rad; a hair is spared, for near the top a rounding tells."""
-        heights = [s - _HAIR * self.needle_stroke for s in self.in_fabric]
+        heights = [s - HAIR * self.needle_stroke for s in self.in_fabric]
         one, two = (float(np.nan_to_num(self.angle(s, falling=True) - self.angle(s))) for s in heights)
         return one, two
 
@@ -322,15 +320,19 @@ def _seat(l1: float, needle: float) -> None:
     )  # fmt: skip
 
 
+def _within(stroke: float, pierces: Pair, captures: Pair) -> None:
+    """DesignError unless the needles rise so far."""
+    for name, s in zip(("S_B1", "S_B2", "S01", "S02"), (*pierces, *captures), strict=True):
+        _refuse(name, s, 0.0, stroke, "mm", "the needles, whose stroke S_X is the limit", "use a longer needle_stroke")
+
+
 def _corrected(g: Stitch) -> Design:
     r, in_fabric = g.ratio, g.in_fabric(g.plate)
     l1, l2 = max(g.reach) * r + g.setback, g.height * r
     _seat(l1, g.needle)
     stroke = g.needle_stroke(in_fabric)
     rises = (g.reach[0] + g.rise[0] + 2 * g.pitch, g.reach[1] + g.rise[1] + g.height)
-    for k, s in enumerate((*rises, *g.rise)):
-        name = f"S_B{k + 1}" if k < 2 else f"S0{k - 1}"
-        _refuse(name, s, 0.0, stroke, "mm", "the needles, whose stroke S_X is the limit", "use a longer needle_stroke")
+    _within(stroke, rises, g.rise)
     capture = _angle(g.needle_program, g.rise[0] / stroke, False), _angle(g.needle_program, g.rise[1] / stroke, False)
     pierce = _angle(g.needle_program, rises[0] / stroke, True), _angle(g.needle_program, rises[1] / stroke, True)
     behind = (0.0, g.between * r)
@@ -346,7 +348,7 @@ def _strokes(way: float, behind: Pair, shares: Pair) -> Pair:
     """Strokes L_X1 and L_X2 from what of them is left between a capture and the pierce by the other needle."""
     for k, share in enumerate(shares):
         _refuse(
-            f"f2(phi4{2 - k}) - f2(phi3{k + 1})", share, _VANISHING, math.inf, "", f"stroke L_X{k + 1} of spreader {k + 1}",
+            f"f2(phi4{2 - k}) - f2(phi3{k + 1})", share, VANISHING, math.inf, "", f"stroke L_X{k + 1} of spreader {k + 1}",
             "the pierce must find the spreader farther out than the capture did: change loop_rise or nose_over_eye",
         )  # fmt: skip
     return (behind[1] + way) / shares[0], (behind[0] + way) / shares[1]
@@ -362,9 +364,7 @@ def _published(g: Stitch) -> Design:
         g.reach[0] + g.rise[0] + 2 * g.pitch,
         g.reach[1] + g.rise[1] + g.pitch + g.between,
     )
-    for k, s in enumerate((*rises, *g.rise)):
-        name = f"S_B{k + 1}" if k < 2 else f"S0{k - 1}"
-        _refuse(name, s, 0.0, stroke, "mm", "the needles, whose stroke S_X is the limit", "use a longer needle_stroke")
+    _within(stroke, rises, g.rise)
 
     def arc(s: float) -> float:
         return math.acos(1 - 2 * s / stroke)
@@ -388,104 +388,6 @@ def _published(g: Stitch) -> Design:
         g, True, turned, new1, new2, opening, in_fabric, stroke, moved, rises, capture, pierce, behind, needed,
         (l1, l2, l1 + l2),
     )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Condition:
-    """What the velocity ratio r must keep: `spare` of it must not be negative, and changes sign at `roots` alone."""
-
-    name: str
-    spare: Callable[[float], float]
-    roots: tuple[float, ...]
-
-
-def ratio_conditions(design: Design, blade: float, clearance: float = 0.0, loop_angle: float = math.pi) -> list[Condition]:
-    """What the velocity ratio must keep, for laws in step and a loop that may slide along the nose; all in closed form.
-
-    blade: length of the spreaders' blade, mm; clearance: of needles and P6, mm; loop_angle: greatest difference of the
-    loops' angles at the pierce, rad.
-    """
-    g, far = design.given, max(design.given.reach)
-    (in1, in2), (s1, s2) = g.entry, g.rise
-    found = [
-        linear("nose 1 past needle 2 when that comes down to it", -g.spacing, in1 - s1),
-        linear("nose 2 past needle 1 when that comes down to it", -g.spacing, in2 - s2),
-        linear("a thread's seat behind the nose, l3 > 0", g.setback - g.needle, far),
-        linear("blade as long as the stroke beyond the capture", blade, min(g.rise) - design.needle_stroke),
-        linear("blade longer than the nose", blade - g.setback, -far - g.height),
-    ]
-    for pair, lines in fronts(g).items():
-        for name, (c0, c1) in zip(("tip", "shoulder"), lines, strict=True):
-            found.append(_apart(f"{pair}: the needle's {name} before P6", c0, c1, clearance))
-    # gamma'1 - gamma'2 is the angle between (x1, y1) and (x2, y2), x = z + (b + L_C/r) r
-    (y1, y2), (b1, b2) = (g.height + g.plate, g.height + g.pitch + g.plate), (g.height, g.height + g.between)
-
-    def alike(r: float) -> float:
-        return loop_angle - abs(math.atan2(g.spacing + b1 * r, y1) - math.atan2(g.spacing + b2 * r, y2))
-
-    slope, z = math.tan(min(loop_angle, math.pi / 2 - _VANISHING)), g.spacing
-    ends = [
-        root for sign in (1, -1)
-        for root in _roots(sign * slope * b1 * b2, sign * slope * z * (b1 + b2) - (b1 * y2 - b2 * y1),
-                           sign * slope * (z * z + y1 * y2) - z * (y2 - y1))
-    ]  # fmt: skip
-    return [*found, Condition("both loops lean alike within loop_angle_deg", alike, tuple(ends))]
-
-
-def fronts(g: Stitch) -> dict[str, tuple[Pair, Pair]]:
-    """How far a needle's tip and its shoulder stay before P6 along the stroke, laws in step: c0 + c1 r each; by "N1/P2"."""
-    far, (own1, own2), (in1, in2), (s1, s2) = max(g.reach), g.reach, g.entry, g.rise
-    ways = {
-        "N1/P1": (own1, 0.0, 0), "N2/P1": (in1 - s1, g.spacing, 1),
-        "N2/P2": (own2, 0.0, 1), "N1/P2": (in2 - s2, g.spacing, 0),
-    }  # fmt: skip
-    # the point widens by d/2 over its height h while the needle retreats by r h
-    return {
-        pair: ((g.setback + lead, far - way), (g.setback + lead - g.needle / 2, far - way + g.point[k]))
-        for pair, (way, lead, k) in ways.items()
-    }
-
-
-def linear(name: str, c0: float, c1: float) -> Condition:
-    """That c0 + c1 r is not negative."""
-    return Condition(name, lambda r: c0 + c1 * r, (-c0 / c1,) if c1 else ())
-
-
-def _apart(name: str, c0: float, c1: float, least: float) -> Condition:
-    """A way c0 + c1 r along the stroke that leaves at least so much across P6, whose slope is 1 : r."""
-    roots = _roots(c1 * c1 - least * least, 2 * c0 * c1, c0 * c0 - least * least) if least else linear(name, c0, c1).roots
-    return Condition(name, lambda r: c0 + c1 * r - least * math.hypot(1.0, r), roots)
-
-
-def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
-    """Real roots of a r^2 + b r + c, the one without cancellation first."""
-    square = b * b - 4 * a * c
-    if a == 0 or square < 0:
-        return (-c / b,) if a == 0 and b else ()
-    q = -(b + math.copysign(math.sqrt(square), b)) / 2
-    return (q / a, c / q) if q else (0.0,)
-
-
-def ratio_range(conditions: Sequence[Condition], ratio: float) -> tuple[tuple[float, str], tuple[float, str]] | None:
-    """Least and greatest r round `ratio` that keep all conditions, or nearest to it, each with what stops it there.
-
-    inf where nothing stops it; None where no r keeps all conditions.
-    """
-    marks = sorted({(root, c.name) for c in conditions for root in c.roots if root > 0})
-    ends = [(0.0, "r > 0"), *marks, (math.inf, "nothing")]
-    kept: list[list[tuple[float, str]]] = []
-    for low, high in pairwise(ends):
-        middle = (low[0] + high[0]) / 2 if math.isfinite(high[0]) else 2 * low[0] + 1
-        if high[0] - low[0] <= _VANISHING * middle or min(c.spare(middle) for c in conditions) < -_HAIR:
-            continue
-        if kept and low[0] - kept[-1][1][0] <= _VANISHING * middle:  # touched, not crossed
-            kept[-1][1] = high
-        else:
-            kept.append([low, high])
-    if not kept:
-        return None
-    low, high = min(kept, key=lambda ends: max(ends[0][0] - ratio, ratio - ends[1][0]))
-    return low, high
 
 
 def thread_per_stitch(thickness: float, length: float, width: float) -> dict[str, float]:

@@ -9,7 +9,8 @@ import numpy as np
 
 from camgen.geometry.outlines import Floats
 from camgen.machine.study import Plot, Study, Table
-from camgen.machines.chain_stitch_looper.stitch import HOLDS, Condition, Design, Stitch, ratio_range, thread_per_stitch
+from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_range
+from camgen.machines.chain_stitch_looper.stitch import HOLDS, Design, Stitch, thread_per_stitch
 from camgen.machines.chain_stitch_looper.timing import FARTHEST, Clock
 
 _SAMPLES = 1441  # of the synchrogram: every quarter degree, both ends

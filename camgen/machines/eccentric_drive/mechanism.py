@@ -24,7 +24,7 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least
-from camgen.geometry.outlines import Floats, Region, circle, polygon
+from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.features import Asked, Feature, Mount
@@ -32,8 +32,8 @@ from camgen.machine.study import Study
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, turning_text
-from camgen.parts.hardware import plate
+from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.spec import Length, Record, Rpm, turning
 from camgen.tolerances import SAME_POINT
@@ -309,28 +309,38 @@ class EccentricDrive(Mechanism):
 
     def _clamp(self) -> Part:
         """Plate over the wire at the slider's head; its origin is its middle."""
-        p, (_, length, screw) = self.making, self.head
-        x, y = length / 2 - 0.2, max(p.slider_width / 2, screw.imag + self._rim)
-        return self._bored("clamp", "Wire clamp", (x, y), screw.imag)
+        _, length, screw = self.head
+        half = complex(length / 2 - 0.2, max(self.making.slider_width / 2, screw.imag + self._rim))
+        return self._bored("clamp", "Wire clamp", rectangle(-half, half), screw.imag, self.making.rod_thickness)
 
-    def _bored(self, name: str, title: str, half: tuple[float, float], screw: float) -> Part:
-        """A rectangular plate of half sizes (x, y), as thick as the rod, with two screws at x = 0, y = +-screw."""
-        x, y = half
-        outer = polygon([complex(-x, -y), complex(x, -y), complex(x, y), complex(-x, y)])
+    def _cover(self) -> Part:
+        middle = self.rail[2]
+        half = complex(self.making.cover_length / 2, middle + self.making.rail_width / 2)
+        return self._bored("cover", "Guide cover", rectangle(-half, half), middle, self.making.rod_thickness)
+
+    def _motor_bar(self) -> Part:
+        """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
+        boss, screw = (self.motor.boss_diameter + self.print.slide_clearance) / 2, 1j * self._motor_screw
+        wall = max(self.making.strap_wall, self.allowed.min_wall + _FACETS)
+        outer = hull([(-screw, self._rim), (0j, boss + wall), (screw, self._rim)])
+        note = "behind the motor; two long screws draw both to the body"
+        return self._bored("motor-bar", "Motor bar", outer, screw.imag, self.making.body_thickness, boss, (note,))
+
+    def _bored(
+        self, name: str, title: str, outer: Contour, screw: float, height: float, boss: float = 0.0, notes: tuple[str, ...] = ()
+    ) -> Part:
+        """A plate with two screws at x = 0, y = +-screw, and in their middle a hole for a boss of this radius."""
         places = (-1j * screw, 1j * screw)
-        holes = {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(places, 1)}
-        layer = Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, self.making.rod_thickness)
-        return Part(name, title, (layer,), centres=places, min_wall=self.allowed.min_wall)
+        holes = {"boss": circle(0j, boss)} if boss else {}
+        holes |= {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(places, 1)}
+        layer, centres = Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, height), (0j, *places) if boss else places
+        return Part(name, title, (layer,), centres=centres, notes=notes, min_wall=self.allowed.min_wall)
 
     def _pin(self) -> Part:
-        """Pin with a head, printed head down, put in from above."""
-        p, slide = self.making, self.print.slide_clearance
-        shank = p.slider_thickness + 3 * slide + p.rod_thickness
-        layers = (
-            Layer(Region(circle(0j, p.pin_diameter / 2 + 1)), 0.0, 1.0),
-            Layer(Region(circle(0j, p.pin_diameter / 2)), 1.0, 1.0 + shank),
-        )
-        return Part("pin", "Slider pin", layers, centres=(0j,), notes=("press into the slider through the rod",), cut=1)
+        """Pin with a head, put in from above."""
+        p, note = self.making, "press into the slider through the rod"
+        shank = p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness
+        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, notes=(note,))
 
     @cached_property
     def rail(self) -> tuple[float, float, float]:
@@ -340,27 +350,11 @@ class EccentricDrive(Mechanism):
         end = start + p.slider_width / 2 + self._slider_front
         return start, end, (p.slider_width + self.print.slide_clearance + p.rail_width) / 2
 
-    def _cover(self) -> Part:
-        middle = self.rail[2]
-        return self._bored("cover", "Guide cover", (self.making.cover_length / 2, middle + self.making.rail_width / 2), middle)
-
     @cached_property
     def _motor_screw(self) -> float:
         """Distance of the motor's two long screws from its shaft, beside its can and beside what turns, mm."""
         beside = self.motor.diameter / 2 + self._screw.clearance / 2
         return max(beside, self.geometry.eccentricity + self._strap_radius + self._screw.head / 2) + 1
-
-    def _motor_bar(self) -> Part:
-        """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
-        p = self.making
-        boss = (self.motor.boss_diameter + self.print.slide_clearance) / 2
-        screws = (-1j * self._motor_screw, 1j * self._motor_screw)
-        holes = {"boss": circle(0j, boss)} | {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(screws, 1)}
-        wall = max(p.strap_wall, self.allowed.min_wall + _FACETS)
-        outer = hull([(screws[0], self._rim), (0j, boss + wall), (screws[1], self._rim)])
-        layer = Layer(plate("motor-bar", outer, holes, self.allowed.min_wall), 0.0, p.body_thickness)
-        note = "behind the motor; two long screws draw both to the body"
-        return Part("motor-bar", "Motor bar", (layer,), centres=(0j, *screws), notes=(note,), min_wall=self.allowed.min_wall)
 
     def _body(self) -> Part:
         """Plate with the motor's seat at the origin, the two rails of the guide, and a mounting hole in every corner."""
@@ -383,8 +377,8 @@ class EccentricDrive(Mechanism):
         height = p.body_thickness + p.slider_thickness + slide
         for side, place in zip((-1, 1), cover, strict=True):
             y0, y1 = sorted(g.offset + side * (middle + s * p.rail_width / 2) for s in (-1, 1))
-            bar = polygon([complex(start, y0), complex(end, y0), complex(end, y1), complex(start, y1)])
-            rail = plate("rail", bar, {"screw": circle(place, screw.clearance / 2)}, self.allowed.min_wall)
+            bar, hole = rectangle(complex(start, y0), complex(end, y1)), {"screw": circle(place, screw.clearance / 2)}
+            rail = plate("rail", bar, hole, self.allowed.min_wall)
             layers.append(Layer(rail, p.body_thickness, height))
         return Part(
             "body", "Body plate with guide", tuple(layers), centres=(0j, *screws),
@@ -413,7 +407,7 @@ class EccentricDrive(Mechanism):
         return (
             Bought("motor", "", motor, 1),
             *(fastener(name, p.screw, reach, 2) for name, reach in through),
-            Bought("nut", "ISO 4032", p.screw, 6),
+            nut("nut", p.screw, 6),
             Bought("screw for mounting", self._screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
             Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}", 1),
         )

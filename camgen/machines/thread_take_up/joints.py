@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from camgen.machines.thread_take_up.mechanism import ThreadTakeUp
 
 
+LINKS = {"input-crank": "crank", "bell-crank": "coupler", "output-crank": "output"}  # part -> body
+
+
 def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
     """Pins O, A, B and C; the eye and the guides, between which the thread is the output."""
     g, p, slide, press = spec.geometry, spec.making, spec.print.slide_clearance, spec.print.press_clearance

@@ -34,10 +34,11 @@ from camgen.machine.model import Floats, Machine, Points
 from camgen.machine.study import Sketch, Study
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.feed import TakeUp
-from camgen.machines.thread_take_up.joints import features_of, mounts_of
+from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, strengths, study
 from camgen.motion.synthesis import Variable, Wish, search
 from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.hardware import headed
 from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
 from camgen.spec import Length, Record, Rpm, turning, validate
 from camgen.tolerances import SAME_POINT
@@ -47,6 +48,7 @@ Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Point = tuple[Coordinate, Coordinate]
 
 _LASH = "free play of the feed by that of all joints, mm; 7: what it gives or takes is excess, and the source bears 7 mm of it"
+_GLUED = "pressed and glued in"
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
 
@@ -247,7 +249,7 @@ class ThreadTakeUp(Mechanism):
         ]  # fmt: skip
         collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
         length = p.shaft_length + 2 * level + p.thickness
-        glued, made = "pressed and glued in", "printed" if p.pins == "printed" else "turned of steel"
+        made = "printed" if p.pins == "printed" else "turned of steel"
         return (
             *flat,
             Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
@@ -256,23 +258,22 @@ class ThreadTakeUp(Mechanism):
                 "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
                 notes=("pressed and glued on the shaft below the frame",), min_wall=self.allowed.min_wall,
             ),
-            self._headed("pin-a", "Pin A", p.pin_diameter, 2 * level, (glued,), made=made),
-            self._headed("pin-b", "Pin B", p.pin_diameter, 3 * level, (glued,), made=made),
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (glued,)),
-            self._headed("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height, (glued,)),
-            self._headed("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, (glued,), 2),
+            self._pin("pin-a", "Pin A", p.pin_diameter, 2 * level, made=made),
+            self._pin("pin-b", "Pin B", p.pin_diameter, 3 * level, made=made),
+            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,)),
+            self._pin("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height),
+            self._pin("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2),
         )  # fmt: skip
 
     def _shaft(self, fit: float) -> Contour:
         """Outline of the input shaft, a circle with a flat, or of its hole."""
         return d_bore(self.making.shaft_diameter + fit, self.making.shaft_flat)
 
-    def _headed(self, name: str, title: str, diameter: float, length: float, notes: tuple[str, ...], count: int = 1,
-                made: str = "printed") -> Part:  # fmt: skip
-        """A round pin so long below its head, printed head down."""
-        head = Layer(Region(circle(0j, diameter / 2 + _HEAD)), 0.0, _HEAD)
-        shank = Layer(Region(circle(0j, diameter / 2)), _HEAD, _HEAD + length)
-        return Part(name, title, (head, shank), count, centres=(0j,), notes=notes, cut=1, made=made)
+    def _pin(
+        self, name: str, title: str, diameter: float, length: float, count: int = 1, made: str = "printed"
+    ) -> Part:
+        """A round pin so long below its head, pressed and glued in."""
+        return headed(name, title, diameter, length, diameter + 2 * _HEAD, _HEAD, count, (_GLUED,), made)
 
     def bought(self) -> Sequence[Bought]:
         """Motor, and screws for mounting."""
@@ -361,33 +362,23 @@ class ThreadTakeUp(Mechanism):
 
     def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
         """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
-        p = self.making
-        run = t.run(theta)
-        a, b, d = (run.point("coupler", name)[0] for name in "ABD")
-        crank, output, coupler = a / t.crank, (b - t.pivot) / t.output, (b - a) / t.coupler
-        bands = {name: self.bands[name][0] for name in ("input-crank", "output-crank")}
-        # the bell crank's eye moves in a search, the other links do not
-        bell = (*self.bands["bell-crank"][0][:2], (t.eye, self.bands["bell-crank"][0][2][1]))
+        p, run = self.making, t.run(theta)
+        links = {name: self.bands[name][0] for name in ("input-crank", "output-crank", "bell-crank")}
+        # the bell crank's eye moves in a search, the other hubs do not
+        links["bell-crank"] = (*links["bell-crank"][:2], (t.eye, links["bell-crank"][2][1]))
 
-        def least(distance: Floats, radius: float) -> tuple[float, float]:
-            k = int(np.argmin(distance))
-            return float(distance[k]) - radius, float(theta[k])
+        def air(link: str, places: Points | complex) -> Floats:
+            pose = run.pose(LINKS[link])
+            return clearance(links[link], np.asarray((places - pose.place) * np.exp(-1j * pose.angle), complex))
 
-        def local(place: Points | complex, origin: Points | complex, turn: Points) -> Points:
-            return np.asarray((place - origin) / turn, complex)
-
-        found = {"pin B and the input crank": least(clearance(bands["input-crank"], local(b, 0j, crank)), p.pin_diameter / 2)}
+        gaps = {"pin B and the input crank": air("input-crank", run.point("coupler", "B")[0]) - p.pin_diameter / 2}
+        eye = run.point("coupler", "D")[0]
         for name, guide in zip("MN", t.guides, strict=True):
-            radius = p.guide_diameter / 2
-            moving = {
-                "input crank": clearance(bands["input-crank"], local(guide, 0j, crank)),
-                "output crank": clearance(bands["output-crank"], local(guide, t.pivot, output)),
-                "bell crank": clearance(bell, local(guide, a, coupler)),
-                "finger": np.abs(d - guide) - p.finger_diameter / 2 - 2 * _HEAD,  # head beside head
-            }
-            nearest = min(moving, key=lambda body: float(np.min(moving[body])))
-            found[f"guide {name} and the {nearest}"] = least(moving[nearest], radius)
-        return found
+            beside = {link.replace("-", " "): air(link, guide) for link in links}
+            beside["finger"] = np.abs(eye - guide) - p.finger_diameter / 2 - 2 * _HEAD  # head beside head
+            nearest = min(beside, key=lambda body: float(np.min(beside[body])))
+            gaps[f"guide {name} and the {nearest}"] = beside[nearest] - p.guide_diameter / 2
+        return {name: (float(np.min(gap)), float(theta[np.argmin(gap)])) for name, gap in gaps.items()}
 
     def study(self) -> Study:
         """Eye path, near stop, feed diagram, turning, forces, wear and balancing, for both readings of the lengths."""

@@ -21,10 +21,11 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cams import DiscCam
 from camgen.machine.contacts import Assembly, Drive, Mount, StandIn
+from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LAYOUT, LEAST_AXLE, Room, washer_wall
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable
-from camgen.parts.catalogue import SCREWS, dowel
-from camgen.parts.hardware import Base, Collet, Frame, axle, overlap, spacer, swept_box
+from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, dowel
+from camgen.parts.hardware import Collet, headed, spacer
 from camgen.parts.part import Part, hull, rod
 
 _TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
@@ -231,7 +232,8 @@ class SwingMachine:
         needed = self.thickness + self.slide + max(self.thickness / 2, bearing.width if bearing else 0.0)
         if length < needed:
             raise DesignError(
-                "dowel pin of the tip", length, needed, "mm", f"ISO 2338, diameter {self.seat:g} mm, at most {longest:g} mm",
+                "dowel pin of the tip", length, needed, "mm",
+                f"{DOWEL_STANDARD}, diameter {self.seat:g} mm, at most {longest:g} mm",
                 "use another parts.thickness or another frame.tip",
             )  # fmt: skip
         return length
@@ -256,7 +258,7 @@ class SwingMachine:
         f, count = self.frame, 2 if self.pair else 1
         plate = self._frame.part(self.min_wall, count)
         if self.seat:
-            pin = f"hole at the tip for a dowel pin {self.seat:g} m6 x {self.tip_pin:g}, ISO 2338"
+            pin = f"hole at the tip for a dowel pin {self.seat:g} m6 x {self.tip_pin:g}, {DOWEL_STANDARD}"
             plate = replace(plate, notes=(*plate.notes, pin))
         deep = self._overlap(self._frame)
         if deep > 0:
@@ -269,7 +271,10 @@ class SwingMachine:
             self.cam_part,
             plate,
             self.base_plate.part(self.min_wall),
-            axle(self.axle, self.last + self.slide, f.axle_flange, f.flange_thickness),
+            headed(
+                "axle", "Axle with flange", self.axle, self.last + self.slide, f.axle_flange, f.flange_thickness, 2,
+                ("pressed and glued into the frames",),
+            ),
             spacer(
                 "axle-washer", "Washer of an axle", self.axle + self.slide, min(f.axle_flange, -2 * self._inside.real),
                 self.foot - self.base.thickness, self.min_wall, 2,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from camgen.findings import Finding, at_least
 from camgen.machine.study import Table
 from camgen.machines.uniform_swing.printed import SwingMachine
-from camgen.parts.catalogue import SCREWS, Bought
+from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, nut
 
 _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 
@@ -29,11 +29,11 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     length = face.screw_length(grip)
     into = f"{face.screw.thread} x {length:g}, " + ("with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor")
     found = [
-        Bought("motor", "NEMA ICS 16" if nema else "", f"{name}, shaft {machine.shaft_size}", 1),
+        Bought("motor", face.standard, f"{name}, shaft {machine.shaft_size}", 1),
         Bought("screw of the motor", face.screw.standard, into, len(face.screws)),
     ]
     if face.plain:
-        found.append(Bought("nut of the motor", "ISO 4032", face.screw.thread, len(face.screws)))
+        found.append(nut("nut of the motor", face.screw.thread, len(face.screws)))
     if plate.mount:
         size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
         found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))
@@ -42,13 +42,13 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     longer = f"{least:g} to {most:g}" if least < most else f"{most:g}"
     found += [
         Bought("screw of the nozzle", screw.standard, f"{screw.thread}, {longer} mm longer than the nozzle's foot", 2),
-        Bought("nut of the nozzle", "ISO 4032", screw.thread, 2),
+        nut("nut of the nozzle", screw.thread, 2),
     ]
     if machine.seat:
-        found.append(Bought("dowel pin of the tip", "ISO 2338", f"{machine.seat:g} m6 x {machine.tip_pin:g}", copies))
+        found.append(Bought("dowel pin of the tip", DOWEL_STANDARD, f"{machine.seat:g} m6 x {machine.tip_pin:g}", copies))
     if tip:
         size = f"{tip.name}, {tip.bore:g} x {tip.outside:g} x {tip.width:g}"
-        found.append(Bought("bearing of the tip", "ISO 15", size, copies))
+        found.append(Bought("bearing of the tip", tip.standard, size, copies))
     return (*found, Bought("glue", "", "for all that is pressed", 1))
 
 
