@@ -14,7 +14,7 @@ from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.machine.contacts import Rolling
+from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
@@ -100,11 +100,8 @@ def animation(mechanism: Mechanism) -> Animation:
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
     bodies += [Body(s.name, poses[s.name], (), s.strokes, s.circles) for s in mechanism.study().sketches]
-    machine = mechanism.model
-    if machine is not None and mechanism.features():
-        return Animation(theta, bodies, mechanism.motion(theta), machine.outputs[0].name, "mm")
-    drive = next((contact for contact in mechanism.contacts() if isinstance(contact, Rolling)), None)
-    if drive is None:
+    if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
-    unit, scale = drive.unit
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), "follower", unit)
+    output = mechanism.model.outputs[0]
+    unit, scale = unit_of(output)
+    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit)
