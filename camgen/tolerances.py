@@ -26,12 +26,6 @@ WAY_BACK = 0.05
 # Spare allowed on a first-order error bound for the terms of second order.
 BOUND_SPARE = 0.05
 
-# Motion allowed for the float32 of STL on top of the outline's tolerance, deg (45 mm on a 67 mm arm at 58 deg gives 4.4e-6).
-FLOAT32_MOTION_DEG = 1e-5
-
-# The same for a follower that slides, mm (float32 resolves 4e-6 at 60 mm).
-FLOAT32_MOTION_MM = 1e-5
-
 # Cam angles at which a file's motion is judged; seeded random, so never the generator's own.
 JUDGED_ANGLES = 7200
 

@@ -19,8 +19,8 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.contacts import Apart, Moved, Pose, Poses, Rolling, StandIn
-from camgen.machine.features import PinEyes, SlideFaces
+from camgen.machine.contacts import Apart, Moved, Pose, Poses, StandIn
+from camgen.machine.features import CamOutline, PinEyes, SlideFaces
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
@@ -91,8 +91,8 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
     tips = [thing.name for thing in machine.stand_ins if thing.rolls]
     for contact in machine.contacts:
         match contact:
-            case Rolling(part=part, tip_part=tip_part):
-                rolling = [tip_part] if tip_part is not None and not contact.seat else tips
+            case CamOutline(part=part, own=own):
+                rolling = [own.part] if own is not None and own.radius is None else tips
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
             case PinEyes(a=a, b=b, pin=pin):
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,48 +10,50 @@ from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.deviation import outline_error
 from camgen.geometry.outlines import Contour, Floats
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.rolling import Motion, judged_angles, mounted
-from camgen.machine.contacts import Rolling
+from camgen.judge.cams import judged_angles, rolled, s_unit
+from camgen.judge.measured import Sections
+from camgen.machine.features import CamOutline, Mount
+from camgen.machine.model import Cam, Machine
 from camgen.machine.study import Table
 
 
 def error_budget(
-    outline: Contour, polygon: Ring, drive: Rolling, reachable: Motion, tolerance: float, read: Mapping[str, Shape],
-    undercut: tuple[float, float],
-) -> Table:
-    """One row a stage: largest outline error (mm) and largest change of the follower's angle (deg) that it adds.
+    outline: Contour, polygon: Ring, machine: Machine, drive: CamOutline, mounts: Sequence[Mount], tolerance: float,
+    files: Mapping[str, Sections], numbers: Mapping[str, float],
+) -> Table:  # fmt: skip
+    """One row a stage: largest outline error (mm) and largest change of the follower's s (deg, or mm) that it adds.
 
-    outline: the exact one; polygon: the facets made of it, as they print; read: shapes recovered from the files, by kind
-    ("dxf", "stl", "3mf"); undercut: what the spec implies, mm at the tip and deg.
-    The outline error is the largest anywhere along the exact outline, the angle's that over the judged cam angles.
+    outline: the exact one; polygon: the facets made of it, as they print; files: sections of the part that drives, by kind
+    ("dxf", "stl", "3mf"); numbers: the report's, with what the spec itself undercuts.
+    The outline error is the largest anywhere along the exact outline, that of s over the judged cam angles.
     """
-    theta = judged_angles()
-    exact = reachable(theta)
+    theta, joint = judged_angles(), machine.joint(drive.joint)
+    assert isinstance(joint, Cam), f"{drive.joint} is no cam"
+    unit, scale = s_unit(joint)
 
-    def swing(ring: Ring) -> Floats:
-        return mounted(Shape(ring, ()), drive).angle(theta)
+    def follow(sections: Sections) -> tuple[Ring, Floats]:
+        """The outline about its bore, and s on it."""
+        ring, law = rolled(machine, drive, mounts, sections)
+        return ring, law(theta)
 
     def off(ring: Ring) -> float:
         return outline_error(outline.counter_clockwise(), ring.counter_clockwise())
 
-    unit, scale = drive.unit
-
     def largest(a: Floats, b: Floats) -> float:
         return scale * float(np.nanmax(np.abs(a - b)))
 
-    rows: list[tuple[str, float, float]] = [("law: undercut that the spec implies", *undercut)]
-    if "dxf" in read:
-        arcs = Ring(*bulges(fit_arcs(outline, tolerance)))
-        fitted = swing(arcs)
-        rows.append(("arc fit (DXF)", off(arcs), largest(fitted, exact)))
-        rows.append(("decimals of DXF", _moved(arcs, read["dxf"].outer), largest(swing(read["dxf"].outer), fitted)))
-    meshes = [kind for kind in ("stl", "3mf") if kind in read]
-    if meshes:
-        facetted = swing(polygon)
-        rows.append(("facets (STL, 3MF)", off(polygon), largest(facetted, exact)))
-        for kind in meshes:
-            ring = read[kind].outer
-            rows.append((f"float32 of {kind.upper()}", _moved(polygon, ring), largest(swing(ring), facetted)))
+    exact = (drive.meant.given or joint.law)(theta, 0)
+    rows = [("law: undercut that the spec implies", numbers.get("undercut_mm", 0.0), numbers.get(f"undercut_{unit}", 0.0))]
+    stages = {"dxf": ("arc fit (DXF)", Ring(*bulges(fit_arcs(outline, tolerance))))} if "dxf" in files else {}
+    stages |= {"stl": ("facets (STL, 3MF)", polygon)} if files.keys() - {"dxf"} else {}
+    for first, (title, ring) in stages.items():
+        meant = follow([[Shape(ring, ())]])[1]
+        rows.append((title, off(ring), largest(meant, exact)))
+        for kind in ("dxf",) if first == "dxf" else ("stl", "3mf"):
+            if kind in files:
+                made, s = follow(files[kind])
+                title = "decimals of DXF" if kind == "dxf" else f"float32 of {kind.upper()}"
+                rows.append((title, _moved(ring, made), largest(s, meant)))
     return Table("Error budget by stage", ("stage", "outline, mm", f"follower, {unit}"), rows)
 
 

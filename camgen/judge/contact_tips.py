@@ -215,7 +215,8 @@ def parts_of(count: int, index: Ints, share: Floats) -> tuple[Ints, Ints, Floats
 
 def _cut(e: _Elements, cuts: tuple[Ints, Floats]) -> _Elements:
     plain, index, first, last = parts_of(len(e.start), *cuts)
-    return e.take(plain).join(e.take(index).part(first, last))
+    pieces = e.take(index).part(first, last)
+    return e.take(plain).join(pieces.take(np.flatnonzero(pieces.start != pieces.end)))  # cuts beside each other may be one
 
 
 @dataclass(frozen=True)

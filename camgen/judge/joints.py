@@ -30,10 +30,16 @@ _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is ta
 
 @dataclass(frozen=True)
 class Rolled:
-    """A cam's law as its follower rolls: theta is the cam's angle less the phase; s in rad, or mm where it slides."""
+    """A cam's law as its follower rolls: theta is the cam's angle less the phase; s in rad, or mm where it slides.
+
+    arm: mm, None where it slides; least: way of the tip square to the outline per unit of s, mm, where it is known; middle: of
+    a face, as `contact.Touch` counts places on it.
+    """
 
     contact: RollingContact
     arm: float | None
+    least: float | None = None
+    middle: float = 0.0
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
         """s at theta, (n,), or its derivative."""
@@ -46,7 +52,12 @@ class Rolled:
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
-        return np.asarray((self.arm or 1.0) * np.maximum(np.cos(self.contact.touch(theta).pressure_angle), _STEEP))
+        if self.least is not None:
+            return np.full(theta.shape, self.least)
+        touch, arm = self.contact.touch(theta), self.arm or 1.0
+        if self.arm is not None and isinstance(self.contact.form, ArmFace):
+            return np.maximum(np.abs(touch.place), _STEEP * arm)
+        return np.asarray(arm * np.maximum(np.cos(touch.pressure_angle), _STEEP))
 
 
 @dataclass(frozen=True)
@@ -60,25 +71,27 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Between:
-    """A follower that two outlines hold: where each of them is touched, and the sense in which it leaves the first."""
+class Outline:
+    """A cam's outline as measured: what its follower does on it, by itself (`law`, the tip as wide as is meant) and with its own
+    width (`tight`); own: with the tip that a part has, None where no tip was found."""
 
-    drive: Rolled
-    other: Rolled
-    leaves: int
+    feature: CamOutline
+    law: Rolled
+    tight: Rolled
+    own: Rolled | None = None
 
-    def play(self, theta: Floats) -> Floats:
-        """Way from the first outline to the second, rad or mm, (n,); below 0 they are in each other's way."""
-        return np.asarray(self.leaves * (self.other(theta) - self.drive(theta)))
+    def play(self, other: Outline, theta: Floats) -> Floats:
+        """Way of the follower from this outline to another one, rad or mm, (n,); below 0 they are in each other's way."""
+        return np.asarray(self.feature.leaves * (other.tight(theta) - self.tight(theta)))
 
 
 @dataclass(frozen=True)
 class Closable:
-    """The machine as measured; the fit of each joint that was, and what holds each cam's follower twice, by name."""
+    """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first."""
 
     machine: Machine
     fits: Mapping[str, Fit]
-    between: Mapping[str, Sequence[Between]]
+    outlines: Mapping[str, Sequence[Outline]]
 
 
 def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> Closable:
@@ -94,7 +107,7 @@ def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mo
     marks = [feature.eye for feature in features if isinstance(feature, Mark)]
     outputs = tuple(builder.output(output, marks) for output in machine.outputs)
     joints = tuple(builder.joints[joint.name] for joint in machine.joints)
-    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.between)
+    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.outlines)
 
 
 class _Builder:
@@ -104,7 +117,7 @@ class _Builder:
         self.mounts, self.found = mounts, found
         self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
         self.fits: dict[str, Fit] = {}
-        self.between: dict[str, list[Between]] = {}
+        self.outlines: dict[str, list[Outline]] = {}
 
     def put(self, feature: PinEyes | SlideFaces | SlotFaces | CamOutline) -> None:
         """Put the feature's joint where it is."""
@@ -206,35 +219,52 @@ class _Builder:
 
     def _cam(self, feature: CamOutline, joint: Cam) -> Cam:
         try:
-            law = self._rolled(feature, joint)
+            tip, facing, radius = self._tip(feature, joint)
+            law = tight = self._rolled(feature, joint, tip, facing, radius + feature.free)
+            if feature.free:
+                tight = self._rolled(feature, joint, tip, facing, radius)
         except ValueError as fault:
             raise ValueError(f"{joint.name}: {fault}") from None
-        if not isinstance(joint.law, Rolled):
-            return replace(joint, law=law)
-        self.between.setdefault(joint.name, []).append(Between(joint.law, law, -feature.leaves))
-        return joint
+        outlines = self.outlines.setdefault(joint.name, [])
+        outlines.append(Outline(feature, law, tight, self._own(feature, joint)))
+        return replace(joint, law=law) if len(outlines) == 1 else joint
 
-    def _rolled(self, feature: CamOutline, joint: Cam) -> Rolled:
-        """What the follower rolls to on one outline."""
+    def _own(self, feature: CamOutline, joint: Cam) -> Rolled | None:
+        """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""
+        own, eyes = feature.own, self.found.eyes
+        if own is None or own.tip not in eyes or feature.swings is None:
+            return None
+        mount = self._mount(own.part, Place(joint.follower), own.tip.at)
+        tip = mount.place(eyes[own.tip].centre) - mount.place(eyes[own.bore].centre) + mount.place(own.bore.at)
+        radius = eyes[own.tip].diameter / 2 if own.radius is None else own.radius
+        try:
+            return self._rolled(feature, joint, tip, None, radius)
+        except ValueError:
+            return None
+
+    def _rolled(self, feature: CamOutline, joint: Cam, tip: complex, facing: complex | None, radius: float) -> Rolled:
+        """What a follower with this tip rolls to on one outline."""
         own, centre = self._held(feature.turns, joint.cam)
         mounts = [mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)]
         if len(mounts) <= feature.copy:
             raise ValueError(f"{feature.part} is not mounted on {joint.cam}")
         mount = mounts[feature.copy]
+        if feature.bore is not None:
+            own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
         turn = cmath.exp(1j * mount.turned) * (-1 if mount.flipped else 1)
         ring = self.found.rings[feature].moved(turn, mount.at - own, mirror=mount.flipped)
         ring = ring.moved(cmath.exp(1j * joint.phase))
-        tip, facing, radius = self._tip(feature, joint)
         form: Form
         if feature.swings is not None:
             held, pivot = self._held(feature.swings, joint.follower)
             turned = cmath.exp(1j * joint.rest)
-            arm, start = turned * (tip - held), pivot - centre
+            arm, start, middle = turned * (tip - held), pivot - centre, 0.0
             if facing is None:
                 form = ArmTip(start, arm, radius, feature.leaves, feature.inside)
             else:
                 normal = -turned * facing
-                form = ArmFace(start, normal, (normal.conjugate() * arm).real, feature.leaves)
+                foot = normal.conjugate() * arm
+                form, middle = ArmFace(start, normal, foot.real, feature.leaves), foot.imag
             lever: float | None = abs(arm)
         else:
             assert joint.slide is not None
@@ -242,18 +272,20 @@ class _Builder:
             assert isinstance(slide, Slide)
             along = cmath.exp(1j * slide.angle)
             start = slide.guide.at + along * joint.rest + cmath.exp(1j * slide.turn) * (tip - slide.runner.at) - centre
-            lever = None
+            lever, middle = None, 0.0
             if facing is None:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
             else:
                 form = SlideFace(start, along, feature.leaves)
-        return Rolled(contact(ring, form), lever)
+        return Rolled(contact(ring, form), lever, feature.meant.lever, middle)
 
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
         """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""
         tip, body = feature.tip, joint.follower
         if isinstance(tip, Flat):
             face = self.found.flats[tip]
+            if tip.part is None:
+                return tip.at, cmath.exp(1j * tip.facing), 0.0
             mount = self._mount(tip.part, Place(body), tip.at)
             return mount.place(face.at), cmath.exp(1j * mount.direction(face.facing)), 0.0
         found = self.found.eyes[tip]

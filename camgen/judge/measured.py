@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.geometry.rings import Circle, Ring, Shape, fit_circle, hole_circles
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, SlideFaces, SlotFaces, eyes
+from camgen.geometry.rings import Circle, Ring, Shape, bore_circle, fit_circle, hole_circles
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, OwnTip, SlideFaces, SlotFaces, eyes
 
 Floats = NDArray[np.float64]
 Sections = Sequence[Sequence[Shape]]
@@ -75,6 +75,24 @@ def measure_end(eye: Eye, sections: Sections) -> Measured | None:
         return None
     centres = np.array([centre for centre, _ in found])
     return Measured(complex(centres.mean()), 2 * max(r for _, r in found), float(np.max(np.abs(centres - centres[0]))))
+
+
+def measure_bore(eye: Eye, sections: Sections) -> Measured:
+    """A bore by its round part, so that no keyway counts, at the lowest height; the meant one where none is there."""
+    holes = [hole for shapes in sections[:1] for shape in shapes[:1] for hole in shape.holes]
+    if not holes:
+        return Measured(eye.at, eye.diameter)
+    nearest = min(holes, key=lambda ring: float(np.min(np.abs(ring.points - eye.at))))
+    circle = bore_circle(nearest.moved(shift=-eye.at), eye.diameter)
+    return Measured(eye.at + circle.centre, circle.diameter)
+
+
+def _measure_own(own: OwnTip, sections: Sections) -> Measured | None:
+    """A follower's own tip: a seat, a rounded end, or the nearest corner of a knife edge."""
+    if own.tip.diameter:
+        return measure_end(own.tip, sections) if own.tip.shaft else measure(own.tip, sections)
+    corners = np.concatenate([shape.outer.points for shapes in sections for shape in shapes])
+    return Measured(complex(corners[np.argmin(np.abs(corners - own.tip.at))]), 0.0)
 
 
 @dataclass(frozen=True)
@@ -151,11 +169,18 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
             case CamOutline(joint=joint, part=part, tip=tip):
                 pairs = []
                 ring = _outline(files[part], feature.inside)
-                face = _flat(tip, files[tip.part]) if isinstance(tip, Flat) else None
+                face = _flat(tip, files) if isinstance(tip, Flat) else None
                 if ring is None or (isinstance(tip, Flat) and face is None):
                     found.lost.append(f"{joint}: {'the face' if ring is not None else f'the outline of {part}'} is lost")
                     continue
                 found.rings[feature] = ring
+                if feature.bore is not None:
+                    found.eyes[feature.bore] = measure_bore(feature.bore, files[part])
+                own = feature.own
+                if own is not None and own.part in files:
+                    found.eyes[own.bore] = measure_bore(own.bore, files[own.part])
+                    end = _measure_own(own, files[own.part])
+                    found.eyes |= {} if end is None else {own.tip: end}
                 if isinstance(tip, Flat) and face is not None:
                     found.flats[tip] = face
             case _:
@@ -180,10 +205,12 @@ def _outline(sections: Sections, inside: bool) -> Ring | None:
     return ring.reversed() if inside else ring
 
 
-def _flat(flat: Flat, sections: Sections) -> Flat | None:
+def _flat(flat: Flat, files: Mapping[str, Sections]) -> Flat | None:
     """A follower's face as it is."""
+    if flat.part is None:
+        return flat
     along = flat.facing + math.pi / 2
-    face = _face(flat.at, along, 0.0, flat.width, sections)
+    face = _face(flat.at, along, 0.0, flat.width, files[flat.part])
     if face is None:
         return None
     return replace(flat, at=flat.at + 1j * cmath.exp(1j * along) * face[0], facing=flat.facing + face[1])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from camgen import tolerances
 from camgen.findings import Finding, NotJudged, at_most
-from camgen.judge.joints import Between, Closable, Fit, Rolled, assembled
+from camgen.judge.cams import judge_cams, judged_angles, named
+from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
 from camgen.machine.closure import Closed, System
-from camgen.machine.features import Asked, Feature, Mount
-from camgen.machine.model import Angle, Cam, Machine, Output
+from camgen.machine.features import Asked, CamOutline, Feature, Mount, parts_of
+from camgen.machine.model import Cam, Law, Machine, Output, unit_of
+from camgen.machine.order import joined_bodies
 from camgen.machine.study import Table
 
 Floats = NDArray[np.float64]
@@ -30,14 +32,7 @@ _RANGE = 0.5  # of an output's range: with more play a mechanism is none
 _ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
 _KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
 _CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
-# Cam angles at which a follower between two outlines is looked at, rad.
-_ROUND: Floats = np.asarray((np.arange(3600) + 0.381966) * (2 * math.pi / 3600), float)
 COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
-
-
-def unit_of(output: Output) -> tuple[str, float]:
-    """What people read an output in, and how many of it one unit of it is."""
-    return ("deg", math.degrees(1)) if isinstance(output.of, Angle) else ("mm", 1.0)
 
 
 @dataclass(frozen=True)
@@ -52,13 +47,17 @@ class Moved:
     play: Floats
 
 
+Laws = tuple[tuple[str, Law], ...]  # of cams by name, in place of those of the machine: what undercut outlines give
+
+
 class _Meant:
     """The machine with its joints where they are meant, from which all others start."""
 
     def __init__(self, machine: Machine, low: float, high: float) -> None:
         self.system = System(machine)
         self._known = self.system.close(np.linspace(low, high, _KNOWN))
-        self._seen: dict[tuple[str, bytes], tuple[Any, Any]] = {}
+        self._systems: dict[Laws, System] = {(): self.system}
+        self._seen: dict[tuple[str, bytes, Laws], tuple[Any, Any]] = {}
 
     def near(self, theta: Floats) -> Floats:
         """Poses from those at the nearest known angle, (n, 3 bodies)."""
@@ -67,12 +66,27 @@ class _Meant:
         h = (theta - known.theta[k])[:, None]
         return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
 
-    def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
+    def when(self, body: str, angles: Floats) -> Floats:
+        """Where between the first and the last angle a body that turns one way alone stands at angles, (n,) rad of any turn."""
+        at = np.asarray(self.system.angle(body, self._known.q) + np.zeros(_KNOWN))
+        sense = np.sign(at[-1] - at[0])
+        if not np.all(sense * np.diff(at) > 0):
+            return np.empty(0)
+        low, high = min(at[0], at[-1]), max(at[0], at[-1])
+        turns = np.arange(math.floor(low / math.tau) - 1, math.ceil(high / math.tau) + 1)
+        every = np.ravel(angles[:, None] + math.tau * turns)
+        every = every[(low <= every) & (every <= high)]
+        return np.asarray(np.interp(sense * every, sense * at, self._known.theta))
+
+    def outcome(self, output: str, theta: Floats, laws: Laws = ()) -> tuple[Any, Any]:
         """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
-        key = (output, theta.tobytes())
+        key = (output, theta.tobytes(), laws)
         if key in self._seen:
             return self._seen[key]
-        parts = [_outcome(self.system, output, self.system.close(part, self.near(part))) for part in _parts(self.system, theta)]
+        if laws not in self._systems:
+            self._systems[laws] = System(_with(self.system.machine, laws))
+        system = self._systems[laws]
+        parts = [_outcome(system, output, system.close(part, self.near(part))) for part in _parts(system, theta)]
         found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
         if len(theta) > _KNOWN:
             self._seen[key] = found
@@ -84,19 +98,32 @@ _meant = lru_cache(maxsize=1)(_Meant)
 
 
 class Proof:
-    """A machine on its measured joints, ready at any angle."""
+    """A machine on its measured joints, ready at any angle; laws: what its exact outlines give, where that is not meant."""
 
-    def __init__(self, nominal: Machine, measured: Closable, theta: Floats) -> None:
-        self.machine, self.fits = measured.machine, measured.fits
+    def __init__(self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()) -> None:
+        self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
         self.plays |= {name: fit.play for name, fit in self.fits.items()}
-        self.plays |= {name: min(float(np.max(b.play(_ROUND))) for b in held) for name, held in measured.between.items()}
+        for name, (drive, *others) in measured.outlines.items():
+            if others:
+                self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
         self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), System(measured.machine)
         self._seen: dict[bytes, Mapping[str, Moved]] = {}
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
         return self._meant.outcome(output, theta)
+
+    def reachable(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """The same less what the spec itself undercuts."""
+        return self._meant.outcome(output, theta, self._laws)
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Angles beside those at which a follower goes from one element of its outline to the next, (n,) rad."""
+        cams = [(joint, joint.law) for joint in self.machine.joints if isinstance(joint, Cam)]
+        found = [self._meant.when(joint.cam, law.contact.changes + joint.phase) for joint, law in cams if isinstance(law, Rolled)]
+        return np.concatenate([np.empty(0), *found])
 
     def moved(self, output: str, theta: Floats) -> Moved:
         """The output by the joints as they are, (n,)."""
@@ -129,6 +156,13 @@ class Proof:
                     reach[joint.name] = share / levers.get(joint.name, 1.0)
             found[output.name] = Moved(value, slope, reach, play)
         return found
+
+
+def _with(machine: Machine, laws: Laws) -> Machine:
+    """The machine with other laws of its cams."""
+    new = dict(laws)
+    joints = (replace(joint, law=new.get(joint.name, joint.law)) if isinstance(joint, Cam) else joint for joint in machine.joints)
+    return replace(machine, joints=tuple(joints))
 
 
 def _parts(system: System, theta: Floats) -> Sequence[Floats]:
@@ -185,42 +219,93 @@ def judge_machine(
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
 
     PIN_GAP: the joint that fits worst. MOTION_ERROR, STROKE_ERROR, LASH: the output that comes worst off against its own
-    limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do.
+    limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
+    finding's `where` a star stands for the parts: the names of one or two take its place.
     """
     found = read(features, files, kind == "dxf")
+    every = named(where, parts_of(features))
     if found.lost:
-        return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", where, "; ".join(found.lost)),))
+        return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(found.lost)),))
+    rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size([files[part] for part in parts_of(features)])
     try:
         measured = assembled(machine, features, mounts, found)
-        proof = Proof(machine, measured, theta)
+        closing = _Closing(kind, where, machine, measured, theta, chord_tolerance, rounding, asked)
+        first = {name: outlines[0] for name, outlines in measured.outlines.items()}
+        proof = closing.proof(first)
     except ValueError as fault:
-        return Verdict((at_most("MOTION_ERROR", math.nan, 0, "mm", where, str(fault)),))
-    rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size(files)
-    findings = [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, where)] if measured.fits else []
-    held = [(name, each) for name, pairs in measured.between.items() for each in pairs]
-    findings += [_overlap(name, each, machine, chord_tolerance + 2 * rounding, where) for name, each in held]
-    wishes = {each.output: each for each in asked}
-    judged = [
-        _Judged(output, wishes.get(output.name, Asked(output.name)), proof, theta, chord_tolerance, rounding)
-        for output in machine.outputs
-    ]
+        return Verdict((at_most("MOTION_ERROR", math.nan, 0, "mm", every, str(fault)),))
+    findings = [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, every)] if measured.fits else []
+    judged = closing.judged(proof)
     alone = len(judged) == 1
     numbers: dict[str, float] = {}
     for each in judged:
         numbers |= each.numbers(kind, "" if alone else f"{each.output.name.replace(' ', '_')}_")
+    further = {outline.feature for outlines in measured.outlines.values() for outline in outlines[1:]}
+    where = named(where, parts_of(feature for feature in features if feature not in further))
     findings.append(max(judged, key=lambda each: each.error / each.limit).motion(where, alone))
-    nominal = tuple(
-        NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
-        for joint in machine.joints
-        if joint.name not in {getattr(feature, "joint", None) for feature in features}
-    )
+    off = chord_tolerance + 2 * rounding
+    on_cams = judge_cams(kind, closing.where, machine, measured.outlines, off, findings[-1].ok, closing.motion)
+    findings += on_cams.findings
+    numbers |= on_cams.numbers
+    nominal = _nominal(machine, features, mounts)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=nominal)
-    findings.append(max(judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf).play(where, alone))
+    if proof.fits or (on_cams.sound and further):
+        worst = max(judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf)
+        findings.append(worst.play(every, alone))
     strokes = [each for each in judged if each.asked.stroke]
     if strokes:
         findings.append(max(strokes, key=lambda each: abs(each.made - each.meant) / each.limit).stroke(where, alone))
     return Verdict(tuple(findings), numbers, _table(kind, judged, proof), proof, nominal)
+
+
+def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]) -> tuple[NotJudged, ...]:
+    """Joints of parts that are made which no file shows."""
+    made, told = {mount.body for mount in mounts}, {getattr(feature, "joint", "") for feature in features}
+    for feature in features:
+        if isinstance(feature, CamOutline):
+            told |= {feature.turns} if feature.bore else set()
+            told |= {feature.swings or ""} if feature.own else set()
+    return tuple(
+        NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
+        for joint in machine.joints
+        if joint.name not in told and made & set(joined_bodies(joint))
+    )
+
+
+@dataclass(frozen=True)
+class _Closing:
+    """A machine with its measured joints, to be closed on one outline of each cam or another; rounding: of coordinates, mm."""
+
+    kind: str
+    where: str
+    machine: Machine
+    measured: Closable
+    theta: Floats
+    chord_tolerance: float
+    rounding: float
+    asked: Sequence[Asked]
+
+    def proof(self, driven: Mapping[str, Outline], own: bool = False) -> Proof:
+        """The machine driven by these outlines, by cam; own: with the tips that parts have."""
+        laws = tuple((name, outline.own if own and outline.own else outline.law) for name, outline in driven.items())
+        given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
+        made = replace(self.measured, machine=_with(self.measured.machine, laws))
+        return Proof(self.machine, made, self.theta, tuple((name, law) for name, law in given if law is not None))
+
+    def judged(self, proof: Proof) -> list[_Judged]:
+        """Its outputs that something is asked of; of a machine of which nothing is asked all."""
+        wishes = {each.output: each for each in self.asked}
+        outputs = [output for output in self.machine.outputs if output.name in wishes] or self.machine.outputs
+        return [
+            _Judged(output, wishes.get(output.name, Asked(output.name)), proof, self.theta, self.chord_tolerance, self.rounding)
+            for output in outputs
+        ]
+
+    def motion(self, driven: Mapping[str, Outline], own: bool, where: str) -> Finding:
+        """MOTION_ERROR of the machine driven by other outlines than the first, or tips."""
+        judged = self.judged(self.proof(driven, own))
+        return max(judged, key=lambda each: each.error / each.limit).motion(where, len(judged) == 1)
 
 
 class _Judged:
@@ -237,7 +322,9 @@ class _Judged:
         one = max([*self.reach.values(), outlines], default=0.0)
         limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
         self.limit = max(limit, _ROUNDING)
-        self.off = np.abs(self.moved.value - self.wanted(theta)[0])
+        self.every = np.concatenate([theta, proof.corners])
+        off = [np.abs(self.recovered(part)[0] - self.wanted(part)[0]) for part in (theta, proof.corners) if len(part)]
+        self.off = np.concatenate(off)
         self.off[np.isnan(self.off)] = np.inf
         self.worst = int(np.argmax(self.off))
         self.error = float(self.off[self.worst])
@@ -245,7 +332,7 @@ class _Judged:
     def wanted(self, theta: Floats) -> tuple[Any, Any]:
         """The wanted value and slope, (n,)."""
         motion = self.asked.motion
-        return self.proof.wanted(self.output.name, theta) if motion is None else (motion(theta, 0), motion(theta, 1))
+        return self.proof.reachable(self.output.name, theta) if motion is None else (motion(theta, 0), motion(theta, 1))
 
     def recovered(self, theta: Floats) -> tuple[Any, Any]:
         """The same as the files give it."""
@@ -281,7 +368,7 @@ class _Judged:
         found = {f"motion_error_{name}{kind}_{unit}": scale * self.error}
         if math.isfinite(self.error):
             found[f"clearance_band_{name}{kind}_{unit}"] = scale * self.band
-            found[f"stroke_recovered_{name}{kind}_{unit}"] = scale * self.made
+            found[f"{'swing' if unit == 'deg' else 'stroke'}_recovered_{name}{kind}_{unit}"] = scale * self.made
         return found
 
     def _finding(self, code: str, measured: float, limit: float, where: str, remark: str) -> Finding:
@@ -292,11 +379,13 @@ class _Judged:
 
     def motion(self, where: str, alone: bool) -> Finding:
         """MOTION_ERROR."""
-        lost = int(np.count_nonzero(np.isinf(self.off)))
-        remark = f"{self.output.name}: closed on the measured joints at {len(self.theta)} crank angles"
+        lost, turn = int(np.count_nonzero(np.isinf(self.off))), "cam" if len(self.proof.corners) else "crank"
+        remark = f"{self.output.name}: closed on the measured joints at {len(self.theta)} {turn} angles"
+        if len(self.proof.corners):
+            remark += ", and at each corner of the outlines"
         if lost:
             remark += f"; it does not close at {lost} of them"
-        place = f"{self._where(where, alone)}, crank angle {math.degrees(self.theta[self.worst]):.3f} deg"
+        place = f"{self._where(where, alone)}, {turn} angle {math.degrees(self.every[self.worst]):.3f} deg"
         return self._finding("MOTION_ERROR", self.error, self.limit, place, remark)
 
     def play(self, where: str, alone: bool) -> Finding:
@@ -327,8 +416,8 @@ def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
     return Table(f"Joints as measured, {kind.upper()}", columns, rows)
 
 
-def _size(files: Mapping[str, Sections]) -> float:
-    return max(float(np.abs(shape.outer.points).max()) for sections in files.values() for shapes in sections for shape in shapes)
+def _size(files: Sequence[Sections]) -> float:
+    return max(float(np.abs(shape.outer.points).max()) for sections in files for shapes in sections for shape in shapes)
 
 
 def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
@@ -342,20 +431,6 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
         "PIN_GAP", fit.misfit, limit, "mm", f"{where}, {worst}",
         f"play {fit.play:.4f} mm, {fit.meant:.4f} mm wanted; worst of {len(fits)} joints, by each "
         "hole's diameter and by the centres at several heights",
-    )  # fmt: skip
-
-
-def _overlap(name: str, between: Between, machine: Machine, outline: float, where: str) -> Finding:
-    """INTERFERENCE of a follower that two outlines hold; the limit is what outlines within the tolerance may overlap."""
-    joint, play = machine.joint(name), between.play(_ROUND)
-    unit, scale = ("deg", math.degrees(1)) if isinstance(joint, Cam) and joint.slide is None else ("mm", 1.0)
-    worst = int(np.argmin(np.where(np.isnan(play), -np.inf, play)))
-    there = _ROUND[worst : worst + 1]
-    limit = sum(outline * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0]) for law in (between.drive, between.other))
-    return at_most(
-        "INTERFERENCE", scale * max(0.0, -float(play[worst])), scale * limit, unit,
-        f"{where}, {name}, cam angle {math.degrees(_ROUND[worst]):.3f} deg",
-        "largest overlap of the follower with both outlines; the limit is the outline tolerance at both",
     )  # fmt: skip
 
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from camgen.findings import Finding
-from camgen.judge.motion import Proof, unit_of
+from camgen.judge.motion import Proof
 from camgen.machine.features import Asked
-from camgen.machine.model import Floats
+from camgen.machine.model import Floats, unit_of
 from camgen.machine.targets import Course
 
 

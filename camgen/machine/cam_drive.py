@@ -10,6 +10,7 @@ shifted by s.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least
 from camgen.machine.cams import DiscCam
+from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
 from camgen.machine.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
@@ -146,6 +148,41 @@ def cam_machine(
         (Output("lift" if slide else "swing", of, unit),),
         speed,
     )
+
+
+def cam_outline(
+    cam: DiscCam[Any],
+    part: str,
+    bore: float | None,
+    meant: CamMeant,
+    face: tuple[float, float] = (0.0, math.inf),
+    free: float | None = None,
+    copy: int = 0,
+    own: OwnTip | None = None,
+) -> CamOutline:
+    """What of a part is measured for "contact" in a machine made by `cam_machine`.
+
+    bore: diameter of the part's own hole on the shaft, mm. face: middle of a flat one, mm from the stem's line or the pivot's
+    foot, and its width. free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm.
+    copy: which of the part's mounts it is.
+    """
+    follower, swings, (middle, width) = cam.follower, "pivot", face
+    tip: Eye | Flat
+    match follower:
+        case SwingingArm():
+            tip = Eye(None, follower.arm, 2 * follower.tip_radius)
+        case SwingingFace():
+            at = follower.facing * complex(follower.ahead, middle)
+            tip = Flat(None, at, cmath.phase(-follower.facing), width)
+        case SlidingTip():
+            tip, swings = Eye(None, follower.start, 2 * follower.tip_radius), ""
+        case _:
+            tip, swings = Flat(None, follower.start, cmath.phase(-follower.leaves * follower.along), width), ""
+    hole = None if bore is None else Eye(part, 0j, bore)
+    return CamOutline(
+        "contact", part, "shaft", swings or None, tip, leaves=follower.leaves, inside=free is not None, free=free or 0.0,
+        copy=copy, bore=hole, own=own, meant=meant,
+    )  # fmt: skip
 
 
 def _turn(cam: DiscCam[Any]) -> Floats:

@@ -159,13 +159,21 @@ class DiscCam(Generic[F]):
         k = min(int(np.searchsorted(joints, (a + b) / 2)) - 1, last)
         return self.program.segments[k], float(joints[k])
 
-    def reachable(self, theta: Any) -> Floats:
-        """Displacement that the exact trimmed cam gives: the program's, less the undercut, (n,) rad or mm."""
+    def reachable(self, theta: Any, order: int = 0) -> Floats:
+        """Displacement that the exact trimmed cam gives: the program's, less the undercut, (n,) rad or mm; or its derivative,
+        of which the second is nan where the follower rides on a corner.
+        """
         theta = np.asarray(theta, float)
-        s = self.program(theta)
+        s = self.program(theta, order)
         for cut in self.undercuts:
             inside = _within(theta, cut)
-            s[inside] = self.follower.resting_on(cut.corner_cam * np.exp(1j * theta[inside]))
+            point = cut.corner_cam * np.exp(1j * theta[inside])
+            rides = self.follower.resting_on(point)
+            if order:
+                across = np.conj(self.follower.normal_on(rides, point))
+                slope = np.real(across * 1j * point) / np.real(across * self.follower.velocity(rides, point))
+                rides = slope if order == 1 else np.full(slope.shape, math.nan)
+            s[inside] = rides
         return s
 
     def riding(self, theta: float) -> bool:

@@ -1,8 +1,7 @@
-"""How bodies touch and where they are: poses, rolling contacts, mounts of an assembly."""
+"""How bodies touch and where they are: poses, mounts of an assembly, what else is in the way."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -24,58 +23,6 @@ class Pose:
     position: Points
     flipped: bool = False
     z: float = 0.0
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """A round tip on a swinging arm, or another follower, on the outline of a part that turns about the origin by theta.
-
-    part: name of the part whose outer outline is touched; flipped: the part is mounted mirrored in its Oy at theta = 0;
-    turned: further turn of the mounted part, rad. Tip centre = pivot + arm * exp(i s), s the follower's angle (the
-    wanted motion, rad), pivot and arm complex mm; tip_radius mm (0: knife edge); leaves: +1 or -1, sense of s that
-    takes the tip off the part; pressure_angle: the largest of the exact part, rad (an outline that is off by e turns
-    the follower by e / (|arm| cos pressure_angle)); speed_ripple, lash and undercut: what the designer accepts, as a
-    share of the greatest speed and in rad; tip_part: the part whose outline is the tip, its bore at the pivot; seat: the tip
-    is a bought roller instead, on a pin in a hole of that part, of this diameter, mm.
-    The first contact of a part drives, a further one limits the free play, as does a contact of another part: the second
-    cam of a pair, or the outer wall of a groove (inside), whose tip_radius here is that of a tip as wide as the groove.
-    slides: tip centre = pivot + arm * s instead, arm a unit vector, s in mm. face: a flat face instead of a tip, through
-    that point, its unit normal off the part at s = 0. lever: the least way, mm per unit of s, by which the follower moves
-    off the contact's tangent, where it is not |arm| cos pressure_angle. inside: it comes from within to the largest hole,
-    the outer wall of a groove. reach: places on the face (as `contact.Touch` counts them) between which it must be touched.
-    reachable: s that this part gives by itself where it is exact, if that is not the mechanism's own.
-    """
-
-    name: str
-    part: str
-    pivot: complex
-    arm: complex
-    tip_radius: float
-    leaves: int
-    pressure_angle: float
-    speed_ripple: float
-    lash: float
-    undercut: float
-    flipped: bool = False
-    turned: float = 0.0
-    tip_part: str | None = None
-    slides: bool = False
-    face: complex | None = None
-    lever: float | None = None
-    inside: bool = False
-    reach: tuple[float, float] | None = None
-    reachable: Callable[[Floats], Floats] | None = None
-    seat: float = 0.0
-
-    @property
-    def unit(self) -> tuple[str, float]:
-        """What people read s in, and how many of it one unit of s is."""
-        return ("mm", 1.0) if self.slides else ("deg", math.degrees(1))
-
-    @property
-    def output(self) -> str:
-        """What people call s."""
-        return "lift" if self.slides else "swing"
 
 
 @dataclass(frozen=True)
@@ -150,7 +97,7 @@ class Apart:
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
-Contact = Rolling | Apart
+Contact = Apart
 
 
 Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from camgen.machine.model import Floats
+from camgen.machine.model import Floats, Law
 from camgen.machine.targets import Target
 
 
@@ -50,9 +50,12 @@ class Faces:
 
 @dataclass(frozen=True)
 class Flat:
-    """One straight face of a follower, `width` long: its middle, and the direction out of its material (rad, part's frame)."""
+    """One straight face of a follower, `width` long: its middle, and the direction out of its material (rad, part's frame).
 
-    part: str
+    part: None for a face that no file shows and counts as exact, in the follower's own frame.
+    """
+
+    part: str | None
     at: complex
     facing: float
     width: float
@@ -88,6 +91,34 @@ class SlotFaces:
 
 
 @dataclass(frozen=True)
+class OwnTip:
+    """A follower's tip as a part has it, beside the nominal one, and the part's hole on whose centre it swings.
+
+    radius: mm, of a roller whose seat the tip's eye is; None: the eye's own.
+    """
+
+    part: str
+    tip: Eye
+    bore: Eye
+    radius: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class CamMeant:
+    """What one exact outline gives, and what of it the designer accepts; s in rad, or mm where the follower slides.
+
+    given: s over the cam's angle where that is not the joint's law, which the spec itself undercuts. lever: least way, mm per
+    unit of s, by which the follower moves off the contact's tangent; None: as measured. ripple: of the speed, as a share of
+    the greatest. undercut: loss of s.
+    """
+
+    given: Law | None = None
+    lever: float | None = None
+    ripple: float = math.inf
+    undercut: float = math.inf
+
+
+@dataclass(frozen=True)
 class CamOutline:
     """Of a Cam: the part whose outline is touched, and the follower's tip. A joint's first outline drives; a further one, such
     as the other cam of a pair or the outer wall of a groove, limits its free play.
@@ -95,7 +126,9 @@ class CamOutline:
     turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
     one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
     the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
-    it comes from within to the part's largest hole. copy: which of the part's mounts on the cam's body it is.
+    it comes from within to the part's largest hole, `free` mm off a tip that touches the drive's outline. copy: which of the
+    part's mounts on the cam's body it is. bore: the part's own hole on the shaft, where not a pin of the machine tells its
+    place. own: the tip as a part has it, judged by itself.
     """
 
     joint: str
@@ -106,7 +139,11 @@ class CamOutline:
     radius: float | None = None
     leaves: Literal[1, -1] = 1
     inside: bool = False
+    free: float = 0.0
     copy: int = 0
+    bore: Eye | None = None
+    own: OwnTip | None = None
+    meant: CamMeant = CamMeant()
 
 
 @dataclass(frozen=True)
@@ -159,8 +196,16 @@ class Asked:
 
 
 def eyes(feature: Feature) -> Iterator[Eye]:
-    """All eyes of a feature."""
-    yield from (value for field in fields(feature) if isinstance(value := getattr(feature, field.name), Eye))
+    """All eyes of a feature that make its joint; not a cam's bore."""
+    names = (field.name for field in fields(feature) if field.name != "bore")
+    yield from (value for name in names if isinstance(value := getattr(feature, name), Eye))
+
+
+def parts_of(features: Iterable[Feature]) -> set[str]:
+    """Names of the parts that the features are on; of an own tip the cam's alone."""
+    found = {value.part for feature in features for value in vars(feature).values() if isinstance(value, Eye | Faces | Flat)}
+    found |= {feature.part for feature in features if isinstance(feature, CamOutline)}
+    return {part for part in found if part is not None}
 
 
 def eyes_of(part: str, contacts: Iterable[object]) -> tuple[tuple[complex, float], ...]:

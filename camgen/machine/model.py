@@ -13,6 +13,7 @@ Lengths mm, angles rad counter-clockwise, masses kg, inertia kg m^2, forces N, t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -275,6 +276,11 @@ class Output:
     unit: str = "mm"
 
 
+def unit_of(output: Output) -> tuple[str, float]:
+    """What people read an output in, and how many of it one unit of it is."""
+    return ("deg", math.degrees(1)) if isinstance(output.of, Angle) else ("mm", 1.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Machine:
     """Bodies, joints, drives, loads, outputs; two machines are the same only where they are one object.
@@ -317,6 +323,12 @@ class Machine:
     def joint(self, name: str) -> Joint:
         """The named joint."""
         return next(joint for joint in self.joints if joint.name == name)
+
+    def pin(self, name: str) -> Pin:
+        """The named pin."""
+        joint = self.joint(name)
+        assert isinstance(joint, Pin), f"{name} is no pin"
+        return joint
 
     def slide(self, name: str) -> Slide | Slot:
         """The named slide or slot."""

@@ -26,9 +26,10 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
-from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, loaded
+from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Pose, Rolling
+from camgen.machine.contacts import Pose
+from camgen.machine.features import Asked, CamMeant, CamOutline, Feature, Mount
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
 from camgen.machine.sizing import least_convex, smallest
@@ -246,9 +247,7 @@ class DiscCamDrive(Mechanism):
         """The plates turning about O, one above the other; the follower."""
         theta = np.asarray(theta, float)
         still: Points = np.zeros(theta.shape, complex)
-        p = self.making
-        heights = {"inner": p.back, "outer": p.back, "cam-2": p.thickness + p.hub_height + self.print.slide_clearance}
-        found = {part.name: [Pose(theta, still, z=heights.get(part.name, 0.0))] for part in self.parts()}
+        found = {mount.part: [Pose(theta, still, z=mount.z)] for mount in self.mounts()}
         s = self.reachable(theta)
         f = self.geometry.follower
         found["ground"] = [Pose(np.zeros(theta.shape), still)]
@@ -256,39 +255,37 @@ class DiscCamDrive(Mechanism):
             return {**found, "follower": [Pose(np.zeros(theta.shape), still + _UP * s)]}
         return {**found, "follower": [Pose(s, still + complex(f.pivot_distance or 0.0))]}
 
-    def contacts(self) -> Sequence[Rolling]:
-        """The follower on its cam; on both cams of a pair, and on both walls of a groove."""
+    def features(self) -> Sequence[Feature]:
+        """The outline of the cam; of both cams of a pair, and both walls of a groove."""
+        return self._features
+
+    @cached_property
+    def _features(self) -> Sequence[Feature]:
         names = [part.name for part in self.parts()]
-        found = [self._rolling(name, cam) for name, cam in zip(names, self.cams, strict=False)]
+        found = [self._outline(k, name, cam) for k, (name, cam) in enumerate(zip(names, self.cams, strict=False))]
         if self.geometry.closure == "groove":
-            found.append(self._rolling("outer", self.cam, inside=True))
+            found.append(self._outline(0, "outer", self.cam, self.print.slide_clearance))
         return found
 
-    def _rolling(self, part: str, cam: DiscCam[Follower], inside: bool = False) -> Rolling:
-        follower, f, limits = cam.follower, self.geometry.follower, self.allowed
-        k = 0 if inside else self.cams.index(cam)
-        common = partial(
-            Rolling, part, part, pressure_angle=math.radians(self._pressure[k]), speed_ripple=limits.speed_ripple,
-            lash=limits.lash / self._unit[1], undercut=limits.undercut / self._unit[1], inside=inside, leaves=follower.leaves,
-            reachable=self.program if inside else cam.reachable,
-        )  # fmt: skip
-        wider = self.print.slide_clearance if inside else 0.0
-        match follower:
-            case SwingingArm(pivot, arm, radius, _):
-                return common(pivot=pivot, arm=arm, tip_radius=radius + wider)
-            case SlidingTip(start, along, radius, _):
-                return common(pivot=start, arm=along, tip_radius=radius + wider, slides=True)
-            case SlidingFace(start, along, leaves):
-                half = f.face_width and f.face_width / 2
-                reach = (-half, half) if half else None
-                return common(pivot=start, arm=along, tip_radius=0.0, slides=True, face=leaves * along, reach=reach)
-            case SwingingFace(pivot, facing, ahead):
-                low, high = self._face[k]
-                half = f.face_width and f.face_width / 2
-                reach = ((low + high) / 2 - half, (low + high) / 2 + half) if half else None
-                lever = min(abs(low), abs(high))
-                return common(pivot=pivot, arm=ahead * facing, tip_radius=0.0, face=facing, lever=lever, reach=reach)
-        raise TypeError(f"no contact for {type(follower).__name__}")
+    def _outline(self, k: int, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
+        f, limits, width = self.geometry.follower, self.allowed, self.geometry.follower.face_width or math.inf
+        middle, lever = 0.0, math.cos(math.radians(self._pressure[k])) * (f.arm or 1.0)
+        if isinstance(cam.follower, SwingingFace):
+            low, high = self._face[k]
+            middle, lever = (low + high) / 2, min(abs(low), abs(high))
+        given = cam.reachable if cam.undercuts and free is None else None
+        meant = CamMeant(given, lever, limits.speed_ripple, limits.undercut / self._unit[1])
+        return cam_outline(cam, part, self.making.bore if free is None else None, meant, (middle, width), free)
+
+    def mounts(self) -> Sequence[Mount]:
+        """All plates on the cam's body, one above the other."""
+        p = self.making
+        heights = {"inner": p.back, "outer": p.back, "cam-2": p.thickness + p.hub_height + self.print.slide_clearance}
+        return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self.parts()]
+
+    def asked(self) -> Sequence[Asked]:
+        """The play that is borne."""
+        return (Asked(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 

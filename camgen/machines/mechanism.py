@@ -12,10 +12,11 @@ study()                named numbers, curves and tables for the report
 
 from __future__ import annotations
 
+import cmath
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, reduce
 from operator import getitem
 from typing import Self
@@ -25,9 +26,9 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points
-from camgen.machine.contacts import Assembly, Contact, Moved, Pose, Rolling, StandIn
-from camgen.machine.features import Asked, CamOutline, Feature, Mount
-from camgen.machine.model import Machine
+from camgen.machine.contacts import Assembly, Contact, Moved, Pose, StandIn
+from camgen.machine.features import Asked, CamOutline, Eye, Feature, Mount
+from camgen.machine.model import Cam, Machine
 from camgen.machine.model import Pose as BodyPose
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study, Table
@@ -81,11 +82,11 @@ class Mechanism(Spec, ABC):
         return found
 
     def contacts(self) -> Sequence[Contact]:
-        """How parts touch beside the joints: a cam's Rolling tips, and parts that pass by each other."""
+        """How parts touch beside the joints: those that pass by each other."""
         return ()
 
     def features(self) -> Sequence[Feature]:
-        """On what of its parts the machine's joints are measured; none where it is judged by its contacts."""
+        """On what of its parts the machine's joints are measured."""
         return ()
 
     def touching(self) -> Sequence[Contact | Feature]:
@@ -117,7 +118,7 @@ class Mechanism(Spec, ABC):
     @property
     def angle_name(self) -> str:
         """What theta is called in findings: a cam's angle where one turns, else the crank's."""
-        cams = any(isinstance(contact, Rolling | CamOutline) for contact in self.touching())
+        cams = any(isinstance(feature, CamOutline) for feature in self.features())
         return "cam angle" if cams else "crank angle"
 
     @property
@@ -147,30 +148,32 @@ class Mechanism(Spec, ABC):
         return None
 
     def stand_ins(self) -> Sequence[StandIn]:
-        """What is not made but in the way: unless a mechanism says more, each contact's round tip, as high as its part."""
+        """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""
         assembly = self.assembly()
         if assembly is not None:
             return assembly.stand_ins
-        parts, start = {part.name: part for part in self.parts()}, self.poses(np.zeros(1))
         found = []
-        for tip in self.contacts():
-            if isinstance(tip, Rolling) and tip.tip_part is None and tip.face is None and tip.tip_radius and not tip.inside:
-                part, pose = parts[tip.part], next(p for p in start[tip.part] if p.flipped is tip.flipped)
-                layer = part.layers[part.cut]
-                low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if pose.flipped else (layer.z0, layer.z1)
-                disc = (0j if tip.slides else tip.arm, tip.tip_radius, pose.z + low, pose.z + high)
-                found.append(StandIn(f"tip on {tip.part}-{1 + tip.flipped}", self._tip_course(tip), (disc,), rolls=True))
+        for cam in self.features():
+            if isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter and not (cam.own or cam.inside):
+                found.append(self._tip(cam, cam.tip))
         return found
 
-    def _tip_course(self, tip: Rolling) -> Callable[[Floats], tuple[Floats, Points]]:
-        output = tip.reachable or self.reachable
+    def _tip(self, cam: CamOutline, tip: Eye) -> StandIn:
+        """A tip, as high as the cam that it touches, where the exact cam puts it."""
+        part, joint = next(part for part in self.parts() if part.name == cam.part), self.model.joint(cam.joint)
+        mount = [mount for mount in self.mounts() if mount.part == cam.part][cam.copy]
+        assert isinstance(joint, Cam), f"{cam.joint} is no cam"
+        law, layer = cam.meant.given or joint.law, part.layers[part.cut]
+        low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if mount.flipped else (layer.z0, layer.z1)
+        along = cmath.exp(1j * self.model.slide(joint.slide).angle) if joint.slide else 0j
+        pivot = 0j if cam.swings is None else self.model.pin(cam.swings).b.at
 
         def course(theta: Floats) -> tuple[Floats, Points]:
-            s, still = output(theta), np.zeros(theta.shape)
-            place: Points = np.asarray(tip.pivot + (tip.arm * s if tip.slides else still), complex)
-            return (still if tip.slides else s), place
+            s = law(theta, 0)
+            return (np.zeros(theta.shape) if along else s), np.asarray(pivot + along * s, complex)
 
-        return course
+        disc = (tip.at, tip.diameter / 2, mount.z + low, mount.z + high)
+        return StandIn(f"tip on {cam.part}-{1 + cam.copy}", course, (disc,), rolls=True)
 
     def moved(self) -> Moved:
         """What the sweep needs."""

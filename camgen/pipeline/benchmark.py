@@ -31,14 +31,17 @@ from camgen.geometry.facets import facet_contour, theoretical_vertices
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.rolling import judged_angles
-from camgen.machine.contacts import Apart, Rolling
+from camgen.judge.cams import judged_angles
+from camgen.judge.measured import Sections, measure_bore
+from camgen.machine.contacts import Apart
+from camgen.machine.features import CamOutline, parts_of
+from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
 from camgen.parts.part import Part
 from camgen.parts.solids import solid
 from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
-from camgen.pipeline.judging import Read, judge_part, pass_by
+from camgen.pipeline.judging import Read, judge_motion, judge_part, pass_by
 from camgen.pipeline.making import compensation
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
@@ -85,27 +88,27 @@ def measure(spec: Path, tolerances: Sequence[float] = TOLERANCES, progress: Prog
     """
     mechanism = read_mechanism(spec)
     parts, _ = _subjects(mechanism)
-    drive = next((contact for contact in mechanism.contacts() if isinstance(contact, Rolling)), None)
+    moves = bool(mechanism.features())
     apart = any(isinstance(contact, Apart) for contact in mechanism.contacts())
     rows = []
     for k, tolerance in enumerate([max(tolerances), *tolerances]):
         progress(f"{mechanism.name} at {tolerance:g} mm", k / (1 + len(tolerances)))
         with TemporaryDirectory() as folder:
             rows.append(_row(spec, tolerance, Path(folder)))
-    unit = drive.unit[0] if drive else "mm"
+    unit = unit_of(mechanism.model.outputs[0])[0] if moves else "mm"
     # the first run paid for the imports
-    return Bench(mechanism.name, "distance" if apart and not drive else "motion", unit, list(parts), rows[1:])
+    return Bench(mechanism.name, "distance" if apart and not moves else "motion", unit, list(parts), rows[1:])
 
 
 def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]]:
     """The measured parts, and the outlines by part."""
     contacts, parts = mechanism.contacts(), {part.name: part for part in mechanism.parts()}
-    rolled = {contact.part for contact in contacts if isinstance(contact, Rolling)}
+    rolled = {cam.part for cam in _cams(mechanism)}
     passing = {name for contact in contacts if isinstance(contact, Apart) for name in (contact.a, contact.b)}
-    touching = set(parts) if mechanism.features() else rolled | passing
+    touching = parts_of(mechanism.features()) | passing
     even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
     flat = rolled | touching & even or even
-    inside = _inside(mechanism)
+    inside = {cam.part for cam in _cams(mechanism) if cam.inside}
     outlines = {}
     for name in (name for name in parts if name in flat):
         region = parts[name].region
@@ -114,9 +117,8 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
     return {name: part for name, part in parts.items() if name in touching | flat}, outlines
 
 
-def _inside(mechanism: Mechanism) -> set[str]:
-    """Parts that their follower touches from within."""
-    return {contact.part for contact in mechanism.contacts() if isinstance(contact, Rolling) and contact.inside}
+def _cams(mechanism: Mechanism) -> list[CamOutline]:
+    return [feature for feature in mechanism.features() if isinstance(feature, CamOutline)]
 
 
 def _row(spec: Path, tolerance: float, folder: Path) -> Row:
@@ -151,7 +153,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     outline: dict[str, float] = {}
     motion: dict[str, float] = {}
     ripple: dict[str, float] = {}
-    inside = _inside(case.mechanism)
+    cams = {cam.part: cam for cam in _cams(case.mechanism)}
     for kind in JUDGED:
         made = parts if kind == "dxf" else meshes
         with stage(f"judge {kind}"):
@@ -167,8 +169,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
         ripples = [finding.measured for finding in findings if finding.code == "SPEED_RIPPLE"]
         motion |= {kind: max(errors)} if errors else {}
         ripple |= {kind: max(ripples)} if ripples else {}
-        shapes = {name: read[name].shapes.get(kind) for name in outlines if name in read}
-        rings = {name: _ring(shape, name in inside) for name, shape in shapes.items() if shape is not None}
+        rings = {name: _ring(read[name][kind], cams.get(name)) for name in outlines if kind in read.get(name, {})}
         if rings and rings.keys() == outlines.keys():
             counts[kind] = sum(len(ring.points) for ring in rings.values())
             outline[kind] = max(outline_error(outlines[name], ring) for name, ring in rings.items())
@@ -185,26 +186,21 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     )  # fmt: skip
 
 
-def _ring(shape: Shape, inside: bool) -> Ring:
-    """The ring of a recovered shape that stands for its part's outline."""
-    return max(shape.holes, key=lambda hole: abs(hole.area)).counter_clockwise() if inside else shape.outer
+def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
+    """The ring of a recovered part that stands for its outline, a cam's about its bore."""
+    shape = sections[0][0]
+    if cam is not None and cam.inside:
+        return max(shape.holes, key=lambda hole: abs(hole.area)).counter_clockwise()
+    away = 0j if cam is None or cam.bore is None else measure_bore(cam.bore, sections).centre
+    return shape.outer.moved(shift=-away)
 
 
 def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
-    """What only all files of a kind together tell: the motion of a linkage, and the error of distances."""
+    """What only all files of a kind together tell: the motion, and the error of distances."""
     mechanism, contacts = case.mechanism, case.mechanism.contacts()
-    if any(kind not in part.sections for part in read.values()):
-        return []
-    machine = mechanism.model
-    if mechanism.features() and machine is not None and len(read) == len(case.parts):
-        from camgen.judge.motion import judge_machine
-
-        sections = {name: part.sections[kind] for name, part in read.items()}
-        verdict = judge_machine(
-            kind, f"{mechanism.name}-*.{kind}", sections, machine, mechanism.features(), mechanism.mounts(), judged_angles(),
-            mechanism.accuracy.chord_tolerance, asked=mechanism.asked(),
-        )  # fmt: skip
-        return list(verdict.findings)
+    if mechanism.features():
+        moved = judge_motion(mechanism, kind, read, judged_angles())
+        return [] if moved is None else list(moved[0].findings)
     pairs = [contact for contact in contacts if isinstance(contact, Apart)]
     if any({pair.a, pair.b} - read.keys() for pair in pairs):  # a part of which no solid could be made
         return []

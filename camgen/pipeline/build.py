@@ -15,7 +15,8 @@ from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files,
 from camgen.files.formats import FORMATS
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.machine.contacts import Pose, Rolling
+from camgen.machine.contacts import Pose
+from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
@@ -111,11 +112,8 @@ def animation(mechanism: Mechanism) -> Animation:
         bodies.append(Body(part.name, poses[part.name], rings))
     still = [Pose(np.zeros(theta.shape), np.zeros(theta.shape, complex))]
     bodies += [Body(s.name, poses.get(s.name, still), (), s.strokes, s.circles) for s in mechanism.study().sketches]
-    machine = mechanism.model
-    if machine is not None and mechanism.features():
-        return Animation(theta, bodies, mechanism.motion(theta), machine.outputs[0].name, "mm")
-    drive = next((contact for contact in mechanism.contacts() if isinstance(contact, Rolling)), None)
-    if drive is None:
+    if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
-    unit, scale = drive.unit
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), "follower", unit)
+    output = mechanism.model.outputs[0]
+    unit, scale = unit_of(output)
+    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit)

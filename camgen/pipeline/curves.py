@@ -2,44 +2,63 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats
-from camgen.judge.motion import Proof, unit_of
-from camgen.machine.model import Output
+from camgen.judge.motion import Proof
+from camgen.machine.model import Output, unit_of
 from camgen.machine.study import Plot
+from camgen.tolerances import SPEED_WINDOW_DEG
 
 _SPEED, _ERROR, _BAND = "Speed", "Motion error", "Worst case of the joints' play"
 
 
 class Curves:
-    """Columns and plots of an output at theta, (n,) rad; a path's are x and y. alone: it is the machine's only output."""
+    """Columns and plots of an output at theta, (n,) rad; a path's are x and y. alone: it is the machine's only output.
 
-    def __init__(self, output: Output, theta: Floats, alone: bool) -> None:
-        self.output, self.theta, self.alone = output, theta, alone
+    cams: theta is a whole turn of cams, both ends included; facets make raw speed ripple, so that it is averaged.
+    """
+
+    def __init__(self, output: Output, theta: Floats, alone: bool, cams: bool = False) -> None:
+        self.output, self.theta, self.alone, self.cams = output, theta, alone, cams
+        self.recovered: dict[str, Any] = {}
         self.unit, self.scale = unit_of(output)
         self.columns: dict[str, Floats] = {}
         self._plots: dict[str, list[tuple[str, Floats, Floats]]] = {}
         self._wanted: Any = None
+        self._lawful = False  # whether the wanted motion is the machine's own
 
     def want(self, value: Any, slope: Any) -> None:
         """The wanted motion and its slope, (n,)."""
         self._wanted = value
         self._put(self.output.name.capitalize(), "wanted", value, "")
-        self._put(_SPEED, "wanted", slope)
+        self._put(_SPEED, "wanted", self._mean(value) if self.cams else slope)
 
     def add(self, kind: str, proof: Proof) -> None:
         """What a kind of file gives."""
         name, source = self.output.name, f"from {kind.upper()}"
+        reachable = self._wanted
+        if reachable is None or self._lawful:
+            self._lawful, reachable = True, proof.reachable(name, self.theta)[0]
         if self._wanted is None:
             self.want(*proof.wanted(name, self.theta))
         moved = proof.moved(name, self.theta)
+        self.recovered[kind] = moved.value
         self._put(name.capitalize(), source, moved.value, kind)
-        self._put(_SPEED, source, moved.slope)
-        self._put(_ERROR, source, moved.value - self._wanted)
-        self._put(_BAND, f"+- {source}", moved.play)
+        self._put(_SPEED, source, self._mean(moved.value) if self.cams else moved.slope)
+        self._put(_ERROR, source, moved.value - reachable)
+        if np.any(moved.play):
+            self._put(_BAND, f"+- {source}", moved.play)
+
+    def _mean(self, value: Any) -> Any:
+        """Slope to theta, a mean over the window of SPEED_RIPPLE."""
+        step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(self.theta) - 1) / 360))
+        turn = value[:-1]
+        mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * math.tau / len(turn))
+        return np.append(mean, mean[0])
 
     def _put(self, title: str, label: str, values: Any, of: str | None = None) -> None:
         """Add a curve to a plot; of: and a column, from that kind of file, "" as designed."""
@@ -53,12 +72,13 @@ class Curves:
 
     def plots(self) -> list[Plot]:
         """One plot a quantity: the output itself, its speed, error and play."""
+        mean = f", mean of {SPEED_WINDOW_DEG:g} deg" if self.cams else ""
         of = "" if self.alone else f" of {self.output.name}"
         titles = [title for title in (self.output.name.capitalize(), _SPEED, _ERROR, _BAND) if title in self._plots]
         return [
             Plot(
-                title + (of if title in (_SPEED, _ERROR, _BAND) else ""), "crank angle, deg",
-                f"{self.unit}/rad" if title == _SPEED else self.unit, self._plots[title],
+                title + (of if title in (_SPEED, _ERROR, _BAND) else ""), "cam angle, deg" if self.cams else "crank angle, deg",
+                f"{self.unit}/rad{mean}" if title == _SPEED else self.unit, self._plots[title],
             )
             for title in titles
         ]  # fmt: skip

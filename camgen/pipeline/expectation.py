@@ -14,8 +14,8 @@ from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Floats, Line, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.round_trip import Expected, Section, Undo
-from camgen.machine.contacts import Contact, Rolling
-from camgen.machine.features import Feature, eyes_of
+from camgen.machine.contacts import Contact
+from camgen.machine.features import CamOutline, Feature, eyes_of
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 
@@ -34,7 +34,8 @@ def expected(
     With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
     chamfer, and those through an engraving beside holes that were made larger, as they were sent.
     """
-    turns = any(isinstance(each, Rolling) and part.name in (each.part, each.tip_part) for each in contacts)
+    cams = [each for each in contacts if isinstance(each, CamOutline)]
+    turns = any((cam.bore and cam.part) == part.name or (cam.own and cam.own.part) == part.name for cam in cams)
     sent = compensated(part, fit) if fit is not None else part
     levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
     low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)

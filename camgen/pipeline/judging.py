@@ -23,9 +23,9 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
-from camgen.judge.rolling import judge_motion, judge_pair, judge_tip, judged_angles, mounted
 from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
-from camgen.machine.contacts import Apart, Rolling
+from camgen.machine.contacts import Apart
+from camgen.machine.features import CamOutline, Feature, parts_of
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
@@ -34,10 +34,11 @@ from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, passing_by, reading, unheard
-from camgen.report.report import Report, motion_plots
+from camgen.report.report import Report
 
 if TYPE_CHECKING:
     from camgen.judge.measured import Sections
+    from camgen.judge.motion import Verdict
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
@@ -60,14 +61,7 @@ class Outcome:
     not_judged: Sequence[NotJudged] = ()
 
 
-@dataclass(frozen=True)
-class Read:
-    """What was read from one part's files, by kind: the shape that tips touch, the pieces at each height, and whether the
-    part gives the wanted motion to the follower that it drives."""
-
-    shapes: dict[str, Shape]
-    sections: dict[str, Sections]
-    moves: dict[str, bool]
+Read = dict[str, "Sections"]  # what was read from one part's files, by kind: the pieces at each height
 
 
 def judge(
@@ -92,8 +86,7 @@ def judge(
         parts.append(outcome)
     progress("letting the parts touch", 0.65)
     moved, columns, more = _moved(mechanism, files, read)
-    together = _together(mechanism, files, read)
-    budget = _budget(case, read, [study.numbers, *(part.numbers for part in parts)]) if "report" in kinds else None
+    budget = _budget(case, read, [study.numbers, moved.numbers]) if "report" in kinds else None
     stages = []
     for k, stage in enumerate(waiting):
         progress("moving the assembly through a turn", 0.7 + 0.15 * k / len(waiting))
@@ -102,7 +95,7 @@ def judge(
         columns = dict(study.columns)
         for outcome in stages:
             columns |= outcome.columns
-    outcomes = [moved, *parts, together, *stages]
+    outcomes = [moved, *parts, *stages]
     found: list[Outcome | Study] = [study, *outcomes, more]
     numbers: dict[str, float] = {}
     for each in found:  # of two parts with a figure of one name the first one drives
@@ -124,30 +117,20 @@ def judge(
 
 
 def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
-    """Read one part's files and roll the tips on them that it drives."""
+    """Read one part's files."""
     mechanism, part = case.mechanism, case.parts[name]
     contacts, tolerance, fit = mechanism.touching(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
-    drives = [contact for contact in contacts if isinstance(contact, Rolling) and contact.part == name]
     findings: list[Finding] = []
-    numbers: dict[str, float] = {}
-    read = Read({}, {}, {})
+    read: Read = {}
     for kind in kinds:
         path = case.file(name, kind)
         sent, marked = (None, mechanism.output.center_marks) if kind == "dxf" else (fit, False)
         meant = expected(part, tolerance, contacts, sent, marked)
         judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
         findings += judged.findings
-        if judged.shape is None:
-            continue
-        read.shapes[kind], read.sections[kind] = judged.shape, judged.sections
-        if drives:
-            found, figures = judge_motion(
-                kind, path.name, judged.shape, drives, mechanism.motion, mechanism.reachable, tolerance
-            )
-            read.moves[kind] = found[0].ok
-            findings += found
-            numbers |= figures
-    return Outcome(findings, numbers), read
+        if judged.shape is not None:
+            read[kind] = judged.sections
+    return Outcome(findings), read
 
 
 def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:
@@ -162,125 +145,91 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
     }
 
 
-# ---- parts that touch ------------------------------------------------------------------------------------------------
+# ---- the motion ------------------------------------------------------------------------------------------------------
+
+
+def judge_motion(
+    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats
+) -> tuple[Verdict, Sequence[Feature]] | None:
+    """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
+    is not there. Of cams those count whose parts are there.
+    """
+    from camgen.judge.motion import judge_machine
+
+    files = {name: part[kind] for name, part in read.items() if kind in part}
+    lost = read.keys() - files.keys()
+    features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
+    if not features or parts_of(features) & lost:
+        return None
+    fit = compensation(mechanism) if kind != "dxf" else None
+    slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
+    verdict = judge_machine(
+        kind, f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
+        mechanism.accuracy.chord_tolerance, slack, mechanism.asked(),
+    )  # fmt: skip
+    return verdict, features
 
 
 def _moved(
     mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
 ) -> tuple[Outcome, dict[str, Floats], Study]:
-    """The motion over a turn as the files give it: for the report, as columns of motion.csv, and what follows from it."""
-    if mechanism.features():
-        outcome, columns = _machine(mechanism, kinds, read)
-        return outcome, columns, Study()
-    drive = _drive(mechanism, read)
-    if drive is None:
-        return Outcome(), {}, Study()
-    theta, (unit, scale) = np.linspace(0, 2 * math.pi, _ROWS), drive.unit
-    degrees, wanted, output = np.degrees(theta), scale * mechanism.motion(theta), f"{drive.output}_{unit}"
-    recovered, shown = {}, {}
-    for kind, shape in read[drive.part].shapes.items():
-        try:
-            recovered[kind] = mounted(shape, drive).angle(theta)
-        except ValueError:  # told by MOTION_ERROR
-            recovered[kind] = np.full(theta.shape, np.nan)
-        shown[kind] = scale * recovered[kind]
-    columns = {"theta_deg": degrees, output: wanted} | {f"{output}_{kind}": s for kind, s in shown.items()}
-    plots = motion_plots(degrees, wanted, scale * mechanism.reachable(theta), shown, drive.output, unit)
-    return Outcome(plots=plots), columns, mechanism.recovered(theta, recovered)
-
-
-def _drive(mechanism: Mechanism, read: Mapping[str, Read]) -> Rolling | None:
-    """The contact that drives, where its part was read from any file."""
-    rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling) and not contact.inside]
-    return next((contact for contact in rollings if read[contact.part].shapes), None)
-
-
-def _machine(
-    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
-) -> tuple[Outcome, dict[str, Floats]]:
-    """The machine closed on what was measured: findings, plots of each output, its speed, error and play, motion.csv."""
-    from camgen.judge.motion import judge_machine
+    """The motion over a turn as the files give it: findings, plots of each output, its speed, error and play, as columns of
+    motion.csv; and what follows from the recovered motion."""
+    from camgen.judge.cams import judged_angles
     from camgen.judge.targets import judge_targets
     from camgen.pipeline.curves import Curves
 
-    machine, fit = mechanism.model, compensation(mechanism)
-    assert machine is not None, "features are those of a machine's joints"
-    low, high = mechanism.range
+    features = mechanism.features()
+    if not features:
+        return Outcome(), {}, Study()
+    (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
     theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
-    curves = {output.name: Curves(output, theta, len(machine.outputs) == 1) for output in machine.outputs}
-    for each in mechanism.asked():
-        if each.motion is not None:
-            curves[each.output].want(each.motion(theta, 0), each.motion(theta, 1))
+    outputs = [output for output in mechanism.model.outputs if output.name in wishes] or mechanism.model.outputs
+    cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)
+    curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
+    for curve in curves:
+        motion = wishes[curve.output.name].motion if curve.output.name in wishes else None
+        if motion is not None:
+            curve.want(motion(theta, 0), motion(theta, 1))
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
     tables, nominal = [], []
     for kind in kinds:
-        if any(kind not in part.sections for part in read.values()):
+        found = judge_motion(mechanism, kind, read, judged)
+        if found is None:
             continue
-        verdict = judge_machine(
-            kind, f"{mechanism.name}-*.{kind}", {name: part.sections[kind] for name, part in read.items()}, machine,
-            mechanism.features(), mechanism.mounts(), judged, mechanism.accuracy.chord_tolerance,
-            Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None and kind != "dxf" else 0.0, mechanism.asked(),
-        )  # fmt: skip
+        verdict = found[0]
         findings += verdict.findings
         numbers |= verdict.numbers
         nominal += [each for each in verdict.not_judged if each not in nominal]
         if verdict.proof is not None and verdict.table is not None:
-            tables.append(verdict.table)
-            for curve in curves.values():
+            tables += [verdict.table] if verdict.table.rows else []
+            for curve in curves:
                 curve.add(kind, verdict.proof)
             findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
     columns = {"theta_deg": np.degrees(theta)}
-    for curve in curves.values():
+    for curve in curves:
         columns |= curve.columns
-    plots = [plot for curve in curves.values() for plot in curve.plots()]
-    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns
-
-
-def _together(mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]) -> Outcome:
-    """Pairs of parts: the frame's own tip on the cam, and a follower between two parts that each touch it."""
-    findings: list[Finding] = []
-    numbers: dict[str, float] = {}
-    rollings = [contact for contact in mechanism.contacts() if isinstance(contact, Rolling)]
-    tolerance = mechanism.accuracy.chord_tolerance
-    if len({rolling.part for rolling in rollings}) > 1:  # where the follower has its tips at s = 0
-        places = {r.part.replace("-", "_"): r.pivot if r.slides else r.pivot + r.arm for r in rollings if not r.inside}
-        numbers |= {f"tip_on_{part}_x_mm": z.real for part, z in places.items()}
-        numbers |= {f"tip_on_{part}_y_mm": z.imag for part, z in places.items()}
-    for kind in kinds:
-        shapes = {name: part.shapes[kind] for name, part in read.items() if kind in part.shapes}
-        found: list[Finding]
-        for tip in (rolling for rolling in rollings if not rolling.flipped):
-            if tip.tip_part in shapes and tip.part in shapes:
-                where = f"{mechanism.name}-{tip.tip_part}.{kind}"
-                found, figures = judge_tip(
-                    kind, where, shapes[tip.tip_part], shapes[tip.part], tip, mechanism.reachable, tolerance
-                )
-                findings += found
-                numbers |= figures
-        for other in (rolling for rolling in rollings if rolling.part != rollings[0].part):
-            first, second = rollings[0].part, other.part
-            if all(read[name].moves.get(kind) for name in (first, second)):
-                where = f"{mechanism.name}-{first}.{kind} with {mechanism.name}-{second}.{kind}"
-                found, figures = judge_pair(kind, where, (shapes[first], shapes[second]), (rollings[0], other), tolerance)
-                findings += found
-                numbers |= figures
-    return Outcome(findings, numbers)
+    plots = [plot for curve in curves for plot in curve.plots()]
+    more = mechanism.recovered(theta, curves[0].recovered)
+    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, more
 
 
 def _budget(case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]) -> Table | None:
-    """What each stage from law to file adds to the error of the part that drives; `found`: the figures of today."""
-    drive = _drive(case.mechanism, read)
-    if drive is None:
+    """What each stage from law to file adds to the error of the outline that drives; `found`: the figures of today."""
+    mechanism = case.mechanism
+    drive = next((feature for feature in mechanism.features() if isinstance(feature, CamOutline)), None)
+    if drive is None or not read[drive.part]:
         return None
     from camgen.judge.budget import error_budget
 
-    part, tolerance, fit = case.parts[drive.part], case.mechanism.accuracy.chord_tolerance, compensation(case.mechanism)
+    part, tolerance, fit = case.parts[drive.part], mechanism.accuracy.chord_tolerance, compensation(mechanism)
     numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
-    lost = numbers.get("undercut_mm", 0.0), numbers.get(f"undercut_{drive.unit[0]}", 0.0)
-    shapes, reachable = read[drive.part].shapes, case.mechanism.reachable
-    return error_budget(part.region.outer, _facets(part, tolerance, fit), drive, reachable, tolerance, shapes, lost)
+    return error_budget(
+        part.region.outer, _facets(part, tolerance, fit), mechanism.model, drive, mechanism.mounts(), tolerance, read[drive.part],
+        numbers,
+    )  # fmt: skip
 
 
 def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:

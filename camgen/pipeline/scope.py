@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from camgen.files.formats import FORMATS
 from camgen.findings import Finding, NotJudged
-from camgen.machine.contacts import Apart, Rolling
+from camgen.machine.contacts import Apart
+from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -41,23 +43,24 @@ class Stage:
 
 def reading(mechanism: Mechanism) -> list[Stage]:
     """The steps that are done as parts are read: each file by itself, and the motion that the files give."""
-    contacts = mechanism.contacts()
     holes = any(layer.region.holes for part in mechanism.parts() for layer in part.layers)
     stages = [
         Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN),
         Stage(("WATERTIGHT", "VOLUME"), "solids", SOLID),
         Stage(("ROUND_TRIP", *(("MIN_WALL",) if holes else ())), "contours as they are in the files", ANY),
     ]
-    rollings = [contact for contact in contacts if isinstance(contact, Rolling)]
-    if rollings:
-        stages.append(Stage(("MOTION_ERROR", "SPEED_RIPPLE"), "the follower, rolled on the outline", ANY))
-    if len(rollings) > 1:
+    features = mechanism.features()
+    cams = [feature for feature in features if isinstance(feature, CamOutline)]
+    if cams:
+        ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.meant.ripple) for cam in cams) else ()
+        stages.append(Stage(("MOTION_ERROR", *ripple), "the follower, rolled on the outline", ANY))
+    if len(cams) > len({cam.joint for cam in cams}):
         stages.append(Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", ANY))
-    if any(rolling.tip_part for rolling in rollings):
+    if any(cam.own is not None for cam in cams):
         stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", ANY))
-    if any(rolling.reach is not None for rolling in rollings):
+    if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", ANY))
-    if mechanism.features():
+    if len(cams) < len(features):
         asked = mechanism.asked()
         more = dict.fromkeys(target.code for each in asked for target in each.targets)
         more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}

@@ -10,7 +10,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
@@ -25,10 +25,8 @@ from numpy.typing import ArrayLike
 from camgen import __version__
 from camgen.errors import FileError
 from camgen.findings import ROUTINE, Finding, NotJudged, left_out
-from camgen.geometry.outlines import Floats
 from camgen.machine.study import Plot, Table
 from camgen.report.animation import Animation, frames, player
-from camgen.tolerances import SPEED_WINDOW_DEG
 
 Path = str | PathLike[str]
 
@@ -115,33 +113,6 @@ class Report:
             }
         )
         return plain
-
-
-def motion_plots(
-    theta: Floats, wanted: Floats, reachable: Floats, recovered: Mapping[str, Floats], name: str, unit: str
-) -> list[Plot]:
-    """Motion, speed and error over the cam angle theta, deg, wanted and recovered from each kind of file, all (n,)."""
-    label = "cam angle, deg"
-    step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(theta) - 1) / 360))
-
-    def speed(s: Floats) -> Floats:
-        turn = s[:-1]  # one period, averaged over the window as SPEED_RIPPLE does
-        mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * 360 / len(turn))
-        return np.append(mean, mean[0])
-
-    def from_files(change: Callable[[Floats], Floats]) -> list[tuple[str, Floats, Floats]]:
-        return [(f"from {kind.upper()}", theta, change(s)) for kind, s in recovered.items()]
-
-    return [
-        Plot(name.capitalize(), label, unit, [("wanted", theta, wanted), *from_files(lambda s: s)]),
-        Plot(
-            "Speed",
-            label,
-            f"{unit} per deg of cam angle, mean of {SPEED_WINDOW_DEG:g} deg",
-            [("wanted", theta, speed(wanted)), *from_files(speed)],
-        ),
-        Plot("Motion error", label, unit, from_files(lambda s: s - reachable)),
-    ]
 
 
 def to_json(report: Report) -> str:

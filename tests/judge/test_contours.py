@@ -21,9 +21,10 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, polygon
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.rolling import judge_motion, judged_angles
+from camgen.judge.cams import judged_angles
+from camgen.judge.motion import judge_machine
 from camgen.judge.round_trip import judge_dxf, judge_mesh
-from camgen.machine.contacts import Rolling
+from camgen.machine.features import CamOutline
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
 from camgen.parts.part import Layer, Part
@@ -86,7 +87,7 @@ def failing(name: str, part: str, kind: str, made: Part, folder: Path) -> set[st
     else:
         write_stl(path, solid(made, tolerance), "x")
     fit = compensation(mechanism) if kind != "dxf" else None
-    meant = expected(part_of(name, part), tolerance, mechanism.contacts(), fit)
+    meant = expected(part_of(name, part), tolerance, mechanism.touching(), fit)
     judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
     return {finding.code for finding in judged.findings if not finding.ok}
 
@@ -168,8 +169,8 @@ def larger(face: Face) -> Face:
 
 def gouged(face: Face) -> Face:
     """1 mm deep in the middle of the frame's tip, which still touches the cam beside it."""
-    tip = next(c for c in machine("swing").contacts() if isinstance(c, Rolling) and c.tip_part == "frame")
-    return face.difference(disc(tip.arm + 1j * tip.tip_radius, 1.0))
+    tip = next(c.own.tip for c in machine("swing").features() if isinstance(c, CamOutline) and c.own is not None)
+    return face.difference(disc(tip.at + 0.5j * tip.diameter, 1.0))
 
 
 def test_a_contour_about_a_joint_is_told(tmp_path: Path) -> None:
@@ -228,7 +229,7 @@ def test_a_top_face_at_another_height_is_told(by: float, tmp_path: Path) -> None
     vertices = mesh.vertices.copy()
     vertices[np.isclose(vertices[:, 2], vertices[:, 2].max()), 2] += by
     write_stl(tmp_path / "x.stl", Mesh(vertices, mesh.faces), "x")
-    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.contacts()))
+    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.touching()))
     assert {finding.code for finding in judged.findings if not finding.ok} == {"ROUND_TRIP"}
 
 
@@ -241,7 +242,7 @@ def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
     for notched in (face, face.difference(shapely.box(face.bounds[2] - 2, 3.95, face.bounds[2] + 1, 4.15))):
         made = replace(whole, crossed=region_of(notched))
         write_stl(tmp_path / "x.stl", solid(made, tolerance), "x")
-        judged = judge_mesh(tmp_path / "x.stl", replace(expected(whole, tolerance, mechanism.contacts()), volume=made.volume))
+        judged = judge_mesh(tmp_path / "x.stl", replace(expected(whole, tolerance, mechanism.touching()), volume=made.volume))
         told = {finding.code for finding in judged.findings if not finding.ok}
         assert told == ({"ROUND_TRIP"} if notched is not face else set())
 
@@ -264,7 +265,6 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
     """1 mm high and 0.03 deg wide, in the widest gap between the fixed angles, where a knife edge stands on it."""
     mechanism = machine("knife")
     tolerance = mechanism.accuracy.chord_tolerance
-    rolling = next(c for c in mechanism.contacts() if isinstance(c, Rolling))
     ring = facet_contour(mechanism.parts()[0].region.outer, tolerance)
     theta = judged_angles()
     gap = int(np.argmax(np.diff(theta)))
@@ -287,6 +287,9 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
     spiked = spiked[np.argsort(np.angle(spiked * np.exp(-1j * where)) % math.tau)]
     for points, told in ((kept[order], False), (spiked, True)):
         shape = Shape(Ring(points, np.zeros(len(points))).counter_clockwise(), ())
-        findings, _ = judge_motion("dxf", "x.dxf", shape, [rolling], mechanism.motion, mechanism.reachable, tolerance)
+        features = [replace(each, bore=None) for each in mechanism.features() if isinstance(each, CamOutline)]
+        findings = judge_machine(
+            "dxf", "x.dxf", {"cam": [[shape]]}, mechanism.model, features, mechanism.mounts(), theta, tolerance
+        ).findings
         assert (not findings[0].ok) is told and findings[0].code == "MOTION_ERROR"
     assert findings[0].measured == pytest.approx(1.0, abs=0.01)

@@ -20,8 +20,10 @@ from stl_rows import TRIANGLE, with_own_normals
 from camgen.errors import FileError
 from camgen.files.dxf import read_dxf
 from camgen.geometry.rings import Ring, Shape, shape_of
-from camgen.judge.rolling import judge_motion
+from camgen.judge.cams import judged_angles
+from camgen.judge.motion import judge_machine
 from camgen.judge.round_trip import Expected, Section, _judge_sections, judge_mesh
+from camgen.machine.features import CamOutline, Eye
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.expectation import expected
@@ -137,7 +139,7 @@ def test_stl_of_the_wrong_thickness(folder: Path) -> None:
 def test_stl_of_another_volume(folder: Path) -> None:
     """A part that should weigh more than the file's, all its contours alike."""
     mechanism = pipeline.read_mechanism(folder / "spec.toml")
-    meant = expected(mechanism.parts()[0], 0.001, mechanism.contacts())
+    meant = expected(mechanism.parts()[0], 0.001, mechanism.touching())
     codes = []
     for share in (1.0, 1.01):
         judged = judge_mesh(folder / "cam-cam.stl", replace(meant, volume=share * meant.volume))
@@ -403,32 +405,38 @@ def test_a_lost_file_is_told(folder: Path, kind: str) -> None:
     assert f"cam-cam.{kind}" in str(caught.value)
 
 
-def judged(folder: Path, **changes: object) -> set[str]:
-    """Failing codes when the drawing is judged with a changed mechanism: `first` and `second` change a contact."""
+def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object) -> set[str]:
+    """Failing codes when the drawing is judged with other tips, radii in mm, or with its twin mounted otherwise."""
     mechanism: Mechanism = pipeline.read_mechanism(folder / "spec.toml")
     shape = shape_of(read_dxf(folder / "cam-cam.dxf").cut)
-    first, second = mechanism.contacts()
-    rollings = [replace(first, **changes.get("first", {})), replace(second, **changes.get("second", {}))]  # type: ignore[arg-type]
-    findings, _ = judge_motion("dxf", "cam-cam.dxf", shape, rollings, mechanism.motion, mechanism.reachable, 0.001)
-    return {f.code for f in findings if not f.ok}
+    features = []
+    for feature, radius in zip(mechanism.features(), (first, second), strict=True):
+        assert isinstance(feature, CamOutline) and isinstance(feature.tip, Eye) and feature.tip.diameter == 6
+        features.append(replace(feature, tip=replace(feature.tip, diameter=2 * radius)))
+    one, other = mechanism.mounts()
+    mounts = [one, replace(other, **twin)]  # type: ignore[arg-type]
+    found = judge_machine(
+        "dxf", "cam-*.dxf", {"cam": [[shape]]}, mechanism.model, features, mounts, judged_angles(), 0.001, asked=mechanism.asked()
+    )
+    return {f.code for f in found.findings if not f.ok}
 
 
 def test_the_wrong_tip_radius(folder: Path) -> None:
     assert judged(folder) == set()
-    assert judged(folder, first={"tip_radius": 3.01}) == {"MOTION_ERROR"}
+    assert judged(folder, first=3.01) == {"MOTION_ERROR"}
 
 
 def test_a_twin_turned_by_one_degree_jams(folder: Path) -> None:
-    assert judged(folder, second={"turned": np.radians(1.0)}) == {"INTERFERENCE"}
-    assert judged(folder, second={"turned": np.radians(-1.0)}) == {"INTERFERENCE"}
+    assert judged(folder, turned=np.radians(1.0)) == {"INTERFERENCE"}
+    assert judged(folder, turned=np.radians(-1.0)) == {"INTERFERENCE"}
 
 
 def test_a_twin_that_is_not_turned_over(folder: Path) -> None:
-    assert judged(folder, second={"flipped": False}) == {"INTERFERENCE", "LASH"}
+    assert judged(folder, flipped=False) == {"INTERFERENCE", "LASH"}
 
 
 def test_a_smaller_second_tip_rattles(folder: Path) -> None:
-    assert judged(folder, second={"tip_radius": 2.8}) == {"LASH"}
+    assert judged(folder, second=2.8) == {"LASH"}
 
 
 def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:

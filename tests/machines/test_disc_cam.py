@@ -23,10 +23,12 @@ from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, shape_of
-from camgen.judge.rolling import mounted
+from camgen.judge.cams import rolled
+from camgen.judge.contact import RollingContact, contact
+from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.machine.cams import DiscCam
 from camgen.machine.closed_form import slider_travel
-from camgen.machine.contacts import Rolling
+from camgen.machine.features import CamOutline
 from camgen.machines.disc_cam import DiscCamDrive
 from camgen.pipeline import build as pipeline
 from camgen.report.report import Report, to_html
@@ -118,6 +120,13 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
     return build
 
 
+def on(made: DiscCamDrive, shape: Shape) -> RollingContact:
+    """The follower on an outline."""
+    outline = made.features()[0]
+    assert isinstance(outline, CamOutline)
+    return rolled(made.model, outline, made.mounts(), [[shape]])[1].contact
+
+
 @pytest.mark.parametrize("offset", [0.0, 7.0])
 def test_the_flat_faced_harmonic_cam_comes_back_as_a_circle(tmp_path: Path, offset: float) -> None:
     """Uicker, Pennock, Shigley: 2 in, prime radius 1.5 in: a circle of 2.5 in, 1.0 in off centre; the face reaches 1 in."""
@@ -132,7 +141,7 @@ def test_the_flat_faced_harmonic_cam_comes_back_as_a_circle(tmp_path: Path, offs
     assert radius == pytest.approx(2.5 * INCH, abs=1e-5)
     assert abs(centre) == pytest.approx(1.0 * INCH, abs=1e-5)
     assert deviation < 1e-5  # vertices lie on the exact outline, to the float32 of the file
-    places = offset - mounted(shape, made.contacts()[0]).touch(np.linspace(0, 7, 3000)).place
+    places = offset - on(made, shape).touch(np.linspace(0, 7, 3000)).place
     chord = math.sqrt(8 * 2.5 * INCH * 0.001)  # a corner is touched until the next edge lies on the face
     assert np.max(places) == pytest.approx(INCH, abs=chord) and np.min(places) == pytest.approx(-INCH, abs=chord)
     assert report.numbers["face_width_needed_mm"] == pytest.approx(2 * INCH, abs=1e-9)
@@ -152,7 +161,7 @@ def test_nortons_roller_cam(norton: Callable[[str], Any]) -> None:
     assert numbers["pressure_angle_stl_deg"] == pytest.approx(30, abs=0.4)  # of facets, which lean by half their turn
     # the circle through neighbouring points of the file's rim, half a radian of turning long, is nowhere smaller
     theta = np.linspace(0, 2 * math.pi, 1441)
-    s = INCH * 1.75094 + mounted(shape, drive.contacts()[0]).angle(theta)
+    s = INCH * 1.75094 + on(drive, shape).angle(theta)
     z = s * np.exp(-1j * theta)
     a, b, c = (np.roll(z[:-1], k) for k in (18, 0, -18))
     area = np.abs(np.imag(np.conj(b - a) * (c - a)))
@@ -168,7 +177,7 @@ def test_nortons_flat_faced_cam(norton: Callable[[str], Any]) -> None:
     assert {code for code, _ in failing(report)} == set()
     assert report.numbers["base_radius_mm"] / INCH == pytest.approx(1.89263, abs=5e-6)
     assert report.numbers["face_width_needed_mm"] / INCH == pytest.approx(2.54648, abs=5e-6)
-    place = mounted(shape, drive.contacts()[0]).touch(np.linspace(0, 2 * math.pi, 7201)).place
+    place = on(drive, shape).touch(np.linspace(0, 2 * math.pi, 7201)).place
     assert np.ptp(place) / INCH == pytest.approx(8 / math.pi, abs=0.03)  # to a facet of its 1 um chords on each side
     assert np.min(np.abs(shape.outer.points)) / INCH == pytest.approx(1.89263, abs=1e-5)
 
@@ -182,16 +191,15 @@ def test_an_off_centre_disc_from_an_stl_is_a_slider_crank(tmp_path: Path) -> Non
     written(tmp_path, made)
     shape = from_stl(tmp_path / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0)
     theta = np.linspace(0, 2 * math.pi, 2000)
-    rolling = Rolling("r", "cam", 0j, 1j, 3.0, 1, 0.3, 0.1, 0.0, 0.0, slides=True)
-    way = 28 - mounted(shape, rolling).angle(theta)
+    way = 28 - contact(shape.outer, SlideTip(0j, 1j, 3.0, 1)).angle(theta)
     expected = slider_travel(theta - math.pi, 5.0, 23.0)  # the centre is opposite the slide at theta = 0
     assert np.max(np.abs(way - expected)) < 0.00105
     # on an arm: a four-bar of crank e, coupler a + r, rocker = arm, ground = distance of the pivot
     spoke = 5 * np.exp(1j * (theta - math.pi / 2)) - 60
     bearing = np.arccos((np.abs(spoke) ** 2 + 55**2 - 23**2) / (2 * 55 * np.abs(spoke)))
     wanted = np.unwrap(np.angle(spoke) + bearing)
-    swinging = Rolling("r", "cam", 60 + 0j, complex(-55, -10) / abs(complex(-55, -10)) * 55, 3.0, 1, 0.5, 0.1, 0.0, 0.0)
-    angle = mounted(shape, swinging).angle(theta) + np.angle(swinging.arm)
+    arm = complex(-55, -10) / abs(complex(-55, -10)) * 55
+    angle = contact(shape.outer, ArmTip(60 + 0j, arm, 3.0, 1)).angle(theta) + np.angle(arm)
     assert np.max(np.abs((angle - wanted + math.pi) % math.tau - math.pi)) < 0.00105 / 55 / math.cos(0.5)
 
 
@@ -204,12 +212,11 @@ def test_rolling_on_facets_converges_as_measured() -> None:
         {"kind": "dwell", "span_deg": 90.0},
     ]
     made = mechanism("geometry.base_radius=35", "geometry.follower.radius=10", segments=segments)
-    (rolling,) = made.contacts()
     theta = np.arange(72_000) * (2 * math.pi / 72_000) + 1e-5
     errors = []
     for count in (180, 360, 720):
         z = made.cam.profile(np.arange(count) * (2 * math.pi / count))[::-1]
-        s = mounted(Shape(Ring(z, np.zeros(count)), ()), rolling).angle(theta)
+        s = on(made, Shape(Ring(z, np.zeros(count)), ())).angle(theta)
         step = theta[1] - theta[0]
         speed, bend = np.diff(s) / step, np.diff(s, 2) / step**2
         errors.append((np.max(np.abs(s - made.motion(theta))), np.max(np.abs(speed - made.motion(theta[1:] - step / 2, 1))),

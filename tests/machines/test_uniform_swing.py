@@ -15,6 +15,7 @@ from shapely import affinity
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
+from camgen.machine.features import CamOutline, Eye
 from camgen.machines.uniform_swing.mechanism import UniformSwing
 
 SHAFTS = ["plain", "keyway", "d-flat"]
@@ -102,7 +103,7 @@ def test_copies_and_layers() -> None:
         m = design(geometry__closure=closure)
         (part,) = m.parts()
         poses = m.poses(np.linspace(0, 6, 7))["cam"]
-        assert part.count == len(poses) == len(m.contacts()) == copies
+        assert part.count == len(poses) == len(m.features()) == copies
         assert [p.flipped for p in poses] == [False, True][:copies]
         assert part.bore == 8.0 and part.layers[0].z1 == part.thickness == 6.0
         for engraved in part.engraved:
@@ -113,14 +114,15 @@ def test_copies_and_layers() -> None:
 
 
 def test_second_tip_rides_on_the_turned_cam() -> None:
-    """Where contacts() puts the second tip it touches the turned rim, at every angle."""
+    """Where features() puts the second tip it touches the turned rim, at every angle."""
     m = design(geometry__reversal_blend_deg=20.0)
     rim = polygon(m.parts()[0].region.outer, 1e-5)
     theta = np.linspace(0, 2 * math.pi, 181) + 0.01
-    for tip in m.contacts():
-        centre = (tip.pivot + tip.arm * np.exp(1j * m.reachable(theta))) * np.exp(-1j * theta)
-        z = -np.conj(centre) if tip.flipped else centre
-        gap = shapely.distance(shapely.points(z.real, z.imag), rim) - tip.tip_radius
+    for outline, mount in zip(m.features(), m.mounts(), strict=True):
+        assert isinstance(outline, CamOutline) and isinstance(outline.tip, Eye)
+        centre = (m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.reachable(theta))) * np.exp(-1j * theta)
+        z = -np.conj(centre) if mount.flipped else centre
+        gap = shapely.distance(shapely.points(z.real, z.imag), rim) - outline.tip.diameter / 2
         assert np.max(np.abs(gap)) < 1.1e-5
 
 

@@ -28,9 +28,10 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region
 from camgen.machine.cam_drive import Load as CamLoad
-from camgen.machine.cam_drive import cam_machine
+from camgen.machine.cam_drive import cam_machine, cam_outline
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Pose, Rolling
+from camgen.machine.contacts import Pose
+from camgen.machine.features import Asked, CamMeant, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machine.study import Plot, Sketch, Study
@@ -354,8 +355,7 @@ class IndexingCam(Mechanism):
         theta = np.asarray(theta, float)
         still: Points = np.zeros(theta.shape, complex)
         s = self.reachable(theta)
-        gap = self.making.thickness + self.print.slide_clearance
-        found = {name: [Pose(theta, still, z=0.0 if name == "cam" else gap)] for name in self.cams}
+        found = {mount.part: [Pose(theta, still, z=mount.z)] for mount in self.mounts()}
         found["follower"] = [Pose(s, still + complex(self.geometry.follower.pivot_distance))]
         found["driven-link"] = [Pose(-self.geometry.gear_ratio * s, still + self._link_centre)]
         found["ground"] = [Pose(np.zeros(theta.shape), still)]
@@ -366,16 +366,27 @@ class IndexingCam(Mechanism):
         f = self.geometry.follower
         return complex(f.pivot_distance + 0.75 * f.arm)
 
-    def contacts(self) -> Sequence[Rolling]:
-        """Each roller on its cam."""
-        return [
-            Rolling(
-                "roller" if name == "cam" else "return roller", name, cam.follower.pivot, cam.follower.arm,
-                cam.follower.tip_radius, cam.follower.leaves, math.radians(self._pressure[name]), self.allowed.speed_ripple,
-                math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg), reachable=cam.reachable,
-            )
-            for name, cam in self.cams.items()
-        ]  # fmt: skip
+    def features(self) -> Sequence[Feature]:
+        """The outline of each cam."""
+        return self._features
+
+    @cached_property
+    def _features(self) -> Sequence[Feature]:
+        return [cam_outline(cam, name, self.making.bore, self._meant(name, cam)) for name, cam in self.cams.items()]
+
+    def _meant(self, name: str, cam: DiscCam) -> CamMeant:
+        lever = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[name]))
+        given, limits = cam.reachable if cam.undercuts else None, self.allowed
+        return CamMeant(given, lever, limits.speed_ripple, math.radians(limits.undercut_deg))
+
+    def mounts(self) -> Sequence[Mount]:
+        """The cams beside each other."""
+        beside = self.making.thickness + self.print.slide_clearance
+        return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
+
+    def asked(self) -> Sequence[Asked]:
+        """The play of the follower that is borne."""
+        return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 

@@ -28,9 +28,10 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
-from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine
+from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Assembly, Pose, Rolling
+from camgen.machine.contacts import Assembly, Pose
+from camgen.machine.features import Asked, CamMeant, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
@@ -313,28 +314,43 @@ class UniformSwing(Mechanism):
             parts = dict.fromkeys(mount.part for mount in assembly.mounts)
             return {part: [m.pose(angles[m.drive.name]) for m in assembly.mounts if m.part == part] for part in parts}
         still: Points = np.zeros(theta.shape, complex)
-        cams = [Pose(theta, still)]
-        if self.geometry.closure == "conjugate":
-            cams.append(Pose(theta, still, flipped=True, z=self.making.thickness + self.print.slide_clearance))
         return {
-            "cam": cams,
+            "cam": [Pose(theta, still, flipped=mount.flipped, z=mount.z) for mount in self.mounts()],
             "follower": [Pose(self.reachable(theta), still + complex(self.geometry.pivot_distance))],
             "ground": [Pose(np.zeros(theta.shape), still)],
         }
 
-    def contacts(self) -> Sequence[Rolling]:
-        """The tip on the cam; with conjugate closure also the second tip on the turned cam."""
-        follower = self.cam.follower
-        steepest = math.radians(self._pressure[0])
-        first = Rolling(
-            "tip", "cam", follower.pivot, follower.arm, follower.tip_radius, follower.leaves, steepest,
-            self.allowed.speed_ripple, math.radians(self.allowed.lash_deg), math.radians(self.allowed.undercut_deg),
-            tip_part="frame" if self.making.make == "machine" else None,
-            seat=self._machine.tip_hole if self.making.make == "machine" else 0.0,
-        )  # fmt: skip
+    def features(self) -> Sequence[Feature]:
+        """The cam's outline; with conjugate closure also that of the turned cam, for the second tip."""
+        return self._features
+
+    @cached_property
+    def _features(self) -> Sequence[Feature]:
+        follower, p = self.cam.follower, self.making
+        lever = abs(follower.arm) * math.cos(math.radians(self._pressure[0]))
+        given = self.cam.reachable if self.cam.undercuts else None
+        meant = CamMeant(given, lever, self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg))
+        own = None
+        if p.make == "machine":
+            seat = self._machine.tip_hole
+            tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
+            bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame"))
+            own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
+        first = cam_outline(self.cam, "cam", p.bore, meant, own=own)
         if self.geometry.closure == "force":
             return (first,)
-        return (first, replace(first, name="second tip", arm=first.arm.conjugate(), leaves=-first.leaves, flipped=True))
+        second = replace(follower, arm=follower.arm.conjugate(), leaves=-follower.leaves)
+        return (first, cam_outline(replace(self.cam, follower=second), "cam", p.bore, meant, copy=1))
+
+    def mounts(self) -> Sequence[Mount]:
+        """The cam and its turned twin above it; of a machine also the frame."""
+        above = self.making.thickness + self.print.slide_clearance
+        cams = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self._cam_part.count]
+        return (*cams, Mount("frame", "follower")) if self.making.make == "machine" else cams
+
+    def asked(self) -> Sequence[Asked]:
+        """The play of the follower that is borne."""
+        return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
 
     @cached_property
     def _pressure(self) -> tuple[float, float, float]:

@@ -1,0 +1,230 @@
+"""The judge of cams: what a follower does on each measured outline, beside what comes out at the machine's outputs.
+
+It knows nothing of the formulas that made the curve. s is the follower's displacement, rad, or mm where it slides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen import tolerances
+from camgen.findings import Finding, at_most
+from camgen.geometry.rings import Ring
+from camgen.judge.contact_faces import ArmFace, SlideFace
+from camgen.judge.contact_tips import ArmTip, SlideTip
+from camgen.judge.joints import Outline, Rolled, assembled
+from camgen.judge.measured import Sections, read
+from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
+from camgen.machine.model import Cam, Law, Machine
+
+Floats = NDArray[np.float64]
+
+
+def judged_angles() -> Floats:
+    """Cam angles at which motion is judged, rad: one at random in each of JUDGED_ANGLES equal steps, always the same ones."""
+    n = tolerances.JUDGED_ANGLES
+    return (np.arange(n) + np.random.default_rng(20181).random(n)) * (2 * math.pi / n)
+
+
+def s_unit(joint: Cam) -> tuple[str, float]:
+    """What people read s in, and how many of it one unit of s is."""
+    return ("deg", math.degrees(1)) if joint.slide is None else ("mm", 1.0)
+
+
+def given(joint: Cam, outline: Outline) -> Law:
+    """s as the exact outline gives it, by the joint as it is meant."""
+    return outline.feature.meant.given or joint.law
+
+
+def rolled(machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections) -> tuple[Ring, Rolled]:
+    """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
+    where it does not fit."""
+    found = read([outline], {outline.part: sections}, False)
+    law = assembled(machine, [outline], mounts, found).outlines[outline.joint][0].law
+    away = 0j if outline.bore is None else found.eyes[outline.bore].centre
+    return found.rings[outline].moved(shift=-away), law
+
+
+def limit(law: Rolled, off: float) -> float:
+    """Largest error of s that an outline gives which is off by so much, mm, with spare for the second order."""
+    return off * (1 + tolerances.BOUND_SPARE) / float(np.min(law.lever(judged_angles())))
+
+
+class Followed:
+    """A follower on one outline over the turn, against what the exact one gives; off: mm, of outlines within the tolerance."""
+
+    def __init__(self, joint: Cam, outline: Outline, where: str, off: float) -> None:
+        self.joint, self.outline, self.where = joint, outline, where
+        self.theta, self.meant = judged_angles(), outline.feature.meant
+        self.touch = outline.law.contact.touch(self.theta)
+        self.limit = limit(outline.law, off)
+        self.unit, self.scale = s_unit(joint)
+        self._given = given(joint, outline)
+
+    def place(self, k: int) -> str:
+        """The file, and the judged angle k."""
+        return f"{self.where}, cam angle {math.degrees(self.theta[k] + self.joint.phase):.3f} deg"
+
+    @property
+    def pressure_angle(self) -> float:
+        """The largest, deg; nan where the follower misses the outline."""
+        return math.degrees(float(np.max(np.abs(self.touch.pressure_angle))))
+
+    def undercut(self) -> Finding | None:
+        """UNDERCUT: what is lost of the wanted motion; None where the exact outline loses nothing."""
+        asked, reachable = self.joint.law(self.theta, 0), self._given(self.theta, 0)
+        if not np.any(asked != reachable):
+            return None
+        loss = np.where(asked != reachable, np.abs(self.touch.angle - asked), 0.0)
+        worst = int(np.argmax(loss))
+        return at_most(
+            "UNDERCUT", self.scale * loss[worst], self.scale * (self.meant.undercut + self.limit), self.unit, self.place(worst),
+            "motion that the file loses where it is undercut; the limit is the spec's and the outline tolerance",
+        )  # fmt: skip
+
+    def on_face(self) -> Finding | None:
+        """FACE_WIDTH: how far contact runs off a face; None for a tip, or a face without an end."""
+        face = self.outline.feature.tip
+        if not isinstance(face, Flat) or math.isinf(face.width):
+            return None
+        place = self.touch.place
+        beyond = np.abs(place - self.outline.law.middle) - face.width / 2
+        worst = int(np.argmax(np.where(np.isnan(beyond), np.inf, beyond)))
+        return at_most(
+            "FACE_WIDTH", float(beyond[worst]), 0.0, "mm", self.place(worst),
+            f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):.3f} to {np.max(place):.3f} mm",
+        )  # fmt: skip
+
+    def ripple(self) -> Finding | None:
+        """SPEED_RIPPLE: speed averaged over a window of cam angle, against the same average of what is reachable."""
+        if math.isinf(self.meant.ripple):
+            return None
+        theta, half = self.theta, math.radians(tolerances.SPEED_WINDOW_DEG) / 2
+        rolled = self.outline.law.contact
+        made = rolled.angle(theta + half) - rolled.angle(theta - half)
+        wanted = self._given(theta + half, 0) - self._given(theta - half, 0)
+        off = np.abs(made - wanted)
+        worst = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
+        return at_most(
+            "SPEED_RIPPLE", float(off[worst]) / float(np.max(np.abs(wanted))), self.meant.ripple, "share", self.place(worst),
+            f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
+            "facets make raw speed ripple as 1/N, and a smaller chord_tolerance lowers it",
+        )  # fmt: skip
+
+    def findings(self) -> list[Finding]:
+        """All of them, for an outline whose motion is right."""
+        return [finding for finding in (self.undercut(), self.on_face(), self.ripple()) if finding is not None]
+
+
+def _overlap(joint: Cam, drive: Outline, other: Outline, where: str, off: float) -> tuple[Finding, float]:
+    """INTERFERENCE of a follower that two outlines hold, and its largest play, rad or mm; the limit is what outlines that are
+    off by so much, mm, may overlap."""
+    theta, (unit, scale) = judged_angles(), s_unit(joint)
+    play = drive.play(other, theta)
+    least = int(np.argmin(np.where(np.isnan(play), -np.inf, play)))
+    there = theta[least : least + 1]
+    borne = sum(off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0]) for law in (drive.tight, other.tight))
+    finding = at_most(
+        "INTERFERENCE", scale * max(0.0, -float(play[least])), scale * borne, unit,
+        f"{where}, cam angle {math.degrees(theta[least] + joint.phase):.3f} deg",
+        "largest overlap of the follower with both outlines; the limit is the outline tolerance at both",
+    )  # fmt: skip
+    return finding, float(np.max(play))
+
+
+@dataclass(frozen=True)
+class OnCams:
+    """Findings and figures of cams; sound: whether the motion that each outline gives by itself is right."""
+
+    findings: Sequence[Finding]
+    numbers: Mapping[str, float]
+    sound: bool
+
+
+def named(where: str, parts: Collection[str]) -> str:
+    """The files of one or two parts by their names, of more of them with the star."""
+    names = [where.replace("*", part) for part in sorted(parts)]
+    return " with ".join(names) if "*" in where and 0 < len(names) < 3 else where
+
+
+def judge_cams(
+    kind: str, where: str, machine: Machine, measured: Mapping[str, Sequence[Outline]], off: float, sound: bool,
+    motion: Callable[[Mapping[str, Outline], bool, str], Finding],
+) -> OnCams:  # fmt: skip
+    """What followers do on each outline; what follows from a motion is only judged where that is right.
+
+    measured: outlines by cam, the one that drives first; sound: whether the motion by these is right. motion: MOTION_ERROR of
+    the machine on other outlines, with the tips that parts have or the nominal ones, and where it is said. off: mm, of
+    outlines within the tolerance.
+    """
+    first = {cam: outlines[0] for cam, outlines in measured.items()}
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    good = sound
+    for cam, outlines in measured.items():
+        joint = machine.joint(cam)
+        assert isinstance(joint, Cam), f"{cam} is no cam"
+        name = "" if len(first) == 1 else f"{cam.replace(' ', '_')}_"
+        (unit, scale), right = s_unit(joint), dict[str, bool]()
+        for outline in outlines:
+            part, driven = outline.feature.part, first | {cam: outline}
+            file, drives = named(where, {part}), outline is first[cam]
+            followed = Followed(joint, outline, file, off)
+            if part in right:  # one that is turned over: the play tells
+                continue
+            if not drives:
+                findings.append(motion(driven, False, file))
+            right[part] = sound if drives else findings[-1].ok
+            told = followed.findings() if right[part] else []
+            findings += told
+            if drives:
+                numbers[f"pressure_angle_{name}{kind}_deg"] = followed.pressure_angle
+                numbers |= {f"undercut_{name}{kind}_{unit}": each.measured for each in told if each.code == "UNDERCUT"}
+            if outline.feature.own is not None:
+                found, figures = _own_tip(outline, outline.feature.own, where, motion(driven, True, ""))
+                findings.append(found)
+                numbers |= {f"{key}_{name}{kind}_{of}": value for (key, of), value in figures.items()}
+        good &= all(right.values())
+        numbers |= _tips(outlines)
+        for other in outlines[1:] if right[first[cam].feature.part] else ():
+            if right[other.feature.part]:
+                parts = {first[cam].feature.part, other.feature.part}
+                found, play = _overlap(joint, first[cam], other, named(where, parts), off)
+                findings.append(found)
+                numbers[f"lash_{name}{kind}_{unit}"] = scale * play
+    return OnCams(findings, numbers, good)
+
+
+def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
+    """Where a follower of several parts has its tips at s = 0, mm."""
+    rides = {outline.feature.part: outline.law.contact.form for outline in outlines}
+    numbers: dict[str, float] = {}
+    for part, form in rides.items() if len(rides) > 1 else ():
+        if isinstance(form, ArmTip | ArmFace):
+            place = form.pivot + (form.arm if isinstance(form, ArmTip) else form.ahead * form.facing)
+        elif isinstance(form, SlideTip | SlideFace):
+            place = form.start
+        if not getattr(form, "inside", False):
+            key = f"tip_on_{part.replace('-', '_')}"
+            numbers |= {f"{key}_x_mm": place.real, f"{key}_y_mm": place.imag}
+    return numbers
+
+
+def _own_tip(
+    outline: Outline, own: OwnTip, where: str, moved: Finding
+) -> tuple[Finding, dict[tuple[str, str], float]]:
+    """TIP_MOTION: the motion with the tip that a part has, which may be off by the tolerance as well."""
+    file = named(where, {own.part})
+    if outline.own is None:
+        said = "the part has no such tip, or it does not fit the cam"
+        return at_most("TIP_MOTION", math.inf, 2 * moved.limit, moved.unit, file, said), {}
+    radius = getattr(outline.own.contact.form, "tip_radius", 0.0)
+    what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
+    remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
+    finding = at_most("TIP_MOTION", moved.measured, 2 * moved.limit, moved.unit, file + moved.where, remark)
+    return finding, {("tip_motion_error", moved.unit): moved.measured, ("tip_radius", "mm"): radius}
