@@ -20,7 +20,7 @@ from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.contacts import Apart, Moved, Pose, Poses, Rolling, StandIn
-from camgen.machine.features import PinEyes, SlideFaces
+from camgen.machine.features import CamOutline, PinEyes, SlideFaces
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
@@ -94,6 +94,8 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
             case Rolling(part=part, tip_part=tip_part):
                 rolling = [tip_part] if tip_part is not None and not contact.seat else tips
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
+            case CamOutline(part=part, tip=tip, roller=roller) if (roller or tip.part) is not None:
+                yield roller or tip.part or "", part, _ROLLING + spare
             case PinEyes(a=a, b=b, pin=pin):
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)

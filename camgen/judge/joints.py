@@ -211,7 +211,8 @@ class _Builder:
             raise ValueError(f"{joint.name}: {fault}") from None
         if not isinstance(joint.law, Rolled):
             return replace(joint, law=law)
-        self.between.setdefault(joint.name, []).append(Between(joint.law, law, -feature.leaves))
+        leaves = feature.leaves if feature.inside else -feature.leaves
+        self.between.setdefault(joint.name, []).append(Between(joint.law, law, leaves))
         return joint
 
     def _rolled(self, feature: CamOutline, joint: Cam) -> Rolled:

@@ -94,7 +94,8 @@ class CamOutline:
     turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
     one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
     the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
-    it comes from within to the part's largest hole. copy: which of the part's mounts on the cam's body it is.
+    it comes from within to the part's largest hole. copy: which of the part's mounts on the cam's body it is. roller: the
+    part that runs there, where the tip is its seat.
     """
 
     joint: str
@@ -106,6 +107,7 @@ class CamOutline:
     leaves: Literal[1, -1] = 1
     inside: bool = False
     copy: int = 0
+    roller: str | None = None
 
 
 @dataclass(frozen=True)
