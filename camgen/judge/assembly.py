@@ -92,7 +92,8 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
     for contact in machine.contacts:
         match contact:
             case CamOutline(part=part, own=own):
-                rolling = [own.part] if own is not None and own.radius is None else tips
+                made = contact.roller or contact.tip.part
+                rolling = [own.part] if own is not None and own.radius is None else [made] if made else tips
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
             case PinEyes(a=a, b=b, pin=pin):
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):

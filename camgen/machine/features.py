@@ -128,7 +128,7 @@ class CamOutline:
     the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
     it comes from within to the part's largest hole, `free` mm off a tip that touches the drive's outline. copy: which of the
     part's mounts on the cam's body it is. bore: the part's own hole on the shaft, where not a pin of the machine tells its
-    place. own: the tip as a part has it, judged by itself.
+    place. own: the tip as a part has it, judged by itself. roller: the part that runs there, where the tip is its seat.
     """
 
     joint: str
@@ -143,6 +143,7 @@ class CamOutline:
     copy: int = 0
     bore: Eye | None = None
     own: OwnTip | None = None
+    roller: str | None = None
     meant: CamMeant = CamMeant()
 
 

@@ -1,9 +1,10 @@
 """Levels of an assembly: which link lies on which level, so that nothing meets over the whole motion.
 
-    band     a link's outline: all points within `radius` of the convex hull of its hubs; it lies on one level, 1 or more
+    band     a link's outline: all points within `radius` of the convex hull of its hubs; it lies on one level, 1 or more;
+             what must lie beside each other, such as a cam and its roller, are bands of one level
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
-    wall     stands on the plate beside a link that slides, from level 1 to the link's
+    wall     stands beside a link that slides, on the link or plate that guides it, as high as the link
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
     wanted   the fewest levels, then the shortest pins: an integer program
@@ -31,19 +32,29 @@ _FEW = 2000  # orders that are all tried; scipy takes longer to load
 
 @dataclass(frozen=True)
 class Band:
-    """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs."""
+    """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
+
+    on: name of its level, where several bands share one; below: how many levels under it are taken too.
+    """
 
     name: str
     corners: Points
     radius: float
+    on: str = ""
+    below: int = 0
+
+    @property
+    def level(self) -> str:
+        """Name of its level."""
+        return self.on or self.name
 
 
 @dataclass(frozen=True)
 class Axis:
     """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
 
-    radius: of its head and spacers, mm; headed: whether its head takes the level over its highest link; over: pairs of its
-    links, the first of which must lie over the second.
+    links: names of their levels; radius: of its head and spacers, mm; headed: whether its head takes the level over its
+    highest link, or where it is `hung` the one under its lowest.
     """
 
     name: str
@@ -52,17 +63,28 @@ class Axis:
     radius: float
     ground: bool = False
     headed: bool = True
-    over: tuple[tuple[str, str], ...] = ()
+    hung: bool = False
+
+    @property
+    def over(self) -> int:
+        """Levels that its head takes over the highest link."""
+        return int(self.headed and not self.hung)
+
+    @property
+    def under(self) -> int:
+        """The same under the lowest."""
+        return int(self.headed and self.hung)
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall on the ground plate as high as a link that it guides: corners of its hull, (k, n) complex mm, and radius."""
+    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm."""
 
     name: str
     corners: Points
     radius: float
     link: str
+    on: str = ""
 
 
 Thing = Band | Axis | Wall
@@ -143,9 +165,9 @@ def _ways(corners: Points) -> Floats:
 
 def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
-    if isinstance(a, Band) and isinstance(b, Axis) and a.name in b.links:
+    if isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
         return None
-    if isinstance(b, Wall) and (isinstance(a, Wall) or b.link in (a.links if isinstance(a, Axis) else (a.name,))):
+    if isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
         return None
     one, other = (each.place[None] if isinstance(each, Axis) else each.corners for each in (a, b))
     between, needed = distance(one, other), a.radius + b.radius + gap
@@ -157,18 +179,19 @@ def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
 
 def levels(
     bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
-    walls: Sequence[Wall] = (),
+    walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (),
 ) -> dict[str, int]:  # fmt: skip
-    """Level of each link, 1 the lowest; DesignError where there is no way to lay them.
+    """Levels by name, 1 the lowest; DesignError where there is no way to lay what lies on them.
 
     theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
-    to be kept.
+    to be kept; over: pairs of levels, the first of which must lie over the second.
     """
     given = given or {}
     things: list[Thing] = [*bands, *axes, *walls]
     rules = [rule for a, b in combinations(things, 2) if (rule := _meets(a, b, gap))]
-    few = (len(bands) + 2) ** sum(band.name not in given for band in bands) <= _FEW
-    found = (every_order if few else integer_program)(bands, axes, rules, given)
+    names = dict.fromkeys(band.level for band in bands)
+    few = (len(names) + 2) ** sum(name not in given for name in names) <= _FEW
+    found = (every_order if few else integer_program)(bands, axes, rules, given, over)
     broken = [rule for rule in rules if not _kept(rule, found)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
@@ -182,11 +205,11 @@ def levels(
 def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
     """Lowest and highest level that a thing takes."""
     if isinstance(thing, Band):
-        return level[thing.name], level[thing.name]
+        return level[thing.level] - thing.below, level[thing.level]
     if isinstance(thing, Wall):
-        return 1, level[thing.link]
+        return level.get(thing.on, 0) + 1, level[thing.link]
     held = [level[link] for link in thing.links]
-    return 0 if thing.ground else min(held), max(held) + thing.headed
+    return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
 
 
 def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
@@ -194,25 +217,27 @@ def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
     return a1 < b0 or b1 < a0
 
 
-def _allowed(axes: Sequence[Axis], level: Mapping[str, int]) -> bool:
-    """Whether all that is to lie over another does."""
-    return all(level[upper] > level[lower] for axis in axes for upper, lower in axis.over)
-
-
 def _no_levels() -> DesignError:
     remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
     return DesignError("levels found", 0, 1, "", "[layers]", remedy)
 
 
+def _least(bands: Sequence[Band]) -> dict[str, int]:
+    """Lowest level that each name may have."""
+    return {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
+
+
 def every_order(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int]
-) -> dict[str, int]:
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
+    over: Sequence[tuple[str, str]] = (),
+) -> dict[str, int]:  # fmt: skip
     """The best levels, by trying all."""
-    most = len(bands) + 2
+    least = _least(bands)
+    most = len(least) + 2
     best: tuple[float, dict[str, int]] | None = None
-    for values in product(*([given[b.name]] if b.name in given else range(1, most + 1) for b in bands)):
-        level = dict(zip((band.name for band in bands), values, strict=True))
-        if not _allowed(axes, level):
+    for values in product(*([given[name]] if name in given else range(low, most + 1) for name, low in least.items())):
+        level = dict(zip(least, values, strict=True))
+        if not all(level[upper] > level[lower] for upper, lower in over):
             continue
         ends = [span(axis, level) for axis in axes]
         cost = _LEVEL * max(values) + _LOW * sum(values) + sum(high - low for low, high in ends)
@@ -225,12 +250,14 @@ def every_order(
 
 
 def integer_program(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int]
-) -> dict[str, int]:
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
+    over: Sequence[tuple[str, str]] = (),
+) -> dict[str, int]:  # fmt: skip
     """The same by branch and bound; rules that cannot be kept are broken at a price."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
-    most = max([2 * len(bands) + 1, *given.values()])
+    least = _least(bands)
+    most = max([2 * len(least) + 1, *given.values()])
     cost, bounds = [_LEVEL], [(0.0, float(most))]  # the first column is the highest level
     rows: list[tuple[dict[int, float], float]] = []  # sum >= right
 
@@ -239,27 +266,30 @@ def integer_program(
         bounds.append((low, high))
         return len(cost) - 1
 
-    ends: dict[str, tuple[int, int]] = {}
-    level = {}
-    for band in bands:
-        k = level[band.name] = column(_LOW, given.get(band.name, 1), given.get(band.name, most))
-        ends[band.name] = (k, k)
-        rows.append(({0: 1, k: -1}, 0))
+    level = {name: column(_LOW, given.get(name, low), given.get(name, most)) for name, low in least.items()}
+    rows += [({0: 1, k: -1}, 0) for k in level.values()]
+    rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in over]
+    axis_ends: dict[str, tuple[int, int]] = {}
     for axis in axes:
-        low, high = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
-        ends[_key(axis)] = (low, high)
-        rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in axis.over]
+        low, high = axis_ends[axis.name] = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
         for link in axis.links:
-            rows.append(({high: 1, level[link]: -1}, float(axis.headed)))
-            rows.append(({level[link]: 1, low: -1}, 0))
-    big, lowest = 2.0 * most + 4, column(0, 1, 1)
+            rows.append(({high: 1, level[link]: -1}, axis.over))
+            rows.append(({level[link]: 1, low: -1}, axis.under))
+    big, plate = 2.0 * most + 4, column(0, 0, 0)
+
+    def ends(thing: Thing) -> tuple[int, int, int]:
+        """Column of the lowest level and what is added to it, and column of the highest."""
+        if isinstance(thing, Wall):
+            return level.get(thing.on, plate), 1, level[thing.link]
+        if isinstance(thing, Band):
+            return level[thing.level], -thing.below, level[thing.level]
+        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1]
+
     for rule in rules:
-        (a0, a1), (b0, b1) = (
-            (lowest, level[thing.link]) if isinstance(thing, Wall) else ends[_key(thing)] for thing in (rule.a, rule.b)
-        )  # fmt: skip
-        broken, over = column(_BROKEN, 0, 1), column(0, 0, 1)
-        rows.append(({a0: 1, b1: -1, over: big, broken: big}, 1))  # a over b where over is 0
-        rows.append(({b0: 1, a1: -1, over: -big, broken: big}, 1 - big))
+        (a0, a, a1), (b0, b, b1) = ends(rule.a), ends(rule.b)
+        broken, upper = column(_BROKEN, 0, 1), column(0, 0, 1)
+        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a))  # a over b where `upper` is 0
+        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b - big))
     table = np.zeros((len(rows), len(cost)))
     for k, (row, _) in enumerate(rows):
         table[k, list(row)] = list(row.values())
@@ -270,7 +300,3 @@ def integer_program(
     if found.x is None:
         raise _no_levels()
     return {name: round(found.x[k]) for name, k in level.items()}
-
-
-def _key(thing: Thing) -> str:
-    return f"axis {thing.name}" if isinstance(thing, Axis) else thing.name

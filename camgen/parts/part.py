@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.crossing import Edge, spread, volume
-from camgen.geometry.outlines import Arc, Contour, Line, Points, Region, circle, kidney, polygon
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Region, circle, kidney, polygon
 from camgen.tolerances import SAME_POINT
 
 
@@ -196,6 +196,56 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
         pieces.append(Line(centre + radius * normal, other + r * normal))
         if round_once:
             return Contour(tuple(pieces))
+
+
+def with_bar(edge: Contour, at: complex, along: complex, half: float, length: float) -> Contour:
+    """An edge of lines and arcs with a bar that sticks out of it: from the point `at` inside so far along a unit vector, mm.
+
+    half: half its width; its end is round. ValueError where the edge is not as wide as the bar, or reaches further.
+    """
+    pieces = edge.counter_clockwise().pieces
+    cuts = []
+    for side in (-1, 1):
+        found = [(u, k, t) for k, piece in enumerate(pieces) for u, t in _crossings(piece, at, along, side * half) if u > 0]
+        if not found or max(found)[0] >= length:
+            raise ValueError(f"no edge as wide as a bar of {2 * half:g} mm before its end")
+        cuts.append(max(found))
+    (low, first, t), (high, last, s) = cuts
+    rest = [pieces[(last + k) % len(pieces)] for k in range(1, (first - last) % len(pieces) or len(pieces))]
+    kept = [_part(pieces[last], s, pieces[last].t1), *rest, _part(pieces[first], pieces[first].t0, t)]
+    corner, end = at + (length - 1j * half) * along, at + (length + 1j * half) * along
+    bar = (
+        Line(at + (low - 1j * half) * along, corner), Arc(at + length * along, half, cmath.phase(along) - math.pi / 2, math.pi),
+        Line(end, at + (high + 1j * half) * along),
+    )  # fmt: skip
+    return Contour((*(piece for piece in kept if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT), *bar))
+
+
+def _crossings(piece: Piece, at: complex, along: complex, aside: float) -> list[tuple[float, float]]:
+    """Where a line or arc crosses a line beside `at`: how far along that, mm, and the piece's parameter."""
+    if isinstance(piece, Line):
+        a, b = (piece.a - at) / along, (piece.b - at) / along
+        share = (aside - a.imag) / (b.imag - a.imag) if b.imag != a.imag else math.inf
+        return [((a + share * (b - a)).real, share)] if 0 <= share <= 1 else []
+    assert isinstance(piece, Arc)
+    centre = (piece.centre - at) / along
+    rise = (aside - centre.imag) / piece.radius
+    if abs(rise) > 1:
+        return []
+    found = []
+    for angle in (math.asin(rise), math.pi - math.asin(rise)):
+        turned = (angle + cmath.phase(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
+        if turned <= abs(piece.sweep):
+            found.append((centre.real + piece.radius * math.cos(angle), piece.start + math.copysign(turned, piece.sweep)))
+    return found
+
+
+def _part(piece: Piece, t0: float, t1: float) -> Piece:
+    """A line or arc from one parameter to another."""
+    if isinstance(piece, Line):
+        return Line(complex(piece.at(t0)), complex(piece.at(t1)))
+    assert isinstance(piece, Arc)
+    return Arc(piece.centre, piece.radius, t0, t1 - t0)
 
 
 def rod(name: str, title: str, diameter: float, length: float, count: int = 1, notes: tuple[str, ...] = ()) -> Part:

@@ -59,8 +59,7 @@ def test_levels_that_are_given_are_kept() -> None:
 
 def test_what_must_lie_over_another_does() -> None:
     bands, axes = four_bar()
-    axes[2] = lv.Axis("B", ("coupler", "rocker"), axes[2].place, 4, over=(("rocker", "coupler"),))
-    assert lv.levels(bands, axes, THETA, 0.2) == {"crank": 1, "coupler": 2, "rocker": 3}
+    assert lv.levels(bands, axes, THETA, 0.2, over=[("rocker", "coupler")]) == {"crank": 1, "coupler": 2, "rocker": 3}
 
 
 @pytest.mark.parametrize("given", [{}, {"rocker": 2}, {"crank": 2}, {"coupler": 3}])

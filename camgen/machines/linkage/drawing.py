@@ -29,6 +29,14 @@ MOST_LINKS = 200
 GROUND = m.GROUND
 
 
+SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
+
+
+def level_of(joint: str) -> str:
+    """Name in [layers] of what touches in a joint."""
+    return joint.replace(" ", "_")
+
+
 @dataclass(frozen=True)
 class Scaled:
     """A cam's program as the law of a joint: sign (+1 or -1) times the displacement."""
@@ -160,6 +168,9 @@ class Drawing:
                 faults.append(Fault(f"gear.{k}.ratio", "0", "a ratio other than 0"))
         for k, cam in enumerate(self.cams):
             faults += self._cam_faults(f"cam.{k}", cam, link)
+        for name in self.levels_of_joints():
+            if name in links:
+                faults.append(Fault(f"links.{name}", "", "another name: a cam has it, and a level of that name"))
         for kind, names in (("slide", map(self.slide_name, self.slides)), ("slot", map(self.slot_name, self.slots)),
                             ("gear", map(self.gear_name, self.gears)), ("cam", map(self.cam_name, self.cams))):  # fmt: skip
             for k, name in enumerate(names):
@@ -269,6 +280,14 @@ class Drawing:
     def cam_name(cam: t.Cam) -> str:
         """Name of its joint."""
         return cam.name or f"{cam.cam} on {cam.follower}"
+
+    def levels_of_joints(self) -> list[str]:
+        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair."""
+        found = []
+        for cam in self.cams:
+            key = level_of(self.cam_name(cam))
+            found += [key, key + SECOND] if cam.closure == "conjugate" else [key]
+        return found
 
     # ---- looking up -----------------------------------------------------------------------------------------------
 

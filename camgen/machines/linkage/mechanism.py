@@ -36,6 +36,8 @@ from camgen.machines.linkage import figures
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.stacking import laid
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought, turning_text
 from camgen.parts.part import Part
@@ -84,14 +86,15 @@ class Linkage(Mechanism):
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
-    layers: t.Layers = Field({}, description="level of a link, 1 is the lowest; what is left out is found")
+    layers: t.Layers = Field({}, description="level of a link or of a cam, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
         found = self._drawing.faults()
-        found += [unknown(f"layers.{link}", link, moving) for link in self.layers if link not in moving]
+        lying = [*moving, *self._drawing.levels_of_joints()]
+        found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle)
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
 
@@ -213,23 +216,22 @@ class Linkage(Mechanism):
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
-        run = self.run(self.course(_SAMPLES), 0)
-        ways = {joint.name: run.length(joint.name)[0] for joint in self.chain.joints if isinstance(joint, m.Slot | m.Slide)}
-        strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
-        bodies = replace(self._bodies, strokes=strokes)
-        return replace(bodies, given=bodies.levels(run))
+        return Bodies(laid(self._layout, self.run(self.course(_SAMPLES), 0)))
 
     @property
-    def _bodies(self) -> Bodies:
-        return Bodies(self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {})
+    def _layout(self) -> Layout:
+        cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        return Layout(
+            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams
+        )
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
-        return self._bodies.lacking()
+        return self._layout.lacking()
 
     def found(self) -> Mapping[str, object]:
         """Levels, the included specs and where they stand, and what every mechanism fills in."""
-        levels = {f"layers.{link}": level for link, level in self.bodies.given.items()}
+        levels = {f"layers.{link}": level for link, level in self.bodies.layout.given.items()}
         tables = [each.tables() for each in self.modules]
         return {**super().found(), **levels, **({"include": tables} if tables else {})}
 

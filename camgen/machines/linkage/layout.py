@@ -1,0 +1,309 @@
+"""What is where in a linkage of parts: holes and hubs, pins and shafts, slots, what slides between which rails, levels.
+
+    pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
+    shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
+    rider    what sits on a pin or shaft beside the links: rollers, wheels
+    level    a link's or a wheel's: one thickness and one play high, so that flat faces run on each other; 0 is the plate
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.machine import model as m
+from camgen.machine.run import Run
+from camgen.machines.linkage.guides import Guide, guide
+from camgen.machines.linkage.tables import Cam, Parts
+from camgen.machines.linkage.wheels import Tip, Wheel, tips, with_seconds
+from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
+from camgen.spec import Print
+
+GROUND = m.GROUND
+_ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A machine and the sizes of its parts.
+
+    drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
+    strokes: least and greatest place along each slot and slide, mm; cams: tables of the Cam joints; stems: how each slide's
+    runner reaches its rails.
+    """
+
+    drawn: m.Machine
+    driven: str
+    sizes: Parts
+    fits: Print
+    min_wall: float
+    given: Mapping[str, int]
+    strokes: Mapping[str, tuple[float, float]]
+    cams: Mapping[str, Cam] = field(default_factory=dict)
+    stems: Mapping[str, str] = field(default_factory=dict)
+
+    # ---- joints -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def machine(self) -> m.Machine:
+        """The machine with all its points."""
+        return with_seconds(self.drawn, self.cams)
+
+    def lacking(self) -> DesignError | None:
+        """What to say of joints of which no bodies are made."""
+        others = [joint for joint in self.machine.joints if isinstance(joint, m.Gear)]
+        if others:
+            return DesignError(
+                "joints without bodies", len(others), 0, "", f"gear {others[0].name}",
+                "bodies are made of pins, slots, slides and cams so far: make this joint of such",
+            )  # fmt: skip
+        slid = next((tip for tip in self.tips if tip.hung and tip.joint.slide is not None), None)
+        if slid is not None:
+            return DesignError(
+                "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
+                'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
+            )  # fmt: skip
+        flat = next((name for name, cam in self.cams.items() if cam.shape != "roller"), None)
+        if flat is not None:
+            return DesignError("joints without bodies", 1, 0, "", f"cam {flat}", 'use shape = "roller"')
+        return None
+
+    @cached_property
+    def slides(self) -> dict[str, m.Slide]:
+        """The slide of each link that slides."""
+        return {joint.runner.body: joint for joint in self.machine.joints if isinstance(joint, m.Slide)}
+
+    @cached_property
+    def slots(self) -> dict[str, m.Slot]:
+        """The slot that a point's pin runs in, by the point's name."""
+        found: dict[str, m.Slot] = {}
+        for joint in (joint for joint in self.machine.joints if isinstance(joint, m.Slot)):
+            points = self.machine.body(joint.runner.body).points
+            found[next(name for name, z in points.items() if z == joint.runner.at)] = joint
+        if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
+            raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own")
+        return found
+
+    @cached_property
+    def tips(self) -> list[Tip]:
+        """What runs on each cam."""
+        return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
+
+    @cached_property
+    def wheels(self) -> list[Wheel]:
+        """Cam discs."""
+        return [tip.wheel for tip in self.tips]
+
+    @cached_property
+    def pivots(self) -> dict[str, tuple[str, ...]]:
+        """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
+        bodies, slots = self.machine.bodies, self.slots
+        rollers = {tip.point for tip in self.tips}
+        carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
+        return {
+            name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
+            for name, links in carriers.items() if len(links) > 1 or name in slots or name in rollers
+        }  # fmt: skip
+
+    @cached_property
+    def shafts(self) -> dict[str, str]:
+        """The link that is fixed on the shaft at a point: the driven one's first."""
+        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels)])
+        return {
+            next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
+        }
+
+    @cached_property
+    def riders(self) -> dict[str, list[str]]:
+        """Levels of what sits on a pin or shaft beside the links, by the point's name."""
+        found: dict[str, list[str]] = {}
+        for tip in self.tips:
+            found.setdefault(tip.point, []).append(tip.level)
+        for wheel in self.wheels:
+            found.setdefault(self.shaft_of(wheel.link), []).append(wheel.level)
+        return found
+
+    @cached_property
+    def hung(self) -> set[str]:
+        """Points whose pin has its head below, under a roller that hangs from its follower."""
+        return {tip.point for tip in self.tips if tip.hung}
+
+    def shaft_of(self, link: str) -> str:
+        """The point of a link's shaft."""
+        return next(point for point, held in self.shafts.items() if held == link)
+
+    @cached_property
+    def pens(self) -> dict[str, str]:
+        """The link of each point that is an output and no pin."""
+        found = {}
+        for output in self.machine.outputs:
+            if isinstance(output.of, m.Path) and self.sizes.pen_diameter and output.of.of.body != GROUND:
+                body = self.machine.body(output.of.of.body)
+                name = next(name for name, z in body.points.items() if z == output.of.of.at)
+                if name not in self.pivots:
+                    found[name] = body.name
+        return found
+
+    # ---- holes and hubs -----------------------------------------------------------------------------------------------
+
+    def at(self, body: str, point: str) -> complex:
+        """Place of a point in a body's axes."""
+        return complex(self.machine.body(body).points[point])
+
+    def turning(self, point: str) -> float:
+        """Diameter of what turns at a point, mm."""
+        return self.sizes.shaft_diameter if point in self.shafts else self.sizes.pin_diameter
+
+    def pressed_in(self, point: str) -> str:
+        """The link in which the pin or the shaft of a point is fixed."""
+        if point in self.shafts:
+            return self.shafts[point]
+        links = self.pivots[point]  # never the last where that has a slot, for it lies over the others
+        return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
+
+    def hole(self, point: str, link: str) -> float:
+        """Diameter of a link's hole at a point, mm."""
+        if point in self.pens:
+            return self.sizes.pen_diameter
+        return self.turning(point) + self.fit(point, link)
+
+    def fit(self, point: str, link: str) -> float:
+        """Diametral fit of a link's hole at a point, mm."""
+        return self.fits.press_clearance if link == self.pressed_in(point) else self.fits.slide_clearance
+
+    def hub(self, point: str, link: str) -> float:
+        """Radius of a link's hub, mm, whichever fit its hole gets."""
+        wide = max(self.fits.press_clearance, self.fits.slide_clearance)
+        hole = self.sizes.pen_diameter if point in self.pens else self.turning(point) + wide
+        return (self.sizes.shape(link).hub_diameter or hole + 2 * self.sizes.wall) / 2
+
+    def points_of(self, link: str) -> dict[str, complex]:
+        """The points of a link that have a round hole, in its axes."""
+        points = self.machine.body(link).points.items()
+        return {name: complex(z) for name, z in points if name in self.pivots or self.pens.get(name) == link}
+
+    def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
+        """Both ends of a pin's way in each slot of a link, room included, in the link's axes."""
+        found = {}
+        for point, joint in self.slots.items():
+            if joint.guide.body == link:
+                way, (low, high) = cmath.exp(1j * joint.angle), self.strokes[joint.name]
+                found[point] = (joint.guide.at + (low - _ROOM) * way, joint.guide.at + (high + _ROOM) * way)
+        return found
+
+    def round_hubs(self, link: str) -> list[tuple[complex, float]]:
+        """Hubs of a link, those at the ends of its slots too: place in its axes and radius."""
+        hubs = [(z, self.hub(point, link)) for point, z in self.points_of(link).items()]
+        return hubs + [(z, self.hub(point, link)) for point, ends in self.slots_of(link).items() for z in ends]
+
+    def hubs(self, link: str) -> list[tuple[complex, float]]:
+        """What a link's band is drawn round: hubs, and the feet of rails that stand on it."""
+        found = self.round_hubs(link)
+        wall = self.sizes.wall if link == GROUND else 0.0
+        for each in self.guides.values():
+            if each.joint.guide.body == link:
+                found += [(z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends]
+        return found
+
+    @cached_property
+    def guides(self) -> dict[str, Guide]:
+        """What slides in what, by the link that slides."""
+        head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
+        return {
+            link: guide(
+                joint, self.strokes[joint.name], self.round_hubs(link), bool(self.slots_of(link)), head,
+                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._beyond(link),
+            )
+            for link, joint in self.slides.items()
+        }  # fmt: skip
+
+    def _beyond(self, link: str) -> float:
+        """How far ahead on the line of its slide the rails of a link must be clear of cams under it, mm."""
+        found = [-math.inf]
+        for tip in self.tips:
+            if (tip.grooved or tip.hung) and tip.joint.follower == link:
+                joint = self.slides[link]
+                away = self.at(GROUND, self.shaft_of(tip.joint.cam)) - joint.guide.at
+                found.append((away / cmath.exp(1j * joint.angle)).real + tip.wheel.radius)
+        return max(found)
+
+    # ---- levels -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def level(self) -> dict[str, int]:
+        """Level of each link, 0 the ground's plate, and of what touches on shafts."""
+        if all(name in self.given for name in self.lying):
+            return {GROUND: 0, **self.given}
+        raise ValueError("levels are found before bodies are made")
+
+    @property
+    def lying(self) -> list[str]:
+        """What lies on a level: links, and what touches on shafts."""
+        return list(dict.fromkeys([*(body.name for body in self.machine.moving), *(wheel.level for wheel in self.wheels)]))
+
+    def levels(self, run: Run) -> dict[str, int]:
+        """Level of all that lies on one, those given kept; run: samples over the whole motion."""
+        bands, axes, over = [], [], []
+
+        def ways(link: str, places: Sequence[complex]) -> np.ndarray:
+            """Places of a link on the ground, (k, n)."""
+            if link == GROUND:
+                return np.array([np.full(run.theta.shape, z, complex) for z in places])
+            pose = run.pose(link)
+            return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
+
+        def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str = "") -> Band:
+            corners = hull_corners([z for z, _ in discs])
+            return Band(name, ways(link, [discs[k][0] for k in corners]), max(radius for _, radius in discs), on)
+
+        for body in self.machine.moving:
+            if body.name in self.guides:
+                bands += [band(body.name, body.name, discs) for discs in self.guides[body.name].bands]
+            else:
+                bands.append(band(body.name, body.name, self.hubs(body.name)))
+        for tip in self.tips:
+            cam, follower = tip.wheel, tip.joint.follower
+            at = self.at(GROUND, self.shaft_of(cam.link))
+            disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level)
+            roller = band(f"roller of {cam.about}", follower, [(self.at(follower, tip.point), tip.radius)], tip.level)
+            # under a groove's roller there is the back plate, under one that hangs the head of its pin
+            bands += [replace(disc, below=int(tip.grooved)), replace(roller, below=int(tip.hung))]
+            over.append((follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower))
+        for point, links in self.pivots.items():
+            moving, shaft = tuple(link for link in links if link != GROUND), self.shafts.get(point)
+            upper = shaft or moving[-1]
+            if shaft is not None or point in self.slots:
+                over += [(upper, link) for link in moving if link != upper]
+            held = (*moving, *self.riders.get(point, ()))
+            place = ways(links[0], [self.at(links[0], point)])[0]
+            radius = self.turning(point) / 2 + self.sizes.head
+            axes.append(Axis(point, held, place, radius, links[0] == GROUND, shaft is None, point in self.hung))
+        walls = []
+        for link, each in self.guides.items():
+            on = each.joint.guide.body
+            walls += [
+                Wall(f"rail of {link}", ways(on, ends), self.sizes.rail_width / 2, link, "" if on == GROUND else on)
+                for ends in each.rails
+            ]
+            over += [(link, on)] if on != GROUND else []
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over)
+
+    def levels_at(self, point: str) -> list[int]:
+        """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""
+        backs = [self.level[tip.level] - 1 for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
+        return [*(self.level[name] for name in (*self.pivots[point], *self.riders.get(point, ()))), *backs]
+
+    def floor(self, level: int) -> float:
+        """Height of a level's floor over the plate's underside, mm."""
+        step = self.sizes.thickness + self.fits.slide_clearance
+        return 0.0 if level == 0 else self.sizes.base_thickness + self.fits.slide_clearance + (level - 1) * step
+
+    def top(self, level: int) -> float:
+        """Height of a level's upper side, mm."""
+        return self.floor(level) + (self.sizes.thickness if level else self.sizes.base_thickness)

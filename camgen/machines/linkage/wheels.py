@@ -1,0 +1,193 @@
+"""What sits on the shafts of a linkage: cam discs with their rollers, gear wheels.
+
+    wheel    a disc that is fixed on its link's shaft, at the pivot on the ground; wheels that touch lie on one level
+    roller   turns on a pin of the follower, on the level of its cam
+    second   of a conjugate pair: another cam and a roller at a further point of the follower, which pushes it back
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour
+from camgen.machine import model as m
+from camgen.machine.cams import DiscCam
+from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
+from camgen.machines.linkage.tables import Cam, Parts
+from camgen.motion.program import Program
+
+_ROUND = np.linspace(0, math.tau, 721)
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A disc on a link's shaft: its level, the link, the greatest radius, mm, and what touches it, for messages."""
+
+    level: str
+    link: str
+    radius: float
+    about: str
+
+
+@dataclass(frozen=True)
+class Tip:
+    """A cam that a follower's tip runs on; point: of the follower; leaves: the sense of the follower that takes it off.
+
+    rim: how much further a groove's plates reach than its follower's way, mm.
+    """
+
+    level: str
+    joint: m.Cam
+    cam: DiscCam[Any]
+    point: str
+    radius: float
+    leaves: Literal[1, -1]
+    closure: str
+    rim: float = 0.0
+
+    @property
+    def grooved(self) -> bool:
+        """Whether it runs in a groove, between an inner and an outer plate on a back plate."""
+        return self.closure == "groove"
+
+    @property
+    def hung(self) -> bool:
+        """Whether its roller hangs under the follower: the second one of a pair, whose pin passes beside no cam."""
+        return self.level.endswith(SECOND) and self.closure == "conjugate"
+
+    @property
+    def turn(self) -> complex:
+        """Of the cam as drawn at theta = 0 to the axes of its link, unit complex."""
+        return cmath.exp(-1j * self.joint.phase)
+
+    @cached_property
+    def wheel(self) -> Wheel:
+        """Its disc, or what a groove's plates cover."""
+        reach = float(np.abs(self.cam.profile(_ROUND)).max()) + (2 * self.radius + self.rim) * self.grooved
+        return Wheel(self.level, self.joint.cam, reach, f"cam {self.joint.name}")
+
+
+def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
+    """Where a link turns on the ground: in its axes and on the ground, mm."""
+    for joint in machine.joints:
+        if isinstance(joint, m.Pin) and {joint.a.body, joint.b.body} == {m.GROUND, link}:
+            return (joint.a.at, joint.b.at) if joint.a.body == link else (joint.b.at, joint.a.at)
+    raise DesignError("pivots on the ground", 0, 1, "", f"link {link}", "what carries a cam or gear turns on the ground")
+
+
+def with_seconds(machine: m.Machine, cams: Mapping[str, Cam]) -> m.Machine:
+    """The machine with a further point on each follower of a conjugate pair, where its second roller sits."""
+    bodies = {body.name: body for body in machine.bodies}
+    for name, spec in cams.items():
+        joint = machine.joint(name)
+        assert isinstance(joint, m.Cam)
+        if spec.closure == "conjugate" and spec.shape == "roller":
+            place = _second(machine, joint, spec)
+            body = bodies[joint.follower]
+            bodies[body.name] = replace(body, points={**body.points, spec.at + SECOND: place})
+    return replace(machine, bodies=tuple(bodies[body.name] for body in machine.bodies))
+
+
+def _highest(program: Program) -> float:
+    """Greatest displacement that a program ends a segment with: laws run between their ends."""
+    return max(max(each.start, each.end) for each in program.segments)
+
+
+def _second(machine: m.Machine, joint: m.Cam, spec: Cam) -> complex:
+    """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
+    law, body = joint.law, machine.body(joint.follower)
+    assert isinstance(law, Scaled)
+    top, at, centre = _highest(law.program), complex(body.points[spec.at]), pivot(machine, joint.cam)[1]
+    if joint.slide is not None:
+        slide = machine.slide(joint.slide)
+        assert isinstance(slide, m.Slide)
+        way, turn = law.sign * cmath.exp(1j * slide.angle), cmath.exp(1j * slide.turn)
+        start = slide.guide.at + cmath.exp(1j * slide.angle) * joint.rest + turn * (at - slide.runner.at) - centre
+        away = (start / way).real
+        return at - (2 * away + top) * way / turn
+    held, hinge = pivot(machine, joint.follower)
+    arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
+    mirrored = (arm / far).conjugate() * far * cmath.exp(-1j * law.sign * top)
+    return held + mirrored * cmath.exp(-1j * joint.rest)
+
+
+def _signed(law: Scaled) -> Program:
+    """The follower's own displacement."""
+    segments = [replace(each, start=law.sign * each.start, scale=law.sign * each.scale) for each in law.program.segments]
+    return replace(law.program, segments=tuple(segments))
+
+
+def _follower(machine: m.Machine, joint: m.Cam, spec: Cam, point: str, leaves: Literal[1, -1]) -> Follower:
+    """What touches the cam, about the cam's axis, as drawn."""
+    at = complex(machine.body(joint.follower).points[point])
+    centre, radius = pivot(machine, joint.cam)[1], spec.radius or 0.0
+    if joint.slide is not None:
+        slide = machine.slide(joint.slide)
+        assert isinstance(slide, m.Slide)
+        way = cmath.exp(1j * slide.angle)
+        start = slide.guide.at + way * joint.rest + cmath.exp(1j * slide.turn) * (at - slide.runner.at) - centre
+        return SlidingFace(start, way, leaves) if spec.shape == "flat" else SlidingTip(start, way, radius, leaves)
+    held, hinge = pivot(machine, joint.follower)
+    arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
+    if spec.shape == "flat":
+        facing = 1j * arm / abs(arm)
+        return SwingingFace(far, facing * math.copysign(1, (facing.conjugate() * (far + arm)).real), 0.0)
+    return SwingingArm(far, arm, radius, leaves)
+
+
+def tips(machine: m.Machine, cams: Mapping[str, Cam], sizes: Parts, clearance: float) -> list[Tip]:
+    """What runs on each cam; of a conjugate pair both. clearance: of a groove, mm."""
+    found = []
+    for name, spec in cams.items():
+        joint = machine.joint(name)
+        assert isinstance(joint, m.Cam) and isinstance(joint.law, Scaled)
+        both: Sequence[tuple[str, str, Literal[1, -1]]] = [(level_of(name), spec.at, 1 if joint.law.sign > 0 else -1)]
+        if spec.closure == "conjugate" and spec.shape == "roller":
+            both = [*both, (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1)]
+        for level, point, leaves in both:
+            follower = _follower(machine, joint, spec, point, leaves)
+            if isinstance(follower, FlatFace) and follower.leaves != leaves:
+                raise DesignError(
+                    "side of the face", follower.leaves, leaves, "", f"cam {name}", "draw `at` on the cam's side of the hinge"
+                )
+            cam, rim = DiscCam(_signed(joint.law), follower), groove_rim(sizes) + clearance
+            found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, rim))
+    return found
+
+
+def outline(tip: Tip) -> Contour:
+    """The cam's outline as drawn at theta = 0; DesignError names the cam where there is none."""
+    try:
+        return tip.cam.outline
+    except DesignError as error:
+        raise named(error, f"cam {tip.joint.name}", error.remedy) from None
+
+
+def groove_wall(tip: Tip, clearance: float) -> Contour | None:
+    """The outer wall of a groove; None where the follower is held otherwise."""
+    if not tip.grooved:
+        return None
+    try:
+        return tip.cam.groove(clearance)
+    except DesignError as error:
+        raise named(error, f"cam {tip.joint.name}", error.remedy) from None
+
+
+def groove_rim(sizes: Parts) -> float:
+    """Width of a groove's outer ring, mm: room for the pins that hold it on its back plate."""
+    return sizes.pin_diameter + 2 * sizes.wall
+
+
+def named(error: DesignError, thing: str, remedy: str) -> DesignError:
+    """The same error, of a named thing, with a remedy in the words of a linkage."""
+    where = thing + (f", {error.where}" if error.where else "")
+    return DesignError(error.quantity, error.value, error.limit, error.unit, where, remedy)

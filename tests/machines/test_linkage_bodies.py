@@ -1,0 +1,158 @@
+"""Linkages built to files, each green, its motion from the files against a closed form; damaged files are found out."""
+
+from __future__ import annotations
+
+import math
+import re
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+import tomli_w
+
+from camgen.errors import DesignError
+from camgen.pipeline.build import build, check
+
+Floats = np.ndarray
+DWELLS = [
+    {"kind": "rise", "span_deg": 120, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 60},
+    {"kind": "return", "span_deg": 120, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 60},
+]  # fmt: skip
+
+YOKE = {
+    "points": {"O": [0, 0], "R": [50, 0], "A": [20, 0], "D": [20, -30], "E": [20, 30]},
+    "links": {"ground": ["O", "R"], "crank": ["O", "A"], "yoke": ["D", "E"]},
+    "slide": [{"link": "yoke", "along": ["O", "R"]}],
+    "slot": [{"pin": "A", "link": "yoke", "along": ["D", "E"]}],
+    "output": [{"name": "out", "link": "yoke"}],
+}
+CYLINDER = {
+    "points": {"O": [0, 0], "C": [80, 0], "A": [20, 0], "X": [60, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "rod": ["A"], "cylinder": ["C", "X"]},
+    "slide": [{"link": "rod", "on": "cylinder", "along": ["C", "X"]}],
+    "output": [{"name": "out", "link": "cylinder"}],
+}
+
+
+def cam_rocker(**cam: Any) -> dict[str, Any]:
+    rows = [{**row, **({"lift_deg": 15} if row["kind"] == "rise" else {"to_deg": 0} if row["kind"] == "return" else {})}
+            for row in DWELLS]  # fmt: skip
+    return {
+        "points": {"O": [0, 0], "A": [15, 0], "C": [60, 0], "T": [30, 25]},
+        "links": {"ground": ["O", "C"], "crank": ["O", "A"], "rocker": ["C", "T"]},
+        "cam": [{"cam": "crank", "follower": "rocker", "at": "T", "radius": 6, "segment": rows, **cam}],
+        "output": [{"name": "out", "link": "rocker"}],
+    }
+
+
+def cam_ram(**cam: Any) -> dict[str, Any]:
+    rows = [{**row, **({"lift": 12} if row["kind"] == "rise" else {"to": 0} if row["kind"] == "return" else {})}
+            for row in DWELLS]  # fmt: skip
+    return {
+        "points": {"O": [0, 0], "A": [10, 0], "R": [0, 60], "T": [0, 35]},
+        "links": {"ground": ["O", "R"], "crank": ["O", "A"], "ram": ["T"]},
+        "slide": [{"link": "ram", "along": ["O", "R"]}],
+        "cam": [{"cam": "crank", "follower": "ram", "at": "T", "radius": 6, "segment": rows, **cam}],
+        "output": [{"name": "out", "link": "ram"}],
+    }
+
+
+def cycloidal(theta: Floats) -> Floats:
+    """Rise, dwell, return, dwell of DWELLS, as a share of the lift; s = u - sin(2 pi u) / 2 pi."""
+    degrees = np.degrees(theta) % 360
+    u = np.clip(degrees / 120, 0, 1) - np.clip((degrees - 180) / 120, 0, 1)
+    return np.asarray(u - np.sin(math.tau * u) / math.tau)
+
+
+def made(folder: Path, tables: dict[str, Any], *kinds: str, **more: Any) -> Path:
+    """The folder of a green build."""
+    spec = {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables, **more}
+    (folder / "own.toml").write_text(tomli_w.dumps(spec), encoding="utf-8")
+    report = build(folder / "own.toml", folder, frozenset(kinds))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    return folder / "own"
+
+
+def curves(folder: Path) -> dict[str, Floats]:
+    """The columns of motion.csv."""
+    head = (folder / "motion.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
+    return dict(zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True))
+
+
+def failing(folder: Path) -> set[str]:
+    return {finding.code for finding in check(folder).findings if not finding.ok}
+
+
+@pytest.mark.parametrize(
+    ("tables", "column", "motion", "within"),
+    [
+        (YOKE, "out_mm", lambda t: 20 * np.cos(t), 1e-5),
+        (CYLINDER, "out_deg", lambda t: 180 - np.degrees(np.arctan2(20 * np.sin(t), 80 - 20 * np.cos(t))), 1e-5),
+        (cam_rocker(), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
+        (cam_rocker(closure="conjugate"), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
+        (cam_ram(), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
+        (cam_ram(closure="groove"), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
+    ],
+)  # fmt: skip
+def test_motion_from_the_files(
+    tmp_path: Path, tables: dict[str, Any], column: str, motion: Callable[[Floats], Floats], within: float
+) -> None:
+    rows = curves(made(tmp_path, tables, "3mf"))
+    theta = np.radians(rows["theta_deg"])
+    assert np.max(np.abs(rows[f"{column}_3mf"] - motion(theta))) < within
+
+
+def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match="crank on ram.*meets the shaft"):
+        made(tmp_path, cam_ram(closure="conjugate"), "dxf")
+
+
+# ---- damage ----------------------------------------------------------------------------------------------------------
+
+
+def bent(file: Path, near: complex, change: Callable[[complex], complex]) -> None:
+    """Map the corners of the closed line of a drawing whose middle is nearest to a place; arcs keep their bulge."""
+    document = ezdxf.readfile(file)
+
+    def middle(line: Any) -> complex:
+        return complex(np.mean([complex(x, y) for x, y in line.get_points("xy")]))
+
+    line = min(document.modelspace().query("LWPOLYLINE"), key=lambda line: abs(middle(line) - near))
+    rows = [(change(complex(x, y)), bulge) for x, y, bulge in line.get_points("xyb")]
+    mirrored = (change(1j) - change(0j)) * (change(1 + 0j) - change(0j)).conjugate()
+    sign = 1 if mirrored.imag > 0 else -1
+    line.set_points([(z.real, z.imag, sign * bulge) for z, bulge in rows], format="xyb")
+    document.saveas(file)
+
+
+def test_a_slot_turned_by_a_fifth_of_a_degree_is_found(tmp_path: Path) -> None:
+    folder = made(tmp_path, YOKE, "dxf")
+    turn = complex(math.cos(math.radians(0.2)), math.sin(math.radians(0.2)))
+    bent(folder / "own-yoke.dxf", 30 + 0j, lambda z: 30 + (z - 30) * turn)
+    assert "MOTION_ERROR" in failing(folder)
+
+
+def test_a_mirrored_cam_is_found(tmp_path: Path) -> None:
+    folder = made(tmp_path, cam_rocker(), "dxf")
+    bent(folder / "own-cam-crank_on_rocker.dxf", 100 + 0j, lambda z: z.conjugate())
+    assert {"MOTION_ERROR", "ROUND_TRIP"} <= failing(folder)
+
+
+def test_links_that_change_their_levels_in_the_assembly_are_found(tmp_path: Path) -> None:
+    folder = made(tmp_path, YOKE, "3mf")
+    path = folder / "own-assembly.3mf"
+    with zipfile.ZipFile(path) as package:
+        files = {name: package.read(name) for name in package.namelist()}
+    text = files["3D/3dmodel.model"].decode()
+    floor = {name: re.search(rf'name="{name}-1".*?transform="[^"]* ([^ "]+)"', text, re.S) for name in ("crank", "yoke")}
+    (low, a), (high, b) = ((found[1], found.span(1)) for found in (floor["crank"], floor["yoke"]) if found)
+    assert low != high and a < b
+    text = text[: a[0]] + high + text[a[1] : b[0]] + low + text[b[1] :]
+    with zipfile.ZipFile(path, "w") as package:
+        for name, data in files.items():
+            package.writestr(name, text.encode() if name == "3D/3dmodel.model" else data)
+    assert {"INTERFERENCE", "ROUND_TRIP"} <= failing(folder)
