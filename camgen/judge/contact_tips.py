@@ -181,7 +181,7 @@ def _at_distance(e: _Elements, squared: Floats | float) -> list[tuple[Ints, Poin
     """Both points of the elements, or of their continuations, at a distance from the origin given by its square."""
     b, c = _level(e)
     size = np.maximum(np.abs(b), 1e-300)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         r = np.sqrt(np.broadcast_to(squared, size.shape))
         x = (e.curvature * r**2 + c) / (2 * r * size)
     at = np.flatnonzero(np.abs(x) < 1)
