@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points, Ring
-from camgen.judge.contact_tips import Cover, cos_sin, parts_of, wrapped
+from camgen.judge.contact_tips import Cover, OnSlide, cos_sin, parts_of, wrapped
 
 
 def _convex(ring: Ring) -> tuple[Points, Floats, Floats, Floats, Ints]:
@@ -43,7 +43,7 @@ def _convex(ring: Ring) -> tuple[Points, Floats, Floats, Floats, Ints]:
 
 
 @dataclass(frozen=True)
-class SlideFace:
+class SlideFace(OnSlide):
     """Face square to its slide, through start + along * s; rows are Re c, Im c, r."""
 
     start: complex
@@ -54,22 +54,10 @@ class SlideFace:
         if not cmath.isfinite(self.start) or self.leaves not in (-1, 1) or not abs(abs(self.along) - 1) < 1e-9:
             raise ValueError(f"no face through {self.start} along {self.along} that leaves in the sense {self.leaves}")
 
-    @property
-    def _ahead(self) -> complex:
-        return self.leaves * complex(self.along)
-
-    @property
-    def _begin(self) -> complex:
-        return self.start * self._ahead.conjugate()
-
     def cover(self, ring: Ring) -> Cover:
         """The face's direction in the part is -u."""
         centre, radius, begin, sweep, source = _convex(ring)
         return Cover(-(begin + sweep), sweep, np.column_stack([centre.real, centre.imag, radius]), source)
-
-    def turned(self, theta: Floats) -> Floats:
-        """The slide's way off the part along the real axis."""
-        return wrapped(theta - cmath.phase(self._ahead))
 
     def progress(self, u: Floats, rows: Floats) -> Floats:
         """Less the height of the part."""

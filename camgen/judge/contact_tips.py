@@ -334,8 +334,29 @@ class ArmTip:
         return np.full(u.shape, np.nan)
 
 
+class OnSlide:
+    """What tip and face on a slide share: through start + along * s, complex mm and unit vector; leaves: sense off the part."""
+
+    start: complex
+    along: complex
+    leaves: int
+
+    @property
+    def _ahead(self) -> complex:
+        return self.leaves * complex(self.along)
+
+    @property
+    def _begin(self) -> complex:
+        """x + i e at s = 0."""
+        return self.start * self._ahead.conjugate()
+
+    def turned(self, theta: Floats) -> Floats:
+        """The slide's way off the part along the real axis."""
+        return wrapped(theta - cmath.phase(self._ahead))
+
+
 @dataclass(frozen=True)
-class SlideTip:
+class SlideTip(OnSlide):
     """Tip centre = start + along * s, along a unit vector, s in mm; rows are k, Re B, Im B, C + k e^2."""
 
     start: complex
@@ -353,15 +374,6 @@ class SlideTip:
     @property
     def _sign(self) -> int:
         return -1 if self.inside else 1
-
-    @property
-    def _ahead(self) -> complex:
-        return self.leaves * complex(self.along)
-
-    @property
-    def _begin(self) -> complex:
-        """x + i e at s = 0."""
-        return self.start * self._ahead.conjugate()
 
     def cover(self, ring: Ring) -> Cover:
         """Pieces farther from the origin than the slide; on its way in the tip stops beside the origin."""
@@ -387,10 +399,6 @@ class SlideTip:
     def _bearing(self, r: Floats) -> Floats:
         aside = self._begin.imag
         return np.asarray(np.arctan2(aside, np.sqrt(np.maximum((r - aside) * (r + aside), 0.0))))
-
-    def turned(self, theta: Floats) -> Floats:
-        """The slide's way off the part along the real axis."""
-        return wrapped(theta - cmath.phase(self._ahead))
 
     def _terms(self, u: Floats, rows: Floats) -> tuple[Floats, Floats, Floats]:
         """Re and Im of B exp(i theta), and k x - Re(B exp(i theta))."""

@@ -90,11 +90,6 @@ class _Motion:
         ways = np.abs(self.turns - self.turns[0]), np.abs(self.shifts - self.shifts[0])
         return bool(np.max(ways) < _AT_REST)
 
-    @functools.cached_property
-    def turns_at_all(self) -> bool:
-        """Whether the guest does more than shift."""
-        return bool(np.max(np.abs(self.turns - self.turns[0])) > _AT_REST)
-
     def at(self, theta: Floats) -> tuple[Points, Points]:
         """Turn and shift at other angles."""
         (alpha, p), (beta, q) = (course(theta) for course in self._courses)

@@ -121,17 +121,12 @@ def still(theta: Floats) -> tuple[Floats, Points]:
 
 @dataclass(frozen=True)
 class Body:
-    """A stack of slabs on a course: course's frame = at + exp(i turned) * body; flipped: first turned over about its Oy.
-
-    z: height of the underside in the assembly, mm. Turned over, x becomes -x and a height z the thickness less z.
-    """
+    """A stack of slabs on a course: course's frame = at + body; z: height of the slabs' zero in the assembly, mm."""
 
     name: str
     slabs: tuple[Slab, ...]
     course: Course = still
     z: float = 0.0
-    flipped: bool = False
-    turned: float = 0.0
     at: complex = 0j
 
 
@@ -154,13 +149,11 @@ class Section:
 
 def sections_of(body: Body) -> list[Section]:
     """The slabs of a body as mounted."""
-    top, turn = max(slab.z1 for slab in body.slabs), complex(math.cos(body.turned), math.sin(body.turned))
     found = []
     for slab in body.slabs:
-        z0, z1 = (top - slab.z1, top - slab.z0) if body.flipped else (slab.z0, slab.z1)
-        rings = [ring.moved(-turn if body.flipped else turn, body.at, body.flipped) for ring in slab.rings]
+        rings = [ring.moved(1, body.at) for ring in slab.rings]
         area, facets = area_of(rings), FACETS if any(ring.bulges.any() for ring in rings) else 0.0
-        found.append(Section(body.z + z0, body.z + z1, area, disc_about(area), facets))
+        found.append(Section(body.z + slab.z0, body.z + slab.z1, area, disc_about(area), facets))
     return found
 
 

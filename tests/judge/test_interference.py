@@ -129,14 +129,14 @@ def test_proven_gap_is_never_above_the_true_one(e: float, r: float, air: float) 
     assert c.proven <= air and c.gap >= air - 0.01 and c.proven > 0.5 * air - 0.02
 
 
-def test_heights_and_flips() -> None:
+def test_heights() -> None:
     stacked = [Body("a", slabs(disc(0, 5))), Body("b", slabs(disc(0, 5)), SPIN, z=5.0)]
     assert swept(stacked, {}) == []
     stud = (Slab(0.0, 4.0, (disc(20, 1),)), Slab(4.0, 5.0, (disc(0, 1),)))
     upright = [Body("a", stud), Body("b", (Slab(0.0, 2.0, (disc(-20, 1),)),))]
     assert only(swept(upright, {})).gap > 30
-    over = [Body("a", stud, flipped=True), Body("b", (Slab(1.5, 2.0, (disc(-20, 1),)),))]
-    assert only(swept(over, {})).gap < 0
+    raised = [Body("a", stud, at=-40), Body("b", (Slab(0.0, 0.5, (disc(-20, 1),)),), z=1.5)]
+    assert only(swept(raised, {})).gap < 0
 
 
 def test_bodies_of_one_course_are_judged_once() -> None:
