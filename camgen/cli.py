@@ -349,6 +349,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         _complain(explained(error))
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         code = FileError.exit_code
+    gc.freeze()  # the last collection, as Python ends, would go through all that was made: a tenth of the time
     sys.exit(code)
 
 
