@@ -18,9 +18,9 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from camgen.errors import DesignError, Fault
+from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
@@ -65,6 +65,13 @@ class Signal:
         return np.asarray(np.real(run.derivatives(self.of) / self.turned))
 
 
+def _one_drive(value: object) -> object:
+    """A list of drives is told for what it is."""
+    if isinstance(value, list | tuple):
+        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+    return value
+
+
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
 
@@ -72,7 +79,7 @@ class Linkage(Mechanism):
     points: t.Points
     links: t.Links
     lengths: t.Lengths = Field({}, description='mm, exact distances of two points of one link, "A-B"')
-    drive: t.Drive
+    drive: Annotated[t.Drive, BeforeValidator(_one_drive)]
     slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = ()
     slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
     gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = ()
@@ -135,8 +142,9 @@ class Linkage(Mechanism):
         for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
                                              can.ends[1])):  # fmt: skip
             if not can.full and beyond:
-                where = f"joint {', '.join(joints)}: {said}"
-                raise DesignError("drive.range_deg", value, limit, "deg", where, "ask for a range within it")
+                where = listed("joint", joints)
+                raise DesignError("drive.range_deg", value, limit, "deg", where, "ask for a range within it",
+                                  f"drive.range_deg = {list(asked)} is more than the chain has: {said}, and opens at {where}")
 
     @property
     def speed(self) -> float:
@@ -274,7 +282,7 @@ class Linkage(Mechanism):
             angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
             found.append(at_least(
                 "TRANSMISSION_ANGLE", angle, self.allowed.transmission_angle_deg, "deg",
-                f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+                f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
         return found

@@ -186,6 +186,6 @@ class Limits(Record):
 
 
 Points = dict[Name, Place]
-Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=60)]]
+Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]]
 Lengths = dict[str, Length]
 Layers = dict[Name, Annotated[int, Field(ge=1, le=60)]]
