@@ -62,17 +62,27 @@ class SpecError(CamgenError):
 class DesignError(CamgenError):
     """The spec is well formed but no such mechanism exists.
 
-    quantity, value, limit, unit: what fails and by how much; where: at which angle or place; remedy: what to change.
+    quantity, value, limit, unit: what fails and by how much; where: at which angle or place; remedy: what to change; said: the
+    sentence that a person reads before the remedy, where the facts in a row would be none.
     """
 
     exit_code = 3
 
-    def __init__(self, quantity: str, value: float, limit: float, unit: str, where: str = "", remedy: str = "") -> None:
+    def __init__(
+        self, quantity: str, value: float, limit: float, unit: str, where: str = "", remedy: str = "", said: str = ""
+    ) -> None:
         self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
         self.where, self.remedy = where, remedy
-        place = f" at {where}" if where else ""
-        advice = f"; {remedy}" if remedy else ""
-        super().__init__(f"{quantity} is {value:.6g} {unit}{place}, limit {limit:.6g} {unit}{advice}")
+        place, of = f" at {where}" if where else "", f" {unit}" if unit else ""
+        told = said or f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
+        super().__init__(f"{told}; {remedy}" if remedy else told)
+
+
+def listed(thing: str, names: Sequence[str], most: int = 10) -> str:
+    """Names with what they are: "joint A", "joints A and B", "links a, b, c and 7 more"."""
+    shown, more = list(names[:most]), len(names) - most
+    shown += [f"{more} more"] if more > 0 else []
+    return f"{thing} {shown[0]}" if len(shown) == 1 else f"{thing}s {', '.join(shown[:-1])} and {shown[-1]}"
 
 
 class FileError(CamgenError):

@@ -11,11 +11,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, listed
 from camgen.machine.closure import System
 from camgen.machine.model import Drive, Floats, Machine, Pin, Pose, Slide
 
@@ -53,9 +54,7 @@ class Freedom:
 
 def freedoms(machine: Machine) -> Freedom:
     """Count and rank; the machine must be closed as drawn (see `drawn`)."""
-    system = System(machine)
-    pairs = sum(isinstance(joint, Pin | Slide) for joint in machine.joints)
-    half = len(machine.joints) - pairs
+    system, counted = System(machine), _counted(machine)
     best = _values(system, system.start)
     for q in _elsewhere(system):
         other = _values(system, q)
@@ -66,32 +65,57 @@ def freedoms(machine: Machine) -> Freedom:
     loose = np.abs(right[rank:]).max(axis=0, initial=0).reshape(-1, 3).max(axis=1, initial=0)
     bound = np.abs(left[:, rank:]).max(axis=1, initial=0)
     within = [each.name for each in system.conditions if bound[system.rows[each.name]].max(initial=0) > TAKES_PART]
-    return Freedom(
-        len(names), pairs, half, len(machine.drives),
-        3 * len(names) - 2 * pairs - half, system.width - rank, system.height - rank,
-        tuple(name for name, part in zip(names, loose, strict=True) if part > TAKES_PART), tuple(within),
-    )  # fmt: skip
+    loose_names = tuple(name for name, part in zip(names, loose, strict=True) if part > TAKES_PART)
+    return replace(counted, moves=system.width - rank, spare=system.height - rank, loose=loose_names, bound=tuple(within))
+
+
+def _counted(machine: Machine) -> Freedom:
+    """By Gruebler alone."""
+    pairs = sum(isinstance(joint, Pin | Slide) for joint in machine.joints)
+    half, bodies = len(machine.joints) - pairs, len(machine.moving)
+    return Freedom(bodies, pairs, half, len(machine.drives), 3 * bodies - 2 * pairs - half, 0, 0, (), ())
 
 
 def refuse_unsound(machine: Machine) -> Freedom:
     """The freedoms of a sound machine; raises DesignError that names what is loose, driven twice or locked."""
     found = freedoms(machine)
-    tally = f"3 x {found.bodies} - 2 x {found.pairs} - {found.half_pairs} = {found.count} freedoms, {found.drives} driven"
     if found.spare:
         second = [drive.name for drive in machine.drives if drive.name in found.bound and _needless(machine, drive)]
-        where = f"joints {', '.join(found.bound)} ({tally})"
         if second and found.drives > 1:
-            raise DesignError("number of drives", found.drives, found.drives - found.spare, "", where,
-                              f"take away one of the drives {', '.join(second)}")  # fmt: skip
+            raise DesignError(
+                "number of drives", found.drives, found.drives - found.spare, "", _joints(found.bound),
+                f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
+                f"{found.drives} drives for {_count(found.drives - found.spare, 'freedom')} ({_tally(found)})",
+            )  # fmt: skip
         if second:
-            raise DesignError("freedoms to drive", 0, 1, "", where, "this chain is rigid: take away a joint or a link")
-        raise DesignError("conditions too many", found.spare, 0, "", where,
-                          "this loop is over-constrained: take away a link, or make one of its pins a slot")  # fmt: skip
+            raise DesignError("freedoms to drive", 0, 1, "", _joints(found.bound), "take away a joint or a link",
+                              f"the chain is rigid: {_joints(found.bound)} leave no freedom to drive ({_tally(found)})")
+        raise _locked(found)
     if found.moves:
-        remedy = "join it to another body, or drive it" if len(found.loose) == 1 else "drive one of them, or join them"
-        more = f" and {len(found.loose) - NAMED} more" if len(found.loose) > NAMED else ""
-        raise DesignError("freedoms left", found.moves, 0, "", f"{', '.join(found.loose[:NAMED])}{more} ({tally})", remedy)
+        remedy = "join it to another link, or drive it" if len(found.loose) == 1 else "drive one of them, or join them"
+        said = f"{_count(found.moves, 'freedom')} left over: {listed('link', found.loose, NAMED)} still "
+        said += f"{'moves' if len(found.loose) == 1 else 'move'} with the drive held ({_tally(found)})"
+        raise DesignError("freedoms left", found.moves, 0, "", listed("link", found.loose, NAMED), remedy, said)
     return found
+
+
+def _locked(found: Freedom) -> DesignError:
+    said = f"over-constrained: {_joints(found.bound)} hold the same links {_count(found.spare, 'time')} too often"
+    return DesignError("conditions too many", found.spare, 0, "", _joints(found.bound),
+                       "take away a link, or make one of its pins a slot", f"{said} ({_tally(found)})")
+
+
+def _tally(found: Freedom) -> str:
+    sum_ = f"3 x {found.bodies} - 2 x {found.pairs} - {found.half_pairs} = {found.count}"
+    return f"{sum_} {'freedom' if found.count == 1 else 'freedoms'}, {found.drives} driven"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def _joints(names: Sequence[str]) -> str:
+    return listed("joint", names)
 
 
 def _needless(machine: Machine, drive: Drive) -> bool:
@@ -123,6 +147,17 @@ def _elsewhere(system: System) -> list[Floats]:
     return found
 
 
+def _loop(machine: Machine, joints: Sequence[str]) -> str:
+    """The links that open joints hold, with the distances of their places, in brackets; nothing where they are too many."""
+    pins = [joint for joint in machine.joints if isinstance(joint, Pin)]
+    bodies = dict.fromkeys(place.body for pin in pins if pin.name in joints for place in (pin.a, pin.b))
+    told = []
+    for body in bodies:
+        held = [(pin.name, place.at) for pin in pins for place in (pin.a, pin.b) if place.body == body]
+        told += [f"{body} {a}-{b} {abs(z - w):.6g}" for k, (a, z) in enumerate(held) for b, w in held[k + 1 :]]
+    return f" ({', '.join(told)})" if 0 < len(told) <= NAMED else ""
+
+
 def _closest(system: System, q: Floats) -> tuple[Floats, float]:
     """Poses that close the conditions at theta = 0 with the least change, and the gap that is left."""
     theta = np.zeros(1)
@@ -149,9 +184,14 @@ def drawn(machine: Machine) -> Machine:
     if gap > CLOSED * system.size:
         misfit = np.abs(system.evaluate(q[None], np.zeros(1))[0][0])
         open_ = [each.name for each in system.conditions if misfit[system.rows[each.name]].max() > 0.01 * misfit.max()]
+        found = _counted(machine)
+        if found.count < found.drives:  # no lengths will do
+            raise _locked(replace(found, spare=found.drives - found.count, bound=tuple(open_)))
+        said = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"
         raise DesignError(
-            "gap of the joints as drawn", gap, 0, "mm", f"joints {', '.join(open_)}",
+            "gap of the joints as drawn", gap, 0, "mm", _joints(open_),
             "change the lengths of the links in this loop, or draw their points nearer to where they meet",
+            f"{said} by {gap:.6g} mm{_loop(machine, open_)}",
         )  # fmt: skip
     rows = q.reshape(-1, 3)
     start = {body: Pose(complex(x, y), float(angle)) for body, (x, y, angle) in zip(system.bodies, rows, strict=True)}

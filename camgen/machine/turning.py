@@ -11,19 +11,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, listed
 from camgen.machine.loops import Chain, Direct, Step, chain_of
 from camgen.machine.model import Floats, Machine
 from camgen.machine.newton import Block
-from camgen.numerics import crests, roots
+from camgen.numerics import roots
 
 # Angles a turn that are looked at first.
 LOOKED = 720
 INSIDE = 1e-12  # rad, by which a range ends before its dead point, where rounding decides whether the chain closes
+# Rounds in which a least place between samples is found, and how much closer each looks: to 1e-11 rad.
+ROUNDS, CLOSER = 8, 12
 # Determinant below which a position counts as a fold: 0.06 deg of transmission angle.
 FOLD = 1e-3
 # Determinant at all samples above which none of them is beside a gap: it is 0 at both ends of one, and a dyad that passes
@@ -70,20 +73,27 @@ def turn(machine: Machine) -> Turn:
     return Turn(low, high, False, (below, above))
 
 
-def refuse_partial(machine: Machine) -> None:
-    """Raise DesignError where the machine cannot turn fully: the range that it can have, and the joints that end it."""
+def refuse_partial(machine: Machine, key: str = "drive.range_deg") -> None:
+    """Raise DesignError where the machine cannot turn fully: the range that it can have, and the joints that end it.
+
+    key: of the spec, that limits the range.
+    """
     found = turn(machine)
     if found.full:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)
-    names = " and ".join(dict.fromkeys(", ".join(joints) for joints in found.ends if joints))
+    names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
+    spare = min(1.0, (high - low) / 10)
+    closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
-        "range of the drive", high - low, 360, "deg", f"joint {names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"give the drive a range within {low:.6g} to {high:.6g} deg, or change the lengths of its links",
+        "range of the drive", high - low, 360, "deg", f"{names}: it closes from {low:.6g} to {high:.6g} deg",
+        f"let it go to and fro, {key} = [{low + spare:.4g}, {high - spare:.4g}], or change the lengths of its links",
+        f"the drive cannot turn fully: {closes}",
     )  # fmt: skip
 
 
-def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> list[Fold]:
+@lru_cache(maxsize=4)  # a machine is the same object for its limits
+def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[Fold, ...]:
     """For each block the place of the range, rad, where it comes nearest to a fold, and each place where its sign changes."""
     chain = chain_of(machine)
     theta = np.linspace(low, high, LOOKED + 1)
@@ -104,7 +114,7 @@ def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> list[Fo
         places = theta[np.isfinite(values)][1:][signs[1:] * signs[:-1] < 0]
         found.append(Fold(block.joints, least[0], max(least[1], 0.0), bool(places.size)))
         found += [Fold(block.joints, float(place), 0.0, True) for place in places if abs(place - least[0]) > 0.02]
-    return found
+    return tuple(found)
 
 
 def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> None:
@@ -113,8 +123,10 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
         if fold.change_point:
             raise DesignError(
                 "sine of the transmission angle", fold.determinant, FOLD, "",
-                f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
-                "all links lie in one line there and either branch can follow: change a length, or add a second coupled crank",
+                f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
+                "change a length, or add a second coupled crank, or keep drive.range_deg away from there",
+                f"change point at {math.degrees(fold.theta):.6g} deg: the links at {listed('joint', fold.joints)} lie in line "
+                f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})",
             )  # fmt: skip
 
 
@@ -142,9 +154,16 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
     at = safe(theta)
     inner = np.flatnonzero((at[1:-1] <= at[:-2]) & (at[1:-1] <= at[2:])) + 1
     inner = inner[at[inner] >= 0]
-    middle = crests(lambda t: -safe(t), theta[inner - 1], theta[inner + 1])
+    place, least, reach = theta[inner], at[inner], theta[1] - theta[0]
+    for _ in range(ROUNDS if inner.size else 0):  # all of a round at once: a call costs more than its angles
+        grid = place[:, None] + reach * np.linspace(-1, 1, 2 * CLOSER + 1)
+        grid = np.clip(grid, theta.min(), theta.max())
+        seen = safe(np.ravel(grid)).reshape(grid.shape)
+        best = np.argmin(seen, axis=1)[:, None]
+        place, least = np.take_along_axis(grid, best, 1)[:, 0], np.take_along_axis(seen, best, 1)[:, 0]
+        reach = reach / CLOSER
     k = int(np.nanargmin(np.where(at >= 0, at, np.inf)))
-    return [(float(theta[k]), float(at[k])), *zip(middle.tolist(), safe(middle).tolist(), strict=True)]
+    return [(float(theta[k]), float(at[k])), *zip(place.tolist(), least.tolist(), strict=True)]
 
 
 def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:

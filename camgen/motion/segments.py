@@ -116,10 +116,11 @@ def law_of(choice: str | LawChoice) -> Law:
     return modified_sine(**given) if given else LAWS[name]
 
 
-def program(tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segment") -> Program:
+def program(tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segment", turn: float = math.inf) -> Program:
     """The program of these tables, the first segment beginning at theta = 0 with s = 0; SpecError with every fault.
 
-    unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings.
+    unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
+    as at the beginning, such as 360 of what turns on and on.
     """
     faults: list[Fault] = []
     levels = _levels(tables, path, faults)
@@ -129,12 +130,15 @@ def program(tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segm
         much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
         faults.append(Fault(path, f"the spans make {total:.12g} deg", f"span_deg of all segments that make 360 ({much})"))
     rounding = 1e-12 * float(np.nanmax(np.abs(levels)))
-    if tables and abs(levels[-1]) > rounding:
+    whole = turn * round(levels[-1] / turn) if math.isfinite(turn) and math.isfinite(levels[-1]) else 0.0
+    if tables and abs(levels[-1] - whole) > rounding:
         last = f"{path}.{len(tables) - 1}"
-        faults.append(Fault(last, f"ends at {levels[-1]:.12g}", "a last segment that ends at 0, where the first begins"))
+        right = "a last segment that ends at 0, where the first begins"
+        right += f", or at a multiple of {turn:g}" if math.isfinite(turn) else ""
+        faults.append(Fault(last, f"ends at {levels[-1]:.12g}", right))
     if faults:
         raise SpecError(faults)
-    levels[-1] = 0.0
+    levels[-1] = whole
     made = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
     faults = [fault for k, segment in enumerate(made.segments) if (fault := backwards(segment, f"{path}.{k}.law"))]
     if faults:

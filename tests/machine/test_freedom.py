@@ -23,7 +23,8 @@ def test_sound_chains_have_one_freedom_and_no_more(name: str) -> None:
 
 def test_a_missing_drive_names_all_that_moves() -> None:
     machine = replace(four_bar(40, 15, 45, 35), drives=())
-    with pytest.raises(DesignError, match=r"freedoms left is 1 .*crank, coupler, rocker .*3 x 3 - 2 x 4 - 0 = 1.*drive one"):
+    said = r"1 freedom left over: links crank, coupler and rocker .*3 x 3 - 2 x 4 - 0 = 1.*drive one"
+    with pytest.raises(DesignError, match=said):
         refuse_unsound(machine)
     with pytest.raises(DesignError, match="is held by nothing"):
         solve(machine, [0.0])
@@ -35,11 +36,11 @@ def test_a_loose_body_is_named_alone() -> None:
     joints = (*machine.joints, Pin("axle", Place("wheel"), Place("rocker", 10 + 0j)))
     start = {**machine.start, "wheel": Pose(0j, 0.0)}
     loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start))
-    with pytest.raises(DesignError, match=r"freedoms left is 1  at wheel \(.*join it to another body") as error:
+    with pytest.raises(DesignError, match=r"1 freedom left over: link wheel .*join it to another link") as error:
         refuse_unsound(loose)
     assert "rocker" not in error.value.where
     unheld = replace(machine, bodies=(*machine.bodies, wheel), start=start)
-    with pytest.raises(DesignError, match=r"freedoms left is 3  at wheel"):
+    with pytest.raises(DesignError, match=r"3 freedoms left over: link wheel"):
         refuse_unsound(unheld)
 
 
@@ -47,7 +48,7 @@ def test_a_second_drive_is_named() -> None:
     machine = four_bar(40, 15, 45, 35)
     angle = machine.start["rocker"].angle
     twice = replace(machine, drives=(*machine.drives, Drive("second", "rocker", Turning(1.0, angle))))
-    with pytest.raises(DesignError, match="number of drives is 2 .*limit 1.*take away one of the drives motor, second"):
+    with pytest.raises(DesignError, match="2 drives for 1 freedom .*take away one of the drives motor and second"):
         refuse_unsound(twice)
     with pytest.raises(DesignError, match="says more than there is to decide"):
         solve(twice, [0.0])
@@ -63,7 +64,7 @@ def test_a_rigid_chain_and_an_over_constrained_loop_are_named() -> None:
         machine, bodies=(*machine.bodies, brace), start={**machine.start, "brace": Pose(7 + 0j, float(np.angle(far)))},
         joints=(*machine.joints, Pin("P", Place("brace"), a), Pin("Q", Place("brace", complex(abs(far))), b)),
     )  # fmt: skip
-    with pytest.raises(DesignError, match="this chain is rigid"):
+    with pytest.raises(DesignError, match="the chain is rigid"):
         refuse_unsound(braced)
 
 
@@ -77,7 +78,7 @@ def three_cranks() -> Machine:
 def test_a_redundant_crank_moves_and_is_told_by_the_rank() -> None:
     found = freedoms(three_cranks())
     assert found.count == 0 and found.spare == 1 and found.moves == 0
-    with pytest.raises(DesignError, match="conditions too many is 1 .*over-constrained.*slot"):
+    with pytest.raises(DesignError, match="over-constrained.*1 time too often.*slot"):
         refuse_unsound(three_cranks())
 
 
@@ -104,7 +105,7 @@ def test_contradicting_lengths_are_told_with_their_loop() -> None:
         replace(j, a=Place(j.a.body, 5 + 0j), b=Place(j.b.body, 6 + 0j)) if isinstance(j, Pin) and j.name == "B" else j
         for j in machine.joints
     )
-    with pytest.raises(DesignError, match="gap of the joints as drawn is .*joints .*B.*change the lengths") as error:
+    with pytest.raises(DesignError, match="contradict each other: joint.*B.* open by .* mm.*change the lengths") as error:
         drawn(replace(machine, joints=short))
     assert error.value.value > 1
 
@@ -115,7 +116,7 @@ def test_range_of_a_chain_that_cannot_turn_fully() -> None:
     end = math.asin(20 / 30)
     assert not found.full and found.low == pytest.approx(-end, abs=1e-12) and found.high == pytest.approx(end, abs=1e-12)
     assert "B" in found.ends[1]
-    with pytest.raises(DesignError, match=r"range of the drive is 83.6206 deg .*closes from -41.8103 to 41.8103 deg"):
+    with pytest.raises(DesignError, match=r"cannot turn fully: .*from -41.8103 to 41.8103 deg.*drive.range_deg = "):
         refuse_partial(slider_crank(30.0, 20.0))
     refuse_partial(slider_crank())
 
@@ -145,7 +146,7 @@ def test_a_parallelogram_has_its_change_points_told() -> None:
     machine = four_bar(40, 15, 40, 15)
     told = [fold for fold in folds(machine, -0.5, 0.5) if fold.change_point]
     assert told and told[0].joints == ("B",) and abs(told[0].theta) < 1e-6
-    with pytest.raises(DesignError, match=r"transmission angle .*joints B, .*change point"):
+    with pytest.raises(DesignError, match=r"change point at .* deg: the links at joint.* B .*transmission angle"):
         refuse_folds(machine)
     refuse_folds(four_bar(40, 15, 45, 35))
 

@@ -50,6 +50,28 @@ class Scaled:
 
 
 @dataclass(frozen=True)
+class Programmed:
+    """A program as the law of a drive: start + s(theta), and on by whole turns where a period ends turned on."""
+
+    program: Program
+    start: float
+
+    @property
+    def reach(self) -> tuple[float, float] | None:
+        """Least and greatest angle from the start, rad; None where it turns on and on."""
+        ends = [segment.start for segment in self.program.segments]
+        return None if abs(self.program.segments[-1].end) > 1e-9 else (min(ends), max(ends))
+
+    def __call__(self, theta: m.Floats, order: int = 0) -> m.Floats:
+        """Its order-th derivative at theta, (n,)."""
+        value = np.asarray(self.program(theta, order))
+        if order:
+            return value
+        turned = self.program.segments[-1].end
+        return self.start + value + turned * np.floor(np.asarray(theta, float) / math.tau)
+
+
+@dataclass(frozen=True)
 class Drawing:
     """The tables that say a machine; `machine()` is the model, `faults()` what is wrong between them."""
 
@@ -143,6 +165,7 @@ class Drawing:
             faults.append(Fault("drive.link", repr(self.drive.link), "a link that shares a point with the ground"))
         if self.drive.range_deg is not None and not self.drive.range_deg[0] < self.drive.range_deg[1]:
             faults.append(Fault("drive.range_deg", str(list(self.drive.range_deg)), "the least before the greatest"))
+        faults += self.drive.faults()
         for k, slide in enumerate(self.slides):
             both = [link(f"slide.{k}.link", slide.link, False), link(f"slide.{k}.on", slide.on)]
             if all(both) and slide.link == slide.on:

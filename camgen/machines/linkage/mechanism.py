@@ -4,7 +4,8 @@
     [links]    bodies by the points that they carry           [drive]    what turns: all round, or to and fro over range_deg
     signal     one number over theta that an output gives: an angle, a place, or a coordinate of a path
 
-theta is the driven link's angle from its drawn position. Of a drive that goes to and fro the poses are asked for over a
+theta is the driven link's angle from its drawn position; where a program moves it, the angle of the period, which is time. Of a
+drive that goes to and fro the poses are asked for over a
 whole period: a harmonic motion from the least angle of the range to the greatest and back.
 """
 
@@ -18,9 +19,9 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from camgen.errors import DesignError, Fault
+from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
@@ -35,7 +36,7 @@ from camgen.machines import included as inc
 from camgen.machines.linkage import figures
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.linkage.drawing import Drawing
+from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.stacking import laid
 from camgen.machines.mechanism import Mechanism
@@ -69,6 +70,13 @@ class Signal:
         return np.asarray(np.real(run.derivatives(self.of) / self.turned))
 
 
+def _one_drive(value: object) -> object:
+    """A list of drives is told for what it is."""
+    if isinstance(value, list | tuple):
+        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+    return value
+
+
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
 
@@ -76,7 +84,7 @@ class Linkage(Mechanism):
     points: t.Points
     links: t.Links
     lengths: t.Lengths = Field({}, description='mm, exact distances of two points of one link, "A-B"')
-    drive: t.Drive
+    drive: Annotated[t.Drive, BeforeValidator(_one_drive)]
     slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = ()
     slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
     gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = ()
@@ -137,23 +145,31 @@ class Linkage(Mechanism):
         kinds = m.Pin | m.Slot | m.Slide
         joints = tuple(replace(joint, clearance=play) if isinstance(joint, kinds) else joint for joint in chain.joints)
         chain = replace(chain, joints=joints)
-        if self.drive.range_deg is None:
+        program = self.drive.program()
+        if program is None:
+            law, reach = None, None if self.drive.range_deg is None else self.range
+        else:
+            law = Programmed(program, chain.start[self.drive.link].angle)
+            reach = law.reach
+        if reach is None:
             refuse_partial(chain)
         else:
-            self._refuse_range(chain)
-        refuse_folds(chain, *self.range)
-        return chain
+            self._refuse_range(chain, *reach)
+        refuse_folds(chain, *(reach or (0.0, math.tau)))
+        return chain if law is None else replace(chain, drives=(replace(chain.drives[0], law=law),))
 
-    def _refuse_range(self, machine: m.Machine) -> None:
-        """Raise DesignError where the range asked for is more than the chain has."""
-        can = turn(machine)
+    def _refuse_range(self, machine: m.Machine, least: float, most: float) -> None:
+        """Raise DesignError where the range asked for, rad, is more than the chain has."""
+        can, key = turn(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
         low, high = math.degrees(can.low), math.degrees(can.high)
-        asked, said = self.drive.range_deg or (0.0, 0.0), f"it closes from {low:.6g} to {high:.6g} deg"
+        asked, said = (math.degrees(least), math.degrees(most)), f"it closes from {low:.6g} to {high:.6g} deg"
         for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
                                              can.ends[1])):  # fmt: skip
             if not can.full and beyond:
-                where = f"joint {', '.join(joints)}: {said}"
-                raise DesignError("drive.range_deg", value, limit, "deg", where, "ask for a range within it")
+                where = listed("joint", joints)
+                raise DesignError(key, value, limit, "deg", where, "ask for a range within it",
+                                  f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
+                                  f"opens at {where}")  # fmt: skip
 
     @property
     def speed(self) -> float:
@@ -162,8 +178,9 @@ class Linkage(Mechanism):
 
     @property
     def angle_name(self) -> str:
-        """Of a drive that goes to and fro theta is no crank's angle."""
-        return super().angle_name if self.drive.range_deg is None else "drive angle"
+        """Of a drive that goes to and fro, or by a program, theta is no crank's angle."""
+        even = self.drive.range_deg is None and not self.drive.segments
+        return super().angle_name if even else "drive angle"
 
     @property
     def range(self) -> tuple[float, float]:
@@ -299,7 +316,7 @@ class Linkage(Mechanism):
             angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
             found.append(at_least(
                 "TRANSMISSION_ANGLE", angle, self.allowed.transmission_angle_deg, "deg",
-                f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+                f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
         return [*found, *(finding for each in self.modules for finding in each.limits())]

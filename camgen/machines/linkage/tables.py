@@ -6,14 +6,16 @@ lengths override drawn distances. Two links that share a point are pinned there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from camgen.errors import Fault
+from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
-from camgen.motion.segments import NamedLaw
+from camgen.motion.program import Program
+from camgen.motion.segments import NamedLaw, SegmentTable, program
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
 Name = Annotated[
@@ -30,14 +32,48 @@ Two = tuple[Name, Name]
 Degrees = Annotated[float, Field(ge=-36000, le=36000)]
 
 
+class DriveSegment(Record):
+    """One segment of a drive's program, such as a stepper runs; a rise turns the driven link counter-clockwise."""
+
+    kind: Literal["rise", "dwell", "return"] = Field(description="a return turns the driven link clockwise")
+    span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the period")
+    lift_deg: Annotated[float, Field(gt=0, le=3600)] | None = Field(None, description="deg, how far the driven link turns")
+    to_deg: Annotated[float, Field(ge=-3600, le=3600)] | None = Field(None, description="deg, or where it ends")
+    law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
+
+
 class Drive(Record):
-    """What turns: a link that is pinned to the ground, all the way round or to and fro."""
+    """What turns: a link that is pinned to the ground, all the way round or to and fro, evenly or by a program."""
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(60.0, description="rpm, not 0; below 0: clockwise")
     range_deg: tuple[Degrees, Degrees] | None = Field(
         None, description="deg from the drawn position, least and greatest: to and fro instead of turns"
     )
+    segments: Annotated[
+        tuple[DriveSegment, ...],
+        Field(alias="segment", max_length=100, description="a program in place of an even turn; speed_rpm counts its periods"),
+    ] = ()
+
+    def program(self) -> Program | None:
+        """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
+        rows = tuple(SegmentTable(kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg)
+                     for row in self.segments)  # fmt: skip
+        return program(rows, math.radians(1), "drive.segment", 360.0) if rows else None
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        if not self.segments:
+            return []
+        if self.range_deg is not None:
+            return [Fault("drive.range_deg", str(list(self.range_deg)), "nothing here: the segments say how far it goes")]
+        if self.speed_rpm < 0:
+            return [Fault("drive.speed_rpm", f"{self.speed_rpm:g}", "above 0, periods of the program: a return turns clockwise")]
+        try:
+            self.program()
+        except SpecError as error:
+            return list(error.faults)
+        return []
 
 
 class Slide(Record):
@@ -201,6 +237,6 @@ class Limits(Record):
 
 
 Points = dict[Name, Place]
-Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=60)]]
+Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]]
 Lengths = dict[str, Length]
 Layers = dict[Name, Annotated[int, Field(ge=1, le=60)]]

@@ -1,0 +1,98 @@
+"""What drives a linkage: a program in place of an even turn, both senses, a rocker as the input."""
+
+from __future__ import annotations
+
+import copy
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+from camgen.errors import DesignError, SpecError
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.pipeline.build import build
+from camgen.spec import read, validate
+
+STEPPED = [{"kind": "rise", "span_deg": 270.0, "lift_deg": 360.0, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 90.0}]
+
+
+def there_and_back(lift: float) -> list[dict[str, Any]]:
+    law = {"law": "cycloidal"}
+    return [{"kind": "rise", "span_deg": 100.0, "lift_deg": lift, **law}, {"kind": "dwell", "span_deg": 90.0},
+            {"kind": "return", "span_deg": 170.0, "lift_deg": lift, **law}]  # fmt: skip
+
+
+@pytest.fixture
+def four_bar(root: Path) -> dict[str, Any]:
+    return read(root / "specs" / "linkage.toml")
+
+
+def driven(data: dict[str, Any], **drive: Any) -> Linkage:
+    changed = copy.deepcopy(data)
+    changed["drive"] |= drive
+    return validate(Linkage, changed)
+
+
+def test_a_stepped_crank_passes_the_places_of_an_even_one(four_bar: dict[str, Any]) -> None:
+    """A cycloidal rise of a turn over 270 deg of the period, then a rest; a second period goes on."""
+    theta = np.linspace(0, 2 * math.tau, 1441)
+    u = np.minimum(np.mod(theta, math.tau) / math.radians(270), 1)
+    turned = math.tau * (u - np.sin(math.tau * u) / math.tau + np.floor(theta / math.tau))
+    stepped, even = driven(four_bar, segment=STEPPED).solve(theta), driven(four_bar).solve(turned)
+    assert np.max(np.abs(stepped["pen"] - even["pen"])) < 1e-9
+    rate = np.where(u < 1, math.tau / math.radians(270) * (1 - np.cos(math.tau * u)), 0.0)
+    assert np.max(np.abs(stepped.velocity["pen"] - rate * even.velocity["pen"])) < 1e-6
+
+
+def test_a_dwell_of_the_drive_is_one_of_the_output(four_bar: dict[str, Any]) -> None:
+    four_bar["output"] = [{"name": "swing", "link": "rocker", "dwell": {"span_deg": 90.0, "band": 0.001}}]
+    assert next(f for f in driven(four_bar, segment=STEPPED).limits() if f.code == "DWELL").ok
+    assert not next(f for f in driven(four_bar).limits() if f.code == "DWELL").ok
+
+
+def test_a_stepped_crank_from_its_files(four_bar: dict[str, Any], tmp_path: Path) -> None:
+    four_bar["drive"]["segment"] = STEPPED
+    file = tmp_path / "stepped.toml"
+    file.write_text(tomli_w.dumps(four_bar), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    assert any("drive angle" in finding.where for finding in report.findings if finding.code == "INTERFERENCE")
+    rows = np.loadtxt(tmp_path / "linkage" / "motion.csv", delimiter=",", skiprows=1)
+    assert np.ptp(rows[1081:, 1]) < 1e-9  # rests from 270 deg on
+    again = build(tmp_path / "linkage" / "spec.toml", tmp_path / "again", frozenset({"dxf"}))
+    assert again.ok
+
+
+def test_a_rocker_by_a_program_keeps_to_what_the_chain_has(four_bar: dict[str, Any]) -> None:
+    """Crank 20 and coupler 60 in line, 80 or 40 from C, end the rocker's swing: from -9.14 to 38.6 deg of the drawn place."""
+    assert all(finding.ok for finding in driven(four_bar, link="rocker", segment=there_and_back(30.0)).limits())
+    with pytest.raises(DesignError, match=r"drive.segment goes from 0 to 60 deg.*closes from -9.14081 to 38.5982 deg"):
+        driven(four_bar, link="rocker", segment=there_and_back(60.0)).limits()
+    with pytest.raises(DesignError, match=r"cannot turn fully.*drive.range_deg = \[-8.141, 37.6\]"):
+        driven(four_bar, link="rocker").limits()
+
+
+def test_clockwise_passes_the_same_places_with_speeds_turned_round(four_bar: dict[str, Any]) -> None:
+    theta = np.linspace(0, 6, 50)
+    one, other = driven(four_bar, speed_rpm=60.0).solve(theta), driven(four_bar, speed_rpm=-60.0).solve(theta)
+    assert np.array_equal(one["pen"], other["pen"])
+    assert np.allclose(one.velocity["swing"], -np.asarray(other.velocity["swing"]), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("drive", "path"),
+    [
+        ({"segment": STEPPED, "range_deg": [0, 20]}, "drive.range_deg"),
+        ({"segment": STEPPED, "speed_rpm": -60.0}, "drive.speed_rpm"),
+        ({"segment": STEPPED[:1]}, "drive.segment"),
+        ({"segment": [{**STEPPED[0], "lift_deg": 300.0}, STEPPED[1]]}, "drive.segment.1"),
+        ({"segment": [{**STEPPED[0], "law": "cycloid"}, STEPPED[1]]}, "drive.segment.0.law"),
+    ],
+)
+def test_programs_that_are_none(four_bar: dict[str, Any], drive: dict[str, Any], path: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        driven(four_bar, **drive)
+    assert path in [fault.path for fault in caught.value.faults]
