@@ -33,22 +33,23 @@ def product(a: Floats, b: Floats) -> Floats:
 def solve(matrices: Floats, right: Floats) -> Floats:
     """Solutions (n, k) of n systems (n, k, k) x = right (n, k); nan for a singular one. Gauss, partial pivoting."""
     n, size = right.shape
-    rows = np.concatenate([matrices, right[:, :, None]], axis=2, dtype=float)
-    every = np.arange(n)
+    # One row of every system end to end: numpy is quick along the last axis.
+    rows = np.ascontiguousarray(np.concatenate([matrices, right[:, :, None]], axis=2, dtype=float).transpose(1, 2, 0))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for k in range(size):
-            pivot = k + np.argmax(np.abs(rows[:, k:, k]), axis=1)
-            rows[every, k], rows[every, pivot] = rows[every, pivot], rows[every, k]
-            factors = rows[:, k + 1 :, k] / rows[:, k, k][:, None]
-            rows[:, k + 1 :, k:] -= factors[:, :, None] * rows[:, None, k, k:]
-        found = np.empty((n, size))
+            pivot = k + np.argmax(np.abs(rows[k:, k]), axis=0)
+            swap = np.flatnonzero(pivot != k)
+            other = pivot[swap]
+            rows[k, :, swap], rows[other, :, swap] = rows[other, :, swap], rows[k, :, swap]
+            rows[k + 1 :, k:] -= (rows[k + 1 :, k] / rows[k, k])[:, None] * rows[k, k:]
+        found = np.empty((size, n))
         for k in range(size - 1, -1, -1):
             known = np.zeros(n)
             for j in range(k + 1, size):
-                known += rows[:, k, j] * found[:, j]
-            found[:, k] = (rows[:, k, size] - known) / rows[:, k, k]
-    found[~np.isfinite(found).all(axis=1)] = math.nan
-    return found
+                known += rows[k, j] * found[j]
+            found[k] = (rows[k, size] - known) / rows[k, k]
+    found[:, ~np.isfinite(found).all(axis=0)] = math.nan
+    return np.ascontiguousarray(found.T)
 
 
 def least_squares(table: Floats, right: Floats) -> Floats:
