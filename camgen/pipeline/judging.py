@@ -205,7 +205,7 @@ def _moved(
             tables += [verdict.table] if verdict.table.rows else []
             for curve in curves:
                 curve.add(kind, verdict.proof)
-    columns = {"theta_deg": np.degrees(theta)}
+    columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:
         columns |= curve.columns
     plots = [plot for curve in curves for plot in curve.plots()]
