@@ -45,10 +45,9 @@ class Rolled:
         """s at theta, (n,), or its derivative."""
         if order == 0:
             return self.contact.angle(theta)
-        before, here, after = (self.contact.angle(theta + k * _SLOPE) for k in (-1, 0, 1))
         if order == 1:
-            return np.asarray((after - before) / (2 * _SLOPE))
-        return np.zeros_like(here)  # a facet has none; only the start of Newton's method asks for it
+            return np.asarray((self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE))
+        return np.zeros(np.shape(theta))  # a facet has none; only the start of Newton's method asks for it
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""

@@ -86,7 +86,7 @@ class _Meant:
         if laws not in self._systems:
             self._systems[laws] = System(_with(self.system.machine, laws))
         system = self._systems[laws]
-        parts = [_outcome(system, output, system.close(part, self.near(part))) for part in _parts(system, theta)]
+        parts = [_outcome(system, output, system.close(part, self.near(part), 1)) for part in _parts(system, theta)]
         found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
         if len(theta) > _KNOWN:
             self._seen[key] = found
@@ -135,9 +135,16 @@ class Proof:
             self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
         return self._seen[key][output]
 
+    def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """Its value and slope alone, (n,)."""
+        if theta.tobytes() in self._seen:
+            moved = self._seen[theta.tobytes()][output]
+            return moved.value, moved.slope
+        return _outcome(self._system, output, self._system.close(theta, self._meant.near(theta), 1))[:2]
+
     def _at(self, theta: Floats) -> Mapping[str, Moved]:
         """All outputs by the joints as they are, (n,)."""
-        closed = self._system.close(theta, self._meant.near(theta))
+        closed = self._system.close(theta, self._meant.near(theta), 1)
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
         levers = {
             joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
@@ -286,20 +293,26 @@ class _Closing:
     rounding: float
     asked: Sequence[Asked]
 
+    @property
+    def outputs(self) -> Sequence[Output]:
+        """Those that something is asked of, as they are measured; of a machine of which nothing is asked all."""
+        wishes = {each.output for each in self.asked}
+        return [output for output in self.measured.machine.outputs if output.name in wishes] or self.measured.machine.outputs
+
     def proof(self, driven: Mapping[str, Outline], own: bool = False) -> Proof:
         """The machine driven by these outlines, by cam; own: with the tips that parts have."""
         laws = tuple((name, outline.own if own and outline.own else outline.law) for name, outline in driven.items())
         given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
-        made = replace(self.measured, machine=_with(self.measured.machine, laws))
+        machine = replace(_with(self.measured.machine, laws), outputs=tuple(self.outputs))
+        made = replace(self.measured, machine=machine)
         return Proof(self.machine, made, self.theta, tuple((name, law) for name, law in given if law is not None))
 
     def judged(self, proof: Proof) -> list[_Judged]:
-        """Its outputs that something is asked of; of a machine of which nothing is asked all."""
+        """Its outputs against what is asked of them."""
         wishes = {each.output: each for each in self.asked}
-        outputs = [output for output in self.machine.outputs if output.name in wishes] or self.machine.outputs
         return [
             _Judged(output, wishes.get(output.name, Asked(output.name)), proof, self.theta, self.chord_tolerance, self.rounding)
-            for output in outputs
+            for output in self.outputs
         ]
 
     def motion(self, driven: Mapping[str, Outline], own: bool, where: str) -> Finding:
@@ -336,8 +349,7 @@ class _Judged:
 
     def recovered(self, theta: Floats) -> tuple[Any, Any]:
         """The same as the files give it."""
-        moved = self.proof.moved(self.output.name, theta)
-        return moved.value, moved.slope
+        return self.proof.outcome(self.output.name, theta)
 
     @cached_property
     def band(self) -> float:

@@ -208,7 +208,7 @@ def _moved(
             for curve in curves:
                 curve.add(kind, verdict.proof)
             findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
-    columns = {"theta_deg": np.degrees(theta)}
+    columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:
         columns |= curve.columns
     plots = [plot for curve in curves for plot in curve.plots()]

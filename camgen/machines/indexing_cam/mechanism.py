@@ -24,11 +24,11 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.facets import facet_contour
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points, Region
 from camgen.machine.cam_drive import Load as CamLoad
 from camgen.machine.cam_drive import cam_machine, cam_outline
+from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Pose
 from camgen.machine.features import Asked, CamMeant, Feature, Mount
@@ -393,7 +393,7 @@ class IndexingCam(Mechanism):
     @cached_property
     def _pressure(self) -> Mapping[str, float]:
         """Largest pressure angle of each cam, deg."""
-        return {name: math.degrees(cam.greatest(cam.pressure_angle)[1]) for name, cam in self.cams.items()}
+        return {name: steepest(cam) for name, cam in self.cams.items()}
 
     @cached_property
     def _study(self) -> IndexingStudy:
@@ -427,28 +427,13 @@ class IndexingCam(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""
+        allowed = Allowed(
+            self.allowed.pressure_angle_deg, self.allowed.undercut_deg, None,
+            "a larger base_radius, gear_ratio or rise_deg", "a larger base_radius or a smaller roller",
+        )  # fmt: skip
         findings = []
         for name, cam in self.cams.items():
-            where = f"exact {name}"
-            findings.append(
-                at_most(
-                    "PRESSURE_ANGLE", self._pressure[name], self.allowed.pressure_angle_deg, "deg", where,
-                    "a larger base_radius, gear_ratio or rise_deg lowers it",
-                )
-            )  # fmt: skip
-            lost = max((math.degrees(cut.shortfall) for cut in cam.undercuts), default=0.0)
-            findings.append(
-                at_most(
-                    "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where,
-                    "a larger base_radius or a smaller roller lowers it" if lost else "the roller follows the whole motion",
-                )
-            )  # fmt: skip
-            reach = float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance))))
-            pivot = self.geometry.follower.pivot_distance
-            findings.append(
-                at_least("INTERFERENCE", pivot - reach, 0.0, "mm", f"{where} and the follower's axle",
-                         f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {pivot:g} mm")
-            )  # fmt: skip
+            findings += cam_limits(f"exact {name}", cam, self._pressure[name], allowed, self.accuracy.chord_tolerance)
         return [*findings, *self._study.findings(self.allowed.acceleration_jump, self.allowed.residual)]
 
     def study(self) -> Study:
@@ -460,9 +445,7 @@ class IndexingCam(Mechanism):
             **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius - cam.follower.tip_radius
                for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
         }  # fmt: skip
-        cut = [c for cam in self.cams.values() for c in cam.undercuts]
-        numbers |= {"undercut_deg": max((math.degrees(c.shortfall) for c in cut), default=0.0),
-                    "undercut_mm": max((c.depth for c in cut), default=0.0)}  # fmt: skip
+        numbers |= lost([*self.cams.values()])
         if isinstance(self._spring, CrankSpring):
             low, high = self._spring.stretches
             numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,

@@ -17,18 +17,18 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
 from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
+from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Assembly, Pose
 from camgen.machine.features import Asked, CamMeant, Eye, Feature, Mount, OwnTip
@@ -355,48 +355,18 @@ class UniformSwing(Mechanism):
     @cached_property
     def _pressure(self) -> tuple[float, float, float]:
         """Largest pressure angle over the turn, and over each half turn less the undercut, deg."""
-        cuts = [c for u in self.cam.undercuts for c in (u.begin, u.end)]
-
-        def degrees(theta: Any) -> Floats:
-            return np.degrees(self.cam.pressure_angle(theta))
-
-        def half(begin: float) -> float:
-            # the angle jumps at a sharp reversal and at an undercut's ends: look from either side
-            marks = sorted({begin, begin + math.pi, *(c for c in cuts if begin < c < begin + math.pi)})
-            return max(
-                (greatest(degrees, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(marks) if not self.cam.riding((a + b) / 2)),
-                default=0.0,
-            )
-
-        rise, back = half(0.0), half(math.pi)
-        corners = [greatest(degrees, u.begin, u.end)[1] for u in self.cam.undercuts]
-        return max(rise, back, *corners), rise, back
+        rise, back = (steepest(self.cam, begin, begin + math.pi, riding=False) for begin in (0.0, math.pi))
+        return steepest(self.cam), rise, back
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle and undercut of the exact cam against the spec's limits."""
-        limit, worst = self.allowed.pressure_angle_deg, self._pressure[0]
-        findings = [
-            at_most(
-                "PRESSURE_ANGLE", worst, limit, "deg", "exact profile",
-                f"rise {self._pressure[1]:.1f} deg, return {self._pressure[2]:.1f} deg; a smaller geometry.swing_deg "
-                "or a larger geometry.arm_offset lowers it",
-            )
-        ]  # fmt: skip
-        lost = max((math.degrees(u.shortfall) for u in self.cam.undercuts), default=0.0)
-        where = "; ".join(f"cam angle {math.degrees(u.begin):.3f} to {math.degrees(u.end):.3f} deg" for u in self.cam.undercuts)
-        depth = max((u.depth for u in self.cam.undercuts), default=0.0)
-        findings.append(
-            at_most(
-                "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where or "exact profile",
-                f"the swing falls short there by {lost:.4g} deg ({depth:.4g} mm at the tip), as the spec implies; "
-                "a smaller geometry.tip_radius or a geometry.reversal_blend_deg lowers it" if lost else
-                "the tip follows the whole motion",
-            )
+        worst, rise, back = self._pressure
+        allowed = Allowed(
+            self.allowed.pressure_angle_deg, self.allowed.undercut_deg, None,
+            f"rise {rise:.1f} deg, return {back:.1f} deg; a smaller geometry.swing_deg or a larger geometry.arm_offset",
+            "a smaller geometry.tip_radius or a geometry.reversal_blend_deg",
         )  # fmt: skip
-        reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
-        pivot = self.geometry.pivot_distance
-        remark = f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm"
-        findings.append(at_least("INTERFERENCE", pivot - reach, 0.0, "mm", "exact profile and the follower's pivot", remark))
+        findings = cam_limits("exact profile", self.cam, worst, allowed, self.accuracy.chord_tolerance)
         if self.making.make == "machine":
             findings.append(screw_grip(self._machine))
         loaded = self._forces
@@ -448,8 +418,7 @@ class UniformSwing(Mechanism):
             "profile_area_mm2": cam.outline.area,
             "pressure_angle_rise_deg": self._pressure[1],
             "pressure_angle_return_deg": self._pressure[2],
-            "undercut_deg": max((math.degrees(u.shortfall) for u in cam.undercuts), default=0.0),
-            "undercut_mm": max((u.depth for u in cam.undercuts), default=0.0),
+            **lost([cam]),
         }
         if self.making.make == "machine":
             numbers["shaft_length_mm"] = self._machine.shaft_length
