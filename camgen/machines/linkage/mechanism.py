@@ -104,6 +104,9 @@ class Linkage(Mechanism):
         lying = [*moving, *self._drawing.levels_of_joints()]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle)
+        if self.includes and self.drive.segments:
+            right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
+            found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
