@@ -205,6 +205,10 @@ class Mechanism(Spec, ABC):
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height alone", columns, rows)
 
+    def texts(self) -> Mapping[str, str]:
+        """Further text files of the folder, by what follows the spec's name in theirs."""
+        return {}
+
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
         return Study()

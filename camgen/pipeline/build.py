@@ -54,6 +54,8 @@ def build(
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
+            for name, text in mechanism.texts().items():
+                (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
             from camgen.report.figures import plot_svg
 

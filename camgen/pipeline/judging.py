@@ -349,4 +349,5 @@ def _plates(case: Case) -> list[Path]:
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
     fixed = [case.file("assembly", "3mf"), case.file("parts", "csv")]
-    return [path.name for path in (*fixed, *_plates(case)) if path.exists()]
+    more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
+    return [path.name for path in (*fixed, *_plates(case), *more) if path.exists()]

@@ -33,7 +33,7 @@ from camgen.machine.study import Study, together
 from camgen.machine.targets import stroke
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
-from camgen.machines.linkage import figures
+from camgen.machines.linkage import bridges, figures
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
@@ -104,6 +104,9 @@ class Linkage(Mechanism):
         lying = [*moving, *self._drawing.levels_of_joints()]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle)
+        if self.includes and self.drive.segments:
+            right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
+            found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -320,6 +323,10 @@ class Linkage(Mechanism):
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
         return [*found, *(finding for each in self.modules for finding in each.limits())]
+
+    def texts(self) -> Mapping[str, str]:
+        """The chain as drawn, as a picture and as PMKS lines."""
+        return {"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)}
 
     def study(self) -> Study:
         """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar; then those of
