@@ -89,7 +89,8 @@ class Proof:
     def __init__(self, nominal: Machine, measured: Closable, theta: Floats) -> None:
         self.machine, self.fits = measured.machine, measured.fits
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
-        self.plays |= {name: fit.play for name, fit in self.fits.items()}
+        self._radii = measured.radii
+        self.plays |= {name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()}
         self.plays |= {name: min(float(np.max(b.play(_ROUND))) for b in held) for name, held in measured.between.items()}
         self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), System(measured.machine)
         self._seen: dict[bytes, Mapping[str, Moved]] = {}
@@ -112,7 +113,8 @@ class Proof:
         """All outputs by the joints as they are, (n,)."""
         closed = self._system.close(theta, self._meant.near(theta))
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
-        levers = {
+        levers: dict[str, Any] = dict(self._radii)
+        levers |= {
             joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
             for joint in self.machine.joints
             if isinstance(joint, Cam) and isinstance(joint.law, Rolled)

@@ -232,19 +232,6 @@ def test_slot_and_slide_from_their_files(
         assert np.max(np.abs(rows[column + kind] - scale * motion(np.radians(rows["theta_deg"])))) < 1e-6 * scale
 
 
-GEARED = {
-    "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
-    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
-    "gear": [{"a": "crank", "b": "drum", "ratio": -2}],
-    "output": [{"name": "drum", "link": "drum"}],
-}
-
-
-def test_bodies_that_are_not_made_yet_are_told() -> None:
-    with pytest.raises(DesignError, match="joints without bodies"):
-        linkage(**GEARED).resolved()
-
-
 def test_a_rocker_that_is_driven_to_and_fro(root: Path, tmp_path: Path) -> None:
     settings = ["drive.link=rocker", "drive.range_deg=[-2, 25]", "limits.transmission_angle_deg=10"]
     report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), settings)

@@ -37,6 +37,21 @@ CYLINDER = {
     "output": [{"name": "out", "link": "cylinder"}],
 }
 
+GEARED = {
+    "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
+    "gear": [{"a": "crank", "b": "drum", "ratio": -2}],
+    "output": [{"name": "out", "link": "drum"}],
+}
+FIVE_BAR = {  # two cranks that turn against each other: their common point stays on the middle line
+    "points": {"O": [0, 0], "C": [60, 0], "A": [20, 0], "B": [40, 0], "P": [30, 60]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "other": ["C", "B"], "left": ["A", "P"], "right": ["B", "P"]},
+    "lengths": {"A-P": 70, "B-P": 70},
+    "gear": [{"a": "crank", "b": "other", "ratio": -1}],
+    "output": [{"name": "out", "point": "P"}],
+    "limits": {"transmission_angle_deg": 15},
+}
+
 
 def cam_rocker(**cam: Any) -> dict[str, Any]:
     rows = [{**row, **({"lift_deg": 15} if row["kind"] == "rise" else {"to_deg": 0} if row["kind"] == "return" else {})}
@@ -106,6 +121,28 @@ def test_motion_from_the_files(
     assert np.max(np.abs(rows[f"{column}_3mf"] - motion(theta))) < within
 
 
+def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
+    rows = curves(made(tmp_path, FIVE_BAR, "3mf"))
+    theta = np.radians(rows["theta_deg"])
+    assert np.max(np.abs(rows["out_x_mm_3mf"] - 30)) < 1e-4
+    assert np.max(np.abs(rows["out_y_mm_3mf"] - 20 * np.sin(theta) - np.sqrt(70**2 - (30 - 20 * np.cos(theta)) ** 2))) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"ratio": 2}, "link with a wheel between"),
+        ({"ratio": -math.pi}, "ratio .*take one of whole teeth"),
+        ({"ratio": -97 / 89}, "module"),
+        ({"teeth": 21}, "multiple of 2"),
+        ({"teeth": 12}, "roll at which the tips begin to touch"),
+    ],
+)
+def test_wheels_that_cannot_be(tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        made(tmp_path, {**GEARED, "gear": [GEARED["gear"][0] | change]}, "dxf")
+
+
 def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="crank on ram.*meets the shaft"):
         made(tmp_path, cam_ram(closure="conjugate"), "dxf")
@@ -134,6 +171,18 @@ def test_a_slot_turned_by_a_fifth_of_a_degree_is_found(tmp_path: Path) -> None:
     turn = complex(math.cos(math.radians(0.2)), math.sin(math.radians(0.2)))
     bent(folder / "own-yoke.dxf", 30 + 0j, lambda z: 30 + (z - 30) * turn)
     assert "MOTION_ERROR" in failing(folder)
+
+
+def test_a_wheel_with_turned_teeth_and_a_thin_one_are_found(tmp_path: Path) -> None:
+    folder = made(tmp_path, GEARED, "dxf")
+    path = folder / "own-gear-crank_to_drum-drum.dxf"
+    sound = path.read_bytes()
+    turn = complex(math.cos(math.radians(0.2)), math.sin(math.radians(0.2)))
+    bent(path, 0j, lambda z: z * turn if abs(z) > 5 else z)
+    assert "MOTION_ERROR" in failing(folder)
+    path.write_bytes(sound)
+    bent(path, 0j, lambda z: z * 0.999 if abs(z) > 5 else z)
+    assert "PIN_GAP" in failing(folder)
 
 
 def test_a_mirrored_cam_is_found(tmp_path: Path) -> None:

@@ -6,7 +6,8 @@
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
     pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it
     spacer   round a pin, where levels between its links are empty
-    shaft    of a link that drives or carries cams: its flat turns link and cams; it turns in the plate, held by a collar
+    shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar
+    gear     two wheels on shafts
     cam      over its follower, whose roller turns on a pin that is pressed into it; a groove's cam is three plates
     pen      a hole at a point that is an output and no pin
 """
@@ -24,9 +25,9 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Floats, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Mark, Mount, PinEyes, SlotFaces
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, GearTeeth, Mark, Mount, PinEyes, SlotFaces
 from camgen.machines.linkage.layout import GROUND, Layout
-from camgen.machines.linkage.wheels import Tip, groove_rim, groove_wall, named, outline
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -63,7 +64,7 @@ class Bodies:
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [Mount(part_name(name), name, z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
-        for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)),
+        for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point))]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
@@ -231,6 +232,23 @@ class Bodies:
             pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + s.thickness)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
+    def _gear(self, wheel: Toothed) -> Placed:
+        """A gear's wheel on its link's shaft, as drawn at theta = 0."""
+        layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
+        start = float(layout.machine.start_of(wheel.link).angle)
+        edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
+        region = plate(f"wheel of {wheel.link}", edge, {"bore": self._profile(press).moved(cmath.exp(1j * start))}, self.min_wall)
+        notes = (
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
+            f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
+        )  # fmt: skip
+        part = Part(
+            wheel.part, f"Wheel of {wheel.link}", (Layer(region, 0.0, self.sizes.thickness),), centres=(0j,), notes=notes,
+            bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
+        )  # fmt: skip
+        at = layout.at(wheel.link, layout.shaft_of(wheel.link))
+        return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))
+
     # ---- joints -----------------------------------------------------------------------------------------------------
 
     def _point_of(self, joint: m.Joint) -> tuple[str, str, str]:
@@ -265,20 +283,23 @@ class Bodies:
                     found.append(SlotFaces(joint.name, walls, self._eye(point, a), pin))
                 else:
                     found.append(PinEyes(joint.name, self._eye(point, a), self._eye(point, b), pin))
+        for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
+            turns = self._pivot(one.link), self._pivot(other.link)
+            found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
         found += [outline for tip in layout.tips for outline in self._outlines(tip)]
         return [*found, *(Mark(self._eye(point, link)) for point, link in layout.pens.items())]
+
+    def _pivot(self, link: str) -> str:
+        """Name of the pin on which a link turns on the ground."""
+        joints = self.layout.machine.joints
+        return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
 
     def _outlines(self, tip: Tip) -> Iterator[CamOutline]:
         """What a roller runs on, first what drives; the hole of its pin is what holds it."""
         joint, name = tip.joint, f"cam-{tip.level}"
-        turns, swings = (
-            next((each.name for each in self.layout.machine.joints
-                  if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link}), None)
-            for link in (joint.cam, joint.follower)
-        )  # fmt: skip
-        assert turns is not None, "what carries a cam turns on the ground"
         driving = CamOutline(
-            joint.name, f"{name}-inner" if tip.grooved else name, turns, swings if joint.slide is None else None,
+            joint.name, f"{name}-inner" if tip.grooved else name, self._pivot(joint.cam),
+            self._pivot(joint.follower) if joint.slide is None else None,
             self._eye(tip.point, joint.follower), tip.radius, tip.leaves, roller=f"roller-{tip.level}",
         )  # fmt: skip
         yield driving

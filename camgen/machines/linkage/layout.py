@@ -20,8 +20,8 @@ from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.guides import Guide, guide
-from camgen.machines.linkage.tables import Cam, Parts
-from camgen.machines.linkage.wheels import Tip, Wheel, tips, with_seconds
+from camgen.machines.linkage.tables import Cam, Gear, Parts
+from camgen.machines.linkage.wheels import Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
 from camgen.spec import Print
 
@@ -34,8 +34,8 @@ class Layout:
     """A machine and the sizes of its parts.
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
-    strokes: least and greatest place along each slot and slide, mm; cams: tables of the Cam joints; stems: how each slide's
-    runner reaches its rails.
+    strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
+    slide's runner reaches its rails.
     """
 
     drawn: m.Machine
@@ -46,6 +46,7 @@ class Layout:
     given: Mapping[str, int]
     strokes: Mapping[str, tuple[float, float]]
     cams: Mapping[str, Cam] = field(default_factory=dict)
+    gears: Mapping[str, Gear] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)
 
     # ---- joints -----------------------------------------------------------------------------------------------------
@@ -57,12 +58,10 @@ class Layout:
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made."""
-        others = [joint for joint in self.machine.joints if isinstance(joint, m.Gear)]
-        if others:
-            return DesignError(
-                "joints without bodies", len(others), 0, "", f"gear {others[0].name}",
-                "bodies are made of pins, slots, slides and cams so far: make this joint of such",
-            )  # fmt: skip
+        try:
+            self.toothed  # noqa: B018
+        except DesignError as error:
+            return error
         slid = next((tip for tip in self.tips if tip.hung and tip.joint.slide is not None), None)
         if slid is not None:
             return DesignError(
@@ -96,9 +95,14 @@ class Layout:
         return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
 
     @cached_property
+    def toothed(self) -> list[Toothed]:
+        """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
+        return toothed(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
+
+    @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs."""
-        return [tip.wheel for tip in self.tips]
+        """Cam discs and gears' wheels."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed)]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
@@ -275,6 +279,9 @@ class Layout:
             # under a groove's roller there is the back plate, under one that hangs the head of its pin
             bands += [replace(disc, below=int(tip.grooved)), replace(roller, below=int(tip.hung))]
             over.append((follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower))
+        for wheel in (each.wheel for each in self.toothed):
+            at = self.at(GROUND, self.shaft_of(wheel.link))
+            bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level))
         for point, links in self.pivots.items():
             moving, shaft = tuple(link for link in links if link != GROUND), self.shafts.get(point)
             upper = shaft or moving[-1]

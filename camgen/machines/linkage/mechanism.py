@@ -81,7 +81,7 @@ class Linkage(Mechanism):
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
-    layers: t.Layers = Field({}, description="level of a link or of a cam, 1 is the lowest; what is left out is found")
+    layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
     def faults(self) -> Sequence[Fault]:
@@ -192,9 +192,10 @@ class Linkage(Mechanism):
     @property
     def _layout(self) -> Layout:
         cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
-            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams
-        )
+            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears
+        )  # fmt: skip
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""

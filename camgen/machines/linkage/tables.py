@@ -63,6 +63,7 @@ class Gear(Record):
     a: Name = Field(description="link")
     b: Name = Field(description="link")
     ratio: Annotated[float, Field(ge=-1000, le=1000)] = Field(description="below 0: b turns the other way")
+    teeth: Annotated[int, Field(ge=5, le=400)] | None = Field(None, description="of the wheel of a; found unless given")
     name: Name | None = Field(None, description="of the joint; both links unless given")
 
 

@@ -20,10 +20,12 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams import DiscCam
+from camgen.machine.features import Teeth
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Cam, Parts
+from camgen.machines.linkage.tables import Cam, Gear, Parts
 from camgen.motion.program import Program
+from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
 
@@ -36,6 +38,32 @@ class Wheel:
     link: str
     radius: float
     about: str
+
+
+@dataclass(frozen=True)
+class Toothed:
+    """A gear's wheel: its level, joint, link, teeth, and the direction of a tooth as drawn, rad on the ground."""
+
+    level: str
+    joint: m.Gear
+    link: str
+    spur: Spur
+    tooth: float
+
+    @property
+    def part(self) -> str:
+        """Name of its part."""
+        return f"gear-{self.level}-{self.link}"
+
+    @property
+    def teeth(self) -> Teeth:
+        """On what it is measured."""
+        return Teeth(self.part, self.spur.teeth, self.spur.pitch, self.spur.thickness, self.tooth)
+
+    @property
+    def wheel(self) -> Wheel:
+        """Its disc."""
+        return Wheel(self.level, self.link, self.spur.tip, f"wheel of {self.link}")
 
 
 @dataclass(frozen=True)
@@ -161,6 +189,23 @@ def tips(machine: m.Machine, cams: Mapping[str, Cam], sizes: Parts, clearance: f
                 )
             cam, rim = DiscCam(_signed(joint.law), follower), groove_rim(sizes) + clearance
             found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, rim))
+    return found
+
+
+def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, least: float) -> list[Toothed]:
+    """Both wheels of each gear, a's tooth in b's gap on the line of their axes; least: module that can be made, mm."""
+    found = []
+    for name, spec in gears.items():
+        joint = machine.joint(name)
+        assert isinstance(joint, m.Gear)
+        if joint.carrier != m.GROUND:
+            remedy = "wheels are made of links that turn on the ground: make this gear of such"
+            raise DesignError("carriers that move", 1, 0, "", f"gear {name}", remedy)
+        a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
+        first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, f"gear {name}")
+        line = cmath.phase(b - a)
+        found.append(Toothed(level_of(name), joint, joint.a, first, line))
+        found.append(Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth))
     return found
 
 
