@@ -4,7 +4,8 @@
     slot     straight, as long as its pin's way; its link lies over the one with the pin
     slide    a bar between rails of the plate or of the link that guides it; it is held down by the links on its pins
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
-    pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it
+    pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
+             a level the plate's pins have their heads under it and are pressed into their highest link
     spacer   round a pin, where levels between its links are empty
     shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar
     gear     two wheels on shafts

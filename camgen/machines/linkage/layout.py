@@ -35,7 +35,8 @@ class Layout:
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
-    slide's runner reaches its rails.
+    slide's runner reaches its rails; sunk: whether the pins of the ground have their heads under the plate, where they turn,
+    and are pressed into their highest link.
     """
 
     drawn: m.Machine
@@ -48,6 +49,7 @@ class Layout:
     cams: Mapping[str, Cam] = field(default_factory=dict)
     gears: Mapping[str, Gear] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)
+    sunk: bool = False
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -135,8 +137,14 @@ class Layout:
 
     @cached_property
     def hung(self) -> set[str]:
-        """Points whose pin has its head below, under a roller that hangs from its follower."""
-        return {tip.point for tip in self.tips if tip.hung}
+        """Points whose pin has its head below: under a roller that hangs from its follower, or under the plate."""
+        return {tip.point for tip in self.tips if tip.hung} | self.under_plate
+
+    @cached_property
+    def under_plate(self) -> set[str]:
+        """Points whose pin has its head under the plate."""
+        grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
+        return {point for point in grounded if point not in self.slots} if self.sunk else set()
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
@@ -169,6 +177,8 @@ class Layout:
         if point in self.shafts:
             return self.shafts[point]
         links = self.pivots[point]  # never the last where that has a slot, for it lies over the others
+        if point in self.under_plate:
+            return max(links, key=lambda link: self.level[link])
         return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
 
     def hole(self, point: str, link: str) -> float:
@@ -251,8 +261,11 @@ class Layout:
         """What lies on a level: links, and what touches on shafts."""
         return list(dict.fromkeys([*(body.name for body in self.machine.moving), *(wheel.level for wheel in self.wheels)]))
 
-    def levels(self, run: Run) -> dict[str, int]:
-        """Level of all that lies on one, those given kept; run: samples over the whole motion."""
+    def levels(self, run: Run, explain: bool) -> dict[str, int] | None:
+        """Level of all that lies on one, those given kept; run: samples over the whole motion.
+
+        Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
+        """
         bands, axes, over = [], [], []
 
         def ways(link: str, places: Sequence[complex]) -> np.ndarray:
@@ -299,7 +312,7 @@ class Layout:
                 for ends in each.rails
             ]
             over += [(link, on)] if on != GROUND else []
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over)
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain)
 
     def levels_at(self, point: str) -> list[int]:
         """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""
