@@ -15,7 +15,9 @@ import pytest
 import tomli_w
 
 from camgen.errors import DesignError
+from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build, check
+from camgen.spec import read, validate
 
 Floats = np.ndarray
 DWELLS = [
@@ -119,6 +121,29 @@ def test_motion_from_the_files(
     rows = curves(made(tmp_path, tables, "3mf"))
     theta = np.radians(rows["theta_deg"])
     assert np.max(np.abs(rows[f"{column}_3mf"] - motion(theta))) < within
+
+
+KNOWN = read(Path(__file__).resolve().parents[1] / "reference" / "linkages.toml")
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_linkages_are_built(tmp_path: Path, name: str) -> None:
+    rows = curves(made(tmp_path, KNOWN[name], "3mf"))
+    for column in (column for column in rows if column.endswith("_3mf")):
+        assert np.max(np.abs(rows[column] - rows[column.removesuffix("_3mf")])) < 2.5e-3
+    if name == "hoeken":  # nearly straight over half a turn
+        low = np.abs(rows["theta_deg"] - 180) <= 90
+        assert np.ptp(rows["out_y_mm_3mf"][low]) < 0.02 * np.ptp(rows["out_x_mm_3mf"][low])
+    if name == "ram":
+        assert np.max(np.abs(rows["drum_deg_3mf"] - rows["drum_deg_3mf"][0] + 2 * rows["theta_deg"])) < 1e-4
+
+
+def test_jansens_leg_and_peaucelliers_cell_need_few_levels(root: Path) -> None:
+    """Jansen: crank and both rods share a pin, so three; Peaucellier: three links on each of A, B, Q, P, and a crank."""
+    leg = validate(Linkage, read(root / "specs" / "walking-leg.toml"))
+    assert max(leg.bodies.layout.given.values()) == 3
+    cell = validate(Linkage, {"mechanism": "linkage", "name": "own", **KNOWN["peaucellier"]})
+    assert max(cell.bodies.layout.given.values()) == 4
 
 
 def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
