@@ -168,6 +168,26 @@ def test_wheels_that_cannot_be(tmp_path: Path, change: dict[str, Any], said: str
         made(tmp_path, {**GEARED, "gear": [GEARED["gear"][0] | change]}, "dxf")
 
 
+def test_a_cam_that_undercuts_or_is_steep_is_told() -> None:
+    def failing_limits(**cam: Any) -> set[str]:
+        machine = validate(Linkage, {"mechanism": "linkage", "name": "own", "drive": {"link": "crank"}, **cam_ram(**cam)})
+        return {finding.code for finding in machine.limits() if not finding.ok}
+
+    assert failing_limits() == set()
+    steep = [{"kind": "rise", "span_deg": 40, "lift": 24, "law": "cycloidal"},
+             {"kind": "return", "span_deg": 320, "to": 0, "law": "cycloidal"}]  # fmt: skip
+    assert failing_limits(segment=steep) == {"PRESSURE_ANGLE"}
+    assert failing_limits(segment=steep, radius=30) >= {"PRESSURE_ANGLE", "UNDERCUT"}
+
+
+def test_what_a_spring_must_hold_is_the_followers_inertia() -> None:
+    """A cycloidal motion over 120 deg at 1 Hz: the greatest deceleration is 2 pi lift / time^2."""
+    masses = {"masses": {"ram": {"mass_g": 500}}, "drive": {"link": "crank", "speed_rpm": 60}}
+    machine = validate(Linkage, {"mechanism": "linkage", "name": "own", **cam_ram(), **masses})
+    needed = 0.5 * math.tau * 0.012 / (1 / 3) ** 2
+    assert machine.study().numbers["hold_crank_on_ram_n"] == pytest.approx(needed, rel=1e-3)
+
+
 def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="crank on ram.*meets the shaft"):
         made(tmp_path, cam_ram(closure="conjugate"), "dxf")

@@ -29,7 +29,7 @@ from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
-from camgen.machines.linkage import figures
+from camgen.machines.linkage import figures, wheels
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies, placed
 from camgen.machines.linkage.drawing import Drawing
@@ -265,7 +265,7 @@ class Linkage(Mechanism):
                 f"joints {', '.join(fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
-        return found
+        return [*found, *wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)]
 
     def study(self) -> Study:
         """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar."""

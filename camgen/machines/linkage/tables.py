@@ -167,6 +167,7 @@ class Limits(Record):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
+    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = Field(45.0, description="deg, greatest of each cam")
     lash: Annotated[float, Field(ge=0, le=1e6)] = Field(1e6, description="mm, free play of an output by all joints' play")
     lash_deg: Annotated[float, Field(ge=0, le=360)] = Field(360.0, description="deg, the same of an angle")
     min_wall: Length = Field(0.8, description="mm")

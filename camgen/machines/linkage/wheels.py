@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams import DiscCam
@@ -206,6 +207,27 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
         line = cmath.phase(b - a)
         found.append(Toothed(level_of(name), joint, joint.a, first, line))
         found.append(Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth))
+    return found
+
+
+def limits(tips: Sequence[Tip], pressure_angle_deg: float) -> list[Finding]:
+    """PRESSURE_ANGLE and UNDERCUT of each cam as designed."""
+    found = []
+    for tip in tips:
+        outline(tip)
+        theta, steep = tip.cam.greatest(tip.cam.steepness)
+        where, further = f"cam {tip.joint.name}", "a follower drawn further from the shaft"
+        found.append(at_most(
+            "PRESSURE_ANGLE", math.degrees(steep), pressure_angle_deg, "deg", f"{where}, cam angle {math.degrees(theta):.2f} deg",
+            f"{further}, or a longer span, lowers it",
+        ))  # fmt: skip
+        unit, scale = ("deg", math.degrees(1)) if tip.joint.slide is None else ("mm", 1.0)
+        lost = scale * max((cut.shortfall for cut in tip.cam.undercuts), default=0.0)
+        spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in tip.cam.undercuts)
+        found.append(at_most(
+            "UNDERCUT", lost, 0.0, unit, f"{where}{', ' if spans else ''}{spans}",
+            f"the follower falls short there; {further}, or a smaller radius, lowers it" if lost else "the whole motion is made",
+        ))  # fmt: skip
     return found
 
 
