@@ -47,7 +47,10 @@ class Rolled:
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
-        return np.asarray((self.arm or 1.0) * np.maximum(np.cos(self.contact.touch(theta).pressure_angle), _STEEP))
+        touch, arm = self.contact.touch(theta), self.arm or 1.0
+        if self.arm is not None and isinstance(self.contact.form, ArmFace):
+            return np.maximum(np.abs(touch.place), _STEEP * arm)
+        return np.asarray(arm * np.maximum(np.cos(touch.pressure_angle), _STEEP))
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,9 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Floats, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, GearTeeth, Mark, Mount, PinEyes, SlotFaces
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces
 from camgen.machines.linkage.layout import GROUND, Layout
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -100,8 +100,7 @@ class Bodies:
         for point, (low, high) in layout.slots_of(link).items():
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
-        outer = layout.guides[link].outline if link in layout.guides else hull(layout.hubs(link))
-        region = plate(f"link {link}", outer, holes, self.min_wall)
+        region = plate(f"link {link}", layout.outline(link), holes, self.min_wall)
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         return Part(
             part_name(link), f"Link {link}",
@@ -206,9 +205,11 @@ class Bodies:
         floor = layout.floor(layout.level[tip.level])
         said = (f"drawn at theta = 0, level {layout.level[tip.level]}", f"pressed and glued on the shaft of {link}")
         for part, under, place in self._discs(tip):
-            part = replace(part, name=part.name.replace("cam", f"cam-{tip.level}", 1), title=f"{part.title}: {tip.joint.name}")
+            part = replace(part, name=part.name.replace("cam", f"cam-{tip.name}", 1), title=f"{part.title}: {tip.joint.name}")
             yield replace(part, notes=said), Mount(part.name, link, at + place * tip.turn, turned, z=floor - under)
-        hole, ring = s.pin_diameter + self.fits.slide_clearance, f"roller-{tip.level}"
+        if not tip.rolls:
+            return
+        hole, ring = s.pin_diameter + self.fits.slide_clearance, f"roller-{tip.name}"
         roller = spacer(ring, f"Roller of cam {tip.joint.name}", hole, 2 * tip.radius, s.thickness, self.min_wall)
         yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
 
@@ -295,13 +296,25 @@ class Bodies:
         joints = self.layout.machine.joints
         return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
 
+    def _tip(self, tip: Tip) -> Eye | Flat:
+        """What of the follower touches: a roller's seat, an edge, a face."""
+        link = tip.joint.follower
+        if tip.rolls:
+            return self._eye(tip.point, link)
+        at = self.layout.at(link, tip.point)
+        if tip.shape == "knife":
+            return Eye(part_name(link), at, 0.0)
+        (low, high), away = tip.touched(), tip.away(float(self.layout.machine.start_of(link).angle))
+        origin = at if tip.joint.slide is not None else pivot(self.layout.machine, link)[0]
+        return Flat(part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low)
+
     def _outlines(self, tip: Tip) -> Iterator[CamOutline]:
         """What a roller runs on, first what drives; the hole of its pin is what holds it."""
-        joint, name = tip.joint, f"cam-{tip.level}"
+        joint, name = tip.joint, f"cam-{tip.name}"
         driving = CamOutline(
             joint.name, f"{name}-inner" if tip.grooved else name, self._pivot(joint.cam),
             self._pivot(joint.follower) if joint.slide is None else None,
-            self._eye(tip.point, joint.follower), tip.radius, tip.leaves, roller=f"roller-{tip.level}",
+            self._tip(tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
         )  # fmt: skip
         yield driving
         if tip.grooved:

@@ -263,7 +263,7 @@ class Drawing:
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears."""
         found = [level_of(self.gear_name(gear)) for gear in self.gears]
-        for cam in self.cams:
+        for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
             found += [key, key + SECOND] if cam.closure == "conjugate" else [key]
         return found

@@ -8,7 +8,6 @@ from itertools import product
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.layout import Layout
 
 
@@ -22,7 +21,7 @@ def laid(layout: Layout, run: Run) -> Layout:
     strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
     tries = [
         replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
-        for stems in product(STEMS, repeat=len(layout.slides))
+        for stems in product(*map(layout.stems_of, layout.slides))
     ]
     for explain in (False, True):
         refused: DesignError | None = None

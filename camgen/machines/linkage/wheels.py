@@ -29,6 +29,8 @@ from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
+NOSE = 3.0  # radii of a knife's disc, from there to its edge
+_BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,8 @@ class Toothed:
 class Tip:
     """A cam that a follower's tip runs on; point: of the follower; leaves: the sense of the follower that takes it off.
 
-    rim: how much further a groove's plates reach than its follower's way, mm.
+    name: of its parts; rim: how much further a groove's plates reach than its follower's way, mm. A knife or a face is a part
+    of the follower's own band, so it has its level.
     """
 
     level: str
@@ -81,6 +84,8 @@ class Tip:
     radius: float
     leaves: Literal[1, -1]
     closure: str
+    name: str
+    shape: str
     rim: float = 0.0
 
     @property
@@ -91,7 +96,37 @@ class Tip:
     @property
     def hung(self) -> bool:
         """Whether its roller hangs under the follower: the second one of a pair, whose pin passes beside no cam."""
-        return self.level.endswith(SECOND) and self.closure == "conjugate"
+        return self.name.endswith(SECOND) and self.closure == "conjugate"
+
+    @property
+    def rolls(self) -> bool:
+        """Whether it has a roller."""
+        return self.shape == "roller"
+
+    def touched(self) -> tuple[float, float]:
+        """Between which places a face is touched, mm to the left of its normal from its point, or from the hinge."""
+        follower = self.cam.follower
+        place = follower.place(self.cam.program(_ROUND), self.cam.profile(_ROUND) * np.exp(1j * _ROUND))
+        return float(place.min()) - _BESIDE, float(place.max()) + _BESIDE
+
+    def away(self, start: float) -> complex:
+        """Unit direction off the cam at its point, in the follower's axes; start: angle of these as drawn, rad."""
+        follower = self.cam.follower
+        if self.joint.slide is not None:
+            found = self.leaves * follower.along
+        else:
+            found = follower.facing if self.shape == "flat" else complex(follower.trace(0.0))
+        return complex(found / abs(found) * cmath.exp(-1j * start))
+
+    def nose(self, start: float, size: float) -> list[tuple[complex, float]]:
+        """Discs whose hull is a knife or face that slides, or that carry a knife that swings, about its point.
+
+        start: angle of the follower's axes as drawn, rad; size: radius of the discs, mm.
+        """
+        away = self.away(start)
+        if self.shape == "flat":
+            return [((1j * place + size) * away, size) for place in self.touched()]
+        return [*([(0j, 0.0)] if self.joint.slide is not None else []), (NOSE * size * away, size)]
 
     @property
     def turn(self) -> complex:
@@ -182,14 +217,15 @@ def tips(machine: m.Machine, cams: Mapping[str, Cam], sizes: Parts, clearance: f
         both: Sequence[tuple[str, str, Literal[1, -1]]] = [(level_of(name), spec.at, 1 if joint.law.sign > 0 else -1)]
         if spec.closure == "conjugate" and spec.shape == "roller":
             both = [*both, (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1)]
-        for level, point, leaves in both:
+        for key, point, leaves in both:
             follower = _follower(machine, joint, spec, point, leaves)
             if isinstance(follower, FlatFace) and follower.leaves != leaves:
                 raise DesignError(
                     "side of the face", follower.leaves, leaves, "", f"cam {name}", "draw `at` on the cam's side of the hinge"
                 )
             cam, rim = DiscCam(_signed(joint.law), follower), groove_rim(sizes) + clearance
-            found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, rim))
+            level = key if spec.shape == "roller" else joint.follower
+            found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, key, spec.shape, rim))
     return found
 
 
