@@ -103,7 +103,8 @@ class Proof:
     def __init__(self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()) -> None:
         self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
-        self.plays |= {name: fit.play for name, fit in self.fits.items()}
+        self._radii = measured.radii
+        self.plays |= {name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()}
         for name, (drive, *others) in measured.outlines.items():
             if others:
                 self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
@@ -146,7 +147,8 @@ class Proof:
         """All outputs by the joints as they are, (n,)."""
         closed = self._system.close(theta, self._meant.near(theta), 1)
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
-        levers = {
+        levers: dict[str, Any] = dict(self._radii)
+        levers |= {
             joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
             for joint in self.machine.joints
             if isinstance(joint, Cam) and isinstance(joint.law, Rolled)

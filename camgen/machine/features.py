@@ -3,6 +3,7 @@
     eye       a round feature of a part: a hole, or the rim of a disc that is itself the pin (`shaft`)
     faces     two parallel straight faces of a part: rails, the walls of a slot, a runner
     outline   what a cam's follower runs on
+    teeth     of a wheel: where its outline crosses the pitch circle
     mount     where a part stands on its body: body = at + exp(i turned) * part
 
 Places and diameters here are nominal, mm in the part's frame; the judge reads the true ones from each file.
@@ -148,13 +149,37 @@ class CamOutline:
 
 
 @dataclass(frozen=True)
+class Teeth:
+    """The teeth of a wheel about its part's origin: how many, radius of the pitch circle, thickness there, mm.
+
+    tooth: direction of the middle of one of them, rad in the part's frame.
+    """
+
+    part: str
+    count: int
+    radius: float
+    thickness: float
+    tooth: float = 0.0
+
+
+@dataclass(frozen=True)
+class GearTeeth:
+    """Of a Gear whose wheels mesh outside: their teeth, and the Pins about which they turn on the ground."""
+
+    joint: str
+    a: Teeth
+    b: Teeth
+    turns: tuple[str, str]
+
+
+@dataclass(frozen=True)
 class Mark:
     """An eye whose centre is a place of an output: a thread guide, the hole of a pen."""
 
     eye: Eye
 
 
-Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | Mark
+Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | Mark
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from camgen.machine.study import Study, together
 from camgen.machine.targets import stroke
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures
+from camgen.machines.linkage import bridges, figures, wheels
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
@@ -94,7 +94,7 @@ class Linkage(Mechanism):
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
-    layers: t.Layers = Field({}, description="level of a link or of a cam, 1 is the lowest; what is left out is found")
+    layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
     def faults(self) -> Sequence[Fault]:
@@ -241,9 +241,10 @@ class Linkage(Mechanism):
     @property
     def _layout(self) -> Layout:
         cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
-            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams
-        )
+            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears
+        )  # fmt: skip
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
@@ -322,6 +323,7 @@ class Linkage(Mechanism):
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
+        found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
         return [*found, *(finding for each in self.modules for finding in each.limits())]
 
     def texts(self) -> Mapping[str, str]:

@@ -100,6 +100,7 @@ class Gear(Record):
     a: Name = Field(description="link")
     b: Name = Field(description="link")
     ratio: Annotated[float, Field(ge=-1000, le=1000)] = Field(description="below 0: b turns the other way")
+    teeth: Annotated[int, Field(ge=5, le=400)] | None = Field(None, description="of the wheel of a; found unless given")
     name: Name | None = Field(None, description="of the joint; both links unless given")
 
 
@@ -229,6 +230,7 @@ class Limits(Record):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
+    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = Field(45.0, description="deg, greatest of each cam")
     lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
         None, description="mm, free play of an output by all joints' play; a quarter of its stroke unless given"
     )
