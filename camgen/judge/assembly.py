@@ -53,7 +53,7 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             numbers[item.name] += 1
             at = -complex(start[item.name][k].position[0])
             bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(item.placed), _course(poses, item.name, k), at=at))
-        bodies += [Body(thing.name, _slabs(thing), thing.course) for thing in machine.stand_ins]
+        bodies += [Body(thing.name, _slabs(thing), _course(poses, thing.name)) for thing in machine.stand_ins]
         clearances = swept(
             bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
             resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
@@ -121,12 +121,12 @@ def _remembered(poses: Poses) -> Poses:
     return remembered
 
 
-def _course(poses: Poses, part: str, copy: int) -> Course:
-    """The motion of a part's copy from its place at theta = 0, where the file shows it."""
-    start = float(poses(np.zeros(1))[part][copy].angle[0])
+def _course(poses: Poses, name: str, copy: int | None = None) -> Course:
+    """The motion of a stand-in, or of a part's copy from its place at theta = 0, where the file shows it."""
+    start = 0.0 if copy is None else float(poses(np.zeros(1))[name][copy].angle[0])
 
     def course(theta: Floats) -> tuple[Floats, Points]:
-        pose = poses(theta)[part][copy]
+        pose = poses(theta)[name][copy or 0]
         return pose.angle - start, pose.position
 
     return course

@@ -24,11 +24,10 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_most
-from camgen.geometry.outlines import Floats, Points
+from camgen.geometry.outlines import Floats
 from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Pose
 from camgen.machine.features import Asked, CamMeant, CamOutline, Feature, Mount
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
@@ -243,18 +242,6 @@ class DiscCamDrive(Mechanism):
         made = disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
         return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """The plates turning about O, one above the other; the follower."""
-        theta = np.asarray(theta, float)
-        still: Points = np.zeros(theta.shape, complex)
-        found = {mount.part: [Pose(theta, still, z=mount.z)] for mount in self.mounts()}
-        s = self.reachable(theta)
-        f = self.geometry.follower
-        found["ground"] = [Pose(np.zeros(theta.shape), still)]
-        if f.motion == "translating":
-            return {**found, "follower": [Pose(np.zeros(theta.shape), still + _UP * s)]}
-        return {**found, "follower": [Pose(s, still + complex(f.pivot_distance or 0.0))]}
-
     def features(self) -> Sequence[Feature]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""
         return self._features
@@ -441,7 +428,7 @@ class DiscCamDrive(Mechanism):
                 case SwingingFace(_, facing, ahead):
                     low, high = self._face[self.cams.index(cam)]
                     strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
-        return Sketch("follower", strokes, [(z, r) for z, r in circles if r])
+        return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")
 
 
 def _negative(f: Callable[[Any], Floats], theta: Any) -> Floats:

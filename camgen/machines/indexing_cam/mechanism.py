@@ -25,12 +25,11 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
-from camgen.geometry.outlines import Floats, Points, Region
+from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cam_drive import Load as CamLoad
 from camgen.machine.cam_drive import cam_machine, cam_outline
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Pose
 from camgen.machine.features import Asked, CamMeant, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
@@ -350,17 +349,6 @@ class IndexingCam(Mechanism):
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """The cams turning about O, the follower about A, the driven link about its own axle."""
-        theta = np.asarray(theta, float)
-        still: Points = np.zeros(theta.shape, complex)
-        s = self.reachable(theta)
-        found = {mount.part: [Pose(theta, still, z=mount.z)] for mount in self.mounts()}
-        found["follower"] = [Pose(s, still + complex(self.geometry.follower.pivot_distance))]
-        found["driven-link"] = [Pose(-self.geometry.gear_ratio * s, still + self._link_centre)]
-        found["ground"] = [Pose(np.zeros(theta.shape), still)]
-        return found
-
     @property
     def _link_centre(self) -> complex:
         f = self.geometry.follower
@@ -472,6 +460,7 @@ class IndexingCam(Mechanism):
         rollers = [(cam.follower.arm, cam.follower.tip_radius) for cam in self.cams.values()]
         strokes = [np.array([0j, arm]) for arm, _ in rollers]
         size = self.geometry.follower.arm / 2
-        table = Sketch("driven-link", [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])], [(0j, size)])
+        arrow = [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])]
+        table = Sketch("driven-link", arrow, [(0j, size)], "driven-link")
         bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
-        return Sketch("follower", strokes, rollers), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])
+        return Sketch("follower", strokes, rollers, "follower"), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])

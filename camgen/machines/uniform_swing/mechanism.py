@@ -30,7 +30,7 @@ from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
 from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Assembly, Pose
+from camgen.machine.contacts import StandIn
 from camgen.machine.features import Asked, CamMeant, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
@@ -193,13 +193,9 @@ class UniformSwing(Mechanism):
             self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
         )  # fmt: skip
 
-    def assembly(self) -> Assembly | None:
-        """The whole machine, if it is to be made."""
-        return self._assembly
-
-    @cached_property
-    def _assembly(self) -> Assembly | None:
-        return self._machine.assembly(self.reachable) if self.making.make == "machine" else None
+    def stand_ins(self) -> Sequence[StandIn]:
+        """What is bought for the whole machine, if that is to be made; else the tips."""
+        return self._machine.stand_ins() if self.making.make == "machine" else super().stand_ins()
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws and other bought parts of the whole machine."""
@@ -306,20 +302,6 @@ class UniformSwing(Mechanism):
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """The cam (and its turned twin above it) turning about O, the follower about A."""
-        theta = np.asarray(theta, float)
-        if assembly := self.assembly():
-            angles = {drive.name: drive.angle(theta) for drive in {m.drive.name: m.drive for m in assembly.mounts}.values()}
-            parts = dict.fromkeys(mount.part for mount in assembly.mounts)
-            return {part: [m.pose(angles[m.drive.name]) for m in assembly.mounts if m.part == part] for part in parts}
-        still: Points = np.zeros(theta.shape, complex)
-        return {
-            "cam": [Pose(theta, still, flipped=mount.flipped, z=mount.z) for mount in self.mounts()],
-            "follower": [Pose(self.reachable(theta), still + complex(self.geometry.pivot_distance))],
-            "ground": [Pose(np.zeros(theta.shape), still)],
-        }
-
     def features(self) -> Sequence[Feature]:
         """The cam's outline; with conjugate closure also that of the turned cam, for the second tip."""
         return self._features
@@ -343,10 +325,11 @@ class UniformSwing(Mechanism):
         return (first, cam_outline(replace(self.cam, follower=second), "cam", p.bore, meant, copy=1))
 
     def mounts(self) -> Sequence[Mount]:
-        """The cam and its turned twin above it; of a machine also the frame."""
+        """The cam and its turned twin above it, or all of the machine."""
+        if self.making.make == "machine":
+            return self._machine.mounts
         above = self.making.thickness + self.print.slide_clearance
-        cams = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self._cam_part.count]
-        return (*cams, Mount("frame", "follower")) if self.making.make == "machine" else cams
+        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self._cam_part.count]
 
     def asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne."""
@@ -458,7 +441,7 @@ class UniformSwing(Mechanism):
             strokes.append(np.conj(strokes[0]))
             circles += [(z.conjugate(), r) for z, r in circles]
         pivots = [(0j, self.making.bore / 4), (complex(self.geometry.pivot_distance), self.making.bore / 4)]
-        return Sketch("follower", strokes, circles), Sketch("ground", (), pivots)
+        return Sketch("follower", strokes, circles, "follower"), Sketch("ground", (), pivots)
 
     def _notes(self) -> tuple[str, ...]:
         notes = [
