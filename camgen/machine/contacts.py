@@ -53,9 +53,6 @@ class Apart:
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
-Contact = Apart
-
-
 Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 
 
@@ -68,7 +65,7 @@ class Moved:
 
     parts: Sequence[str]
     poses: Poses
-    contacts: Sequence[Contact | Feature]
+    contacts: Sequence[Apart | Feature]
     stand_ins: Sequence[StandIn]
     gap: float
     tolerance: float

@@ -209,11 +209,10 @@ def parts_of(features: Iterable[Feature]) -> set[str]:
     return {part for part in found if part is not None}
 
 
-def eyes_of(part: str, contacts: Iterable[object]) -> tuple[tuple[complex, float], ...]:
-    """Nominal centres and diameters of a part's eyes, mm, in those of the contacts that are features.
+def eyes_of(part: str, features: Iterable[Feature]) -> tuple[tuple[complex, float], ...]:
+    """Nominal centres and diameters of a part's eyes, mm.
 
     A pin's own rim is none: its place is the hole's.
     """
-    features = [contact for contact in contacts if isinstance(contact, Feature)]
     found = [eye for feature in features for eye in eyes(feature) if eye is not getattr(feature, "pin", None)]
     return tuple((eye.at, eye.diameter) for eye in found if eye.part == part)

@@ -86,7 +86,6 @@ class Included:
                 drawn={m.part(name): (m.part(other), mirrored) for name, (other, mirrored) in each.drawn.items()},
             )
             for each in self.mechanism.contacts()
-            if isinstance(each, Apart)
         ]  # fmt: skip
 
     def bought(self) -> Sequence[Bought]:

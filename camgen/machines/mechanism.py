@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.contacts import Contact, Moved, Pose, StandIn
+from camgen.machine.contacts import Apart, Moved, Pose, StandIn
 from camgen.machine.features import Asked, CamOutline, Eye, Feature, Mount
 from camgen.machine.model import GROUND, Cam, Machine
 from camgen.machine.model import Pose as BodyPose
@@ -97,17 +97,13 @@ class Mechanism(Spec, ABC):
             found[mount.part].append(Pose(body.angle + mount.turned, place, mount.flipped, mount.z))
         return found
 
-    def contacts(self) -> Sequence[Contact]:
-        """How parts touch beside the joints: those that pass by each other."""
+    def contacts(self) -> Sequence[Apart]:
+        """Parts that pass by each other."""
         return ()
 
     def features(self) -> Sequence[Feature]:
         """On what of its parts the machine's joints are measured."""
         return ()
-
-    def touching(self) -> Sequence[Contact | Feature]:
-        """Contacts and features."""
-        return (*self.contacts(), *self.features())
 
     def mounts(self) -> Sequence[Mount]:
         """Where every copy of every part stands on the machine's bodies."""
@@ -186,7 +182,8 @@ class Mechanism(Spec, ABC):
             beside = {thing.name: [Pose(courses[thing.body].angle, courses[thing.body].place)] for thing in things}
             return {**self._placed(courses), **beside}
 
-        return Moved(names, poses, self.touching(), things, self.running_gap, tolerance, self.angle_name)
+        pairs = (*self.contacts(), *self.features())
+        return Moved(names, poses, pairs, things, self.running_gap, tolerance, self.angle_name)
 
     @property
     def running_gap(self) -> float:
