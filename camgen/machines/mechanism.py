@@ -5,7 +5,7 @@ motion(theta, order)   the wanted output
 parts()                what to make
 poses(theta)           where each body is
 features(), mounts()   on what of which parts its joints are measured
-contacts()             how parts touch
+contacts()             which parts pass by each other
 limits()               closed-form design checks, as findings
 study()                named numbers, curves and tables for the report
 """
@@ -69,7 +69,7 @@ class Mechanism(Spec, ABC):
         """Poses of each part's copies (in order) and of each sketch, by name."""
 
     def contacts(self) -> Sequence[Contact]:
-        """How parts touch beside the joints: those that pass by each other."""
+        """Which parts pass by each other without a joint."""
         return ()
 
     def features(self) -> Sequence[Feature]:

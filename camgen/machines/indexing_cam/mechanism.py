@@ -385,8 +385,8 @@ class IndexingCam(Mechanism):
         return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
 
     def asked(self) -> Sequence[Asked]:
-        """The play of the follower that is borne."""
-        return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
+        """The play of the follower that is borne; the link follows by gears that are not made."""
+        return Asked("swing", lash=math.radians(self.allowed.lash_deg)), Asked("link", judged=False)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
