@@ -31,7 +31,7 @@ from camgen.machine.cam_drive import cam_machine, cam_outline
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import Pose
-from camgen.machine.features import Asked, CamMeant, Feature, Mount
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machine.study import Plot, Sketch, Study
@@ -372,12 +372,8 @@ class IndexingCam(Mechanism):
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
-        return [cam_outline(cam, name, self.making.bore, self._meant(name, cam)) for name, cam in self.cams.items()]
-
-    def _meant(self, name: str, cam: DiscCam) -> CamMeant:
-        lever = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[name]))
-        given, limits = cam.reachable if cam.undercuts else None, self.allowed
-        return CamMeant(given, lever, limits.speed_ripple, math.radians(limits.undercut_deg))
+        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
+        return [cam_outline(cam, name, self.making.bore, self._pressure[name], *accepted) for name, cam in self.cams.items()]
 
     def mounts(self) -> Sequence[Mount]:
         """The cams beside each other."""
