@@ -21,7 +21,7 @@ from camgen.judge.cams import judge_cams, judged_angles, named
 from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
 from camgen.machine.closure import Closed, System
-from camgen.machine.features import Asked, CamOutline, Feature, Mount, parts_of
+from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
 from camgen.machine.model import Cam, Law, Machine, Output, unit_of
 from camgen.machine.order import joined_bodies
 from camgen.machine.study import Table
@@ -297,9 +297,8 @@ class _Closing:
 
     @property
     def outputs(self) -> Sequence[Output]:
-        """Those that something is asked of, as they are measured; of a machine of which nothing is asked all."""
-        wishes = {each.output for each in self.asked}
-        return [output for output in self.measured.machine.outputs if output.name in wishes] or self.measured.machine.outputs
+        """Those that are judged, as they are measured."""
+        return judged_outputs(self.measured.machine.outputs, self.asked)
 
     def proof(self, driven: Mapping[str, Outline], own: bool = False) -> Proof:
         """The machine driven by these outlines, by cam; own: with the tips that parts have."""

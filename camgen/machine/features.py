@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from camgen.machine.model import Floats, Law
+from camgen.machine.model import Floats, Law, Output
 from camgen.machine.targets import Target
 
 
@@ -211,7 +211,8 @@ class Asked:
 
     motion(theta, order): the wanted one, (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine with
     all joints where they are meant. stroke: whether the difference of its extremes is judged; lash: free play that the
-    designer accepts, mm or rad, never more than half of its range; targets: what is wanted of it by value.
+    designer accepts, mm or rad, never more than half of its range; targets: what is wanted of it by value. judged: False for
+    one that follows from another output by what no file shows.
     """
 
     output: str
@@ -219,6 +220,13 @@ class Asked:
     stroke: bool = False
     lash: float = math.inf
     targets: tuple[Target, ...] = ()
+    judged: bool = True
+
+
+def judged_outputs(outputs: Iterable[Output], asked: Iterable[Asked]) -> list[Output]:
+    """Those that are judged."""
+    left_out = {each.output for each in asked if not each.judged}
+    return [output for output in outputs if output.name not in left_out]
 
 
 def eyes(feature: Feature) -> Iterator[Eye]:

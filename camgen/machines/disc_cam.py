@@ -28,7 +28,7 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.features import Asked, CamMeant, CamOutline, Feature, Mount
+from camgen.machine.features import Asked, CamOutline, Feature, Mount
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
 from camgen.machine.sizing import least_convex, smallest
@@ -255,14 +255,11 @@ class DiscCamDrive(Mechanism):
         return found
 
     def _outline(self, k: int, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
-        f, limits, width = self.geometry.follower, self.allowed, self.geometry.follower.face_width or math.inf
-        middle, lever = 0.0, math.cos(math.radians(self._pressure[k])) * (f.arm or 1.0)
-        if isinstance(cam.follower, SwingingFace):
-            low, high = self._face[k]
-            middle, lever = (low + high) / 2, min(abs(low), abs(high))
-        given = cam.reachable if cam.undercuts and free is None else None
-        meant = CamMeant(given, lever, limits.speed_ripple, limits.undercut / self._unit[1])
-        return cam_outline(cam, part, self.making.bore if free is None else None, meant, (middle, width), free)
+        face = self._face[k] if isinstance(cam.follower, SwingingFace) else (0.0, 0.0)
+        return cam_outline(
+            cam, part, self.making.bore if free is None else None, self._pressure[k], self.allowed.speed_ripple,
+            self.allowed.undercut / self._unit[1], face, self.geometry.follower.face_width, free,
+        )  # fmt: skip
 
     def mounts(self) -> Sequence[Mount]:
         """All plates on the cam's body, one above the other."""

@@ -5,7 +5,7 @@ motion(theta, order)   the wanted output
 parts()                what to make
 mounts(), poses(theta) which part stands on which body, and so where it is
 features()             on what of its parts the joints are measured
-contacts()             how parts touch
+contacts()             which parts pass by each other
 limits()               closed-form design checks, as findings
 study()                named numbers, curves and tables for the report
 """
@@ -98,7 +98,7 @@ class Mechanism(Spec, ABC):
         return found
 
     def contacts(self) -> Sequence[Apart]:
-        """Parts that pass by each other."""
+        """Which parts pass by each other without a joint."""
         return ()
 
     def features(self) -> Sequence[Feature]:

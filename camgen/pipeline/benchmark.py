@@ -1,6 +1,6 @@
 """What a tolerance buys and what it costs: a mechanism made, read back and judged at a row of chord tolerances.
 
-    measured parts   those whose outlines set the motion, by the mechanism's contacts; of a linkage all of them
+    measured parts   those on which the machine's joints are measured, and those that pass by each other
     outline          the contour that the follower touches, or the outer one of a part of one layer; for parts that are two
                      outlines crossed, which no drawing and no section shows whole, the flat templates stand in
     least            vertices: integral of sqrt(|kappa| / (8 tolerance)) ds, and one a straight line;

@@ -24,7 +24,7 @@ from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
-from camgen.machine.features import CamOutline, Feature, parts_of
+from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
@@ -184,7 +184,7 @@ def _moved(
     (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
     theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
-    outputs = [output for output in mechanism.model.outputs if output.name in wishes] or mechanism.model.outputs
+    outputs = judged_outputs(mechanism.model.outputs, wishes.values())
     cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)
     curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
     for curve in curves:

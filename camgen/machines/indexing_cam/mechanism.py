@@ -30,7 +30,7 @@ from camgen.machine.cam_drive import Load as CamLoad
 from camgen.machine.cam_drive import cam_machine, cam_outline
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.features import Asked, CamMeant, Feature, Mount
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machine.study import Plot, Sketch, Study
@@ -360,12 +360,8 @@ class IndexingCam(Mechanism):
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
-        return [cam_outline(cam, name, self.making.bore, self._meant(name, cam)) for name, cam in self.cams.items()]
-
-    def _meant(self, name: str, cam: DiscCam) -> CamMeant:
-        lever = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[name]))
-        given, limits = cam.reachable if cam.undercuts else None, self.allowed
-        return CamMeant(given, lever, limits.speed_ripple, math.radians(limits.undercut_deg))
+        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
+        return [cam_outline(cam, name, self.making.bore, self._pressure[name], *accepted) for name, cam in self.cams.items()]
 
     def mounts(self) -> Sequence[Mount]:
         """The cams beside each other."""
@@ -373,8 +369,8 @@ class IndexingCam(Mechanism):
         return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
 
     def asked(self) -> Sequence[Asked]:
-        """The play of the follower that is borne."""
-        return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
+        """The play of the follower that is borne; the link follows by gears that are not made."""
+        return Asked("swing", lash=math.radians(self.allowed.lash_deg)), Asked("link", judged=False)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 

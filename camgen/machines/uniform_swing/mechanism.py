@@ -31,7 +31,7 @@ from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine,
 from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
 from camgen.machine.contacts import StandIn
-from camgen.machine.features import Asked, CamMeant, Eye, Feature, Mount, OwnTip
+from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
@@ -309,20 +309,18 @@ class UniformSwing(Mechanism):
     @cached_property
     def _features(self) -> Sequence[Feature]:
         follower, p = self.cam.follower, self.making
-        lever = abs(follower.arm) * math.cos(math.radians(self._pressure[0]))
-        given = self.cam.reachable if self.cam.undercuts else None
-        meant = CamMeant(given, lever, self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg))
         own = None
         if p.make == "machine":
             seat = self._machine.tip_hole
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
             bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame"))
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
-        first = cam_outline(self.cam, "cam", p.bore, meant, own=own)
+        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
+        first = cam_outline(self.cam, "cam", p.bore, self._pressure[0], *accepted, own=own)
         if self.geometry.closure == "force":
             return (first,)
-        second = replace(follower, arm=follower.arm.conjugate(), leaves=-follower.leaves)
-        return (first, cam_outline(replace(self.cam, follower=second), "cam", p.bore, meant, copy=1))
+        tip = Eye(None, follower.arm.conjugate(), 2 * follower.tip_radius)
+        return (first, replace(first, tip=tip, leaves=-1, copy=1, own=None))
 
     def mounts(self) -> Sequence[Mount]:
         """The cam and its turned twin above it, or all of the machine."""
