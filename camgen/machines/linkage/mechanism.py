@@ -244,8 +244,8 @@ class Linkage(Mechanism):
         return [Asked(output.name, lash=lash[output.unit]) for output in self.chain.outputs]
 
     def printed(self) -> Sequence[Part]:
-        """All of them."""
-        return self.parts()
+        """All that are printed."""
+        return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
         """Drive and screws."""
