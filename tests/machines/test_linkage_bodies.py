@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import tomli_w
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build, check
 from camgen.spec import read, validate
@@ -220,6 +220,18 @@ def test_what_a_spring_must_hold_is_the_followers_inertia() -> None:
 def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="crank on ram.*meets the shaft"):
         made(tmp_path, cam_ram(closure="conjugate"), "dxf")
+
+
+def test_steel_dowels_in_place_of_printed_pins(root: Path, tmp_path: Path) -> None:
+    """Lengths of ISO 2338: above 8 mm they step by 2."""
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["parts.pin=dowel"])
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    table = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
+    bought = validate(Linkage, read(tmp_path / "linkage" / "spec.toml")).parts()
+    lengths = {part.thickness for part in bought if part.made == "bought"}
+    assert lengths and all(length % 2 == 0 for length in lengths) and "bought" in table
+    with pytest.raises(SpecError, match=r"parts.pin_diameter.*dowels are sold"):
+        validate(Linkage, read(root / "specs" / "linkage.toml") | {"parts": {"pin": "dowel", "pin_diameter": 5.2}})
 
 
 # ---- damage ----------------------------------------------------------------------------------------------------------

@@ -5,7 +5,8 @@
     slide    a bar between rails of the plate or of the link that guides it; it is held down by the links on its pins
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
     pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
-             a level the plate's pins have their heads under it and are pressed into their highest link
+             a level the plate's pins have their heads under it and are pressed into their highest link; or a steel
+             dowel with a cap pressed on
     spacer   round a pin, where levels between its links are empty
     shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar
     gear     two wheels on shafts
@@ -29,6 +30,7 @@ from camgen.machine import model as m
 from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
+from camgen.parts.catalogue import STEEL, dowel
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -36,7 +38,7 @@ from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
 _MM = 1e-3
-_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}"}
+_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin"}
 
 Placed = tuple[Part, Mount]
 
@@ -171,7 +173,14 @@ class Bodies:
             yield collar, Mount("collar", body, at, z=-play - s.thickness)
         else:
             bottom, hung = layout.floor(held[0]), point in layout.hung
-            yield self._headed(top + play - bottom), Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+            grip = top + play - bottom
+            if s.pin == "printed":
+                yield self._headed(grip), Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+            else:
+                steel, cap = self._dowel(grip, point)
+                low = bottom - (play + cap.thickness) * hung
+                yield steel, Mount("pin", body, at, z=low)
+                yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
         for low, high in zip(held, held[1:], strict=False):
             height = layout.floor(high) - layout.top(low) - 2 * play
             if high - low > 1:
@@ -195,6 +204,21 @@ class Bodies:
         head = Layer(Region(circle(0j, s.pin_diameter / 2 + s.head)), 0.0, s.head)
         shank = Layer(Region(circle(0j, s.pin_diameter / 2)), s.head, s.head + length)
         return Part("pin", "Pin", (head, shank), centres=(0j,), notes=("pressed and glued in",), cut=1)
+
+    def _dowel(self, grip: float, point: str) -> tuple[Part, Part]:
+        """A dowel through so much, mm, and the cap on what stands out; DesignError where none of such a length is sold."""
+        s = self.sizes
+        length = dowel(s.pin_diameter, grip + s.thickness)
+        least = grip + max(self.min_wall, s.head / 2)
+        if length < least:
+            raise DesignError(
+                "length of the dowel", length, least, "mm", f"pin {point}",
+                'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
+            )  # fmt: skip
+        notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
+        steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
+        hole, wide = s.pin_diameter + self.fits.press_clearance, s.pin_diameter + 2 * s.head
+        return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, self.min_wall)
 
     # ---- cams -------------------------------------------------------------------------------------------------------
 
@@ -341,8 +365,9 @@ class Bodies:
                 rows = []
                 for mount in (mount for mount in self.mounts if mount.body == body.name):
                     part = made[mount.part]
-                    mass, centre = part.volume * density * _MM**3, centre_of(part)
-                    own = inertia_of(part, density) - mass * abs(centre * _MM) ** 2
+                    heavy = density if part.made == "printed" else 1e3 * STEEL
+                    mass, centre = part.volume * heavy * _MM**3, centre_of(part)
+                    own = inertia_of(part, heavy) - mass * abs(centre * _MM) ** 2
                     rows.append((mass, mount.place(centre), own))
                 mass = sum(row[0] for row in rows)
                 centre = sum(row[0] * row[1] for row in rows) / mass
