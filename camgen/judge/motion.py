@@ -22,8 +22,7 @@ from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
 from camgen.machine.closure import Closed, System
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
-from camgen.machine.model import Cam, Law, Machine, Output, unit_of
-from camgen.machine.order import joined_bodies
+from camgen.machine.model import Cam, Law, Machine, Output, bodies_of, unit_of
 from camgen.machine.study import Table
 
 Floats = NDArray[np.float64]
@@ -278,7 +277,7 @@ def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mou
     return tuple(
         NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
         for joint in machine.joints
-        if joint.name not in told and made & set(joined_bodies(joint))
+        if joint.name not in told and made & set(bodies_of(joint))
     )
 
 

@@ -72,7 +72,7 @@ class Expected:
 
 @dataclass(frozen=True)
 class Undo:
-    """What the printer does to a mesh that was sent to it, see `undoing.printed`; files are judged as they print, mm."""
+    """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print, mm."""
 
     hole: float
     profile: float

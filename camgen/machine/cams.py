@@ -10,7 +10,7 @@
                (cam)
                  O                                  the envelope runs CLOCKWISE round the cam as theta grows
 
-Followers are those of `tips`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
+What touches it is said in `followers`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
 [Norton, Cam Design and Manufacturing Handbook, ch. 7]
 """
 

@@ -1,6 +1,7 @@
 """Forces in a machine that runs: reactions of all joints, contact forces of cams, the torque that drives.
 
-Kinetostatics by the judge's Jacobian J: with poses q of all bodies, masses M and what acts on the bodies Q,
+Kinetostatics by the Jacobian J of all joints' conditions, that of `closure.System`: with poses q of all bodies, masses M and
+what acts on the bodies Q,
 
     J^T multipliers = M q'' - Q
 
@@ -22,6 +23,7 @@ import numpy as np
 
 from camgen.machine.closure import System
 from camgen.machine.model import (
+    MM,
     Angle,
     Cam,
     Floats,
@@ -38,8 +40,6 @@ from camgen.machine.model import (
     TorsionSpring,
 )
 from camgen.numerics import solve
-
-MM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,6 @@ class Forces:
     energy: Floats
     power: Floats
     shaking: Points
-
-    def lifts_off(self, cam: Cam) -> Floats:
-        """Where the contact of a force-closed cam would have to pull, (n,): True, nan never."""
-        return np.asarray(self.contacts[cam.name] * cam.push < 0)
 
 
 def kinetostatics(system: System, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:

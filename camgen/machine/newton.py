@@ -89,12 +89,6 @@ class Trace:
     signs: Floats
     ends: tuple[bool, bool]
 
-    @property
-    def folds(self) -> Floats:
-        """Knots behind which the determinant's sign has changed, rad."""
-        changed: Floats = self.theta[1:][self.signs[1:] != self.signs[:-1]]
-        return changed
-
     def covers(self, low: float, high: float) -> bool:
         """Whether all that can be reached of the range is known."""
         return (self.ends[0] or self.theta[0] <= low) and (self.ends[1] or self.theta[-1] >= high)
