@@ -19,8 +19,7 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.contacts import Apart, Moved, Pose, Poses, StandIn
-from camgen.machine.features import CamOutline, GearTeeth, PinEyes, SlideFaces
+from camgen.machine.features import Apart, CamOutline, GearTeeth, Moved, PartPose, PinEyes, Poses, SlideFaces, StandIn
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
@@ -51,7 +50,7 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
         for item in package.items:
             k = numbers[item.name]
             numbers[item.name] += 1
-            at = -complex(start[item.name][k].position[0])
+            at = -complex(start[item.name][k].place[0])
             bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(item.placed), _course(poses, item.name, k), at=at))
         bodies += [Body(thing.name, _slabs(thing), _course(poses, thing.name)) for thing in machine.stand_ins]
         clearances = swept(
@@ -110,9 +109,9 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
 
 def _remembered(poses: Poses) -> Poses:
     """The same, without asking again for angles that were the last ones."""
-    last: dict[bytes, Mapping[str, Sequence[Pose]]] = {}
+    last: dict[bytes, Mapping[str, Sequence[PartPose]]] = {}
 
-    def remembered(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+    def remembered(theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         key = theta.tobytes()
         if key not in last:
             if len(last) > 1:
@@ -129,7 +128,7 @@ def _course(poses: Poses, name: str, copy: int | None = None) -> Course:
 
     def course(theta: Floats) -> tuple[Floats, Points]:
         pose = poses(theta)[name][copy or 0]
-        return pose.angle - start, pose.position
+        return pose.angle - start, pose.place
 
     return course
 

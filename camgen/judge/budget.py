@@ -14,7 +14,7 @@ from camgen.judge.cams import judged_angles, rolled, s_unit
 from camgen.judge.measured import Sections
 from camgen.machine.features import CamOutline, Mount
 from camgen.machine.model import Cam, Machine
-from camgen.machine.study import Table
+from camgen.study import Table
 
 
 def error_budget(

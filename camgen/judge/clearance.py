@@ -24,7 +24,7 @@ from camgen.files.formats import read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
-from camgen.machine.contacts import Apart, Poses
+from camgen.machine.features import Apart, Poses
 from camgen.numerics import crests
 
 _CHORDS = 90  # of the turn, to begin with
@@ -241,7 +241,7 @@ def _way(pair: Apart, poses: Poses) -> Way:
         a, b = (poses(theta)[name][0] for name in (pair.a, pair.b))
         if np.any(a.angle != 0) or np.any(b.angle != 0) or a.flipped or b.flipped:
             raise ValueError(f"{pair.name}: only bodies that shift are compared")
-        return np.asarray(b.position - a.position)
+        return np.asarray(b.place - a.place)
 
     return way
 

@@ -20,10 +20,10 @@ from camgen.findings import Finding, NotJudged, at_most
 from camgen.judge.cams import judge_cams, judged_angles, named
 from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
-from camgen.machine.closure import Closed, System
+from camgen.machine.constraints import Closed, Constraints
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
 from camgen.machine.model import Cam, Law, Machine, Output, bodies_of, unit_of
-from camgen.machine.study import Table
+from camgen.study import Table
 
 Floats = NDArray[np.float64]
 
@@ -53,9 +53,9 @@ class _Meant:
     """The machine with its joints where they are meant, from which all others start."""
 
     def __init__(self, machine: Machine, low: float, high: float) -> None:
-        self.system = System(machine)
+        self.system = Constraints(machine)
         self._known = self.system.close(np.linspace(low, high, _KNOWN))
-        self._systems: dict[Laws, System] = {(): self.system}
+        self._systems: dict[Laws, Constraints] = {(): self.system}
         self._seen: dict[tuple[str, bytes, Laws], tuple[Any, Any]] = {}
 
     def near(self, theta: Floats) -> Floats:
@@ -83,7 +83,7 @@ class _Meant:
         if key in self._seen:
             return self._seen[key]
         if laws not in self._systems:
-            self._systems[laws] = System(_with(self.system.machine, laws))
+            self._systems[laws] = Constraints(_with(self.system.machine, laws))
         system = self._systems[laws]
         parts = [_outcome(system, output, system.close(part, self.near(part), 1)) for part in _parts(system, theta)]
         found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
@@ -107,7 +107,7 @@ class Proof:
         for name, (drive, *others) in measured.outlines.items():
             if others:
                 self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
-        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), System(measured.machine)
+        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), Constraints(measured.machine)
         self._seen: dict[bytes, Mapping[str, Moved]] = {}
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
@@ -173,7 +173,7 @@ def _with(machine: Machine, laws: Laws) -> Machine:
     return replace(machine, joints=tuple(joints))
 
 
-def _parts(system: System, theta: Floats) -> Sequence[Floats]:
+def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
     """So few angles at a time that their matrices stay small."""
     return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
 
@@ -185,7 +185,7 @@ def _joined(parts: Sequence[Moved]) -> Moved:
     return Moved(value, slope, reach, play)
 
 
-def _outcome(system: System, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
+def _outcome(system: Constraints, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
     """An output, its slope to theta, and where it is lost, (n,)."""
     value, gradient = system.output(output, closed.q, closed.theta)
     slopes = np.einsum("nkc,nc->nk", gradient, closed.first)

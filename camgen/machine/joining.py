@@ -9,21 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from camgen.machine.features import Asked, Eye, Faces, Feature, Flat, Mount, OwnTip, Teeth
-from camgen.machine.model import (
-    GROUND,
-    Along,
-    Angle,
-    Body,
-    Floats,
-    Function,
-    Gravity,
-    Law,
-    Machine,
-    Path,
-    Place,
-    Pose,
-)  # fmt: skip
+from camgen.machine.model import GROUND, Along, Angle, Body, Function, Gravity, Law, Machine, Path, Place, Pose
 from camgen.machine.run import solve
+from camgen.numerics import Floats
 
 T = TypeVar("T")
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.jets import thread_length
-from camgen.machine.model import Floats, Law, Points
-from camgen.numerics import sign_changes
+from camgen.machine.model import Law
+from camgen.numerics import Floats, Points, sign_changes
 
 Curve = Callable[[Floats, int], Points]
 TURN = 2 * math.pi

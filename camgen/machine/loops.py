@@ -21,9 +21,10 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.machine import dyads, newton
 from camgen.machine.jets import Jet, minus, plus, product, stacked, times, turned, unit_turn
-from camgen.machine.model import GROUND, Along, Angle, Floats, Machine, Output, Path, Pin, Place, Points, Turning
+from camgen.machine.model import GROUND, Along, Angle, Machine, Output, Path, Pin, Place, Turning
 from camgen.machine.newton import Block, Known, Loop, relation_jet
 from camgen.machine.order import NO_LEVER, Groups, Key, Relation, group_bodies, order, places, relations
+from camgen.numerics import Floats, Points
 
 # Angles a turn at which an angle is followed, so that it is continuous at any others.
 FOLLOWED = 720

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Points = NDArray[np.complex128]
+from camgen.numerics import Floats as Floats
+from camgen.numerics import Points as Points
+
 Law = Callable[[Floats, int], Floats]
 # Where a cam is touched at its angles, (n,) rad: place, complex mm, and unit normal into the follower, in the cam's frame.
 Touch = Callable[[Floats], tuple[Points, Points]]

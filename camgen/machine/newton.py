@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
-from camgen.machine.model import Floats
 from camgen.machine.order import Key, Relation
-from camgen.numerics import solve
+from camgen.numerics import Floats, solve
 
 # Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
 KNOTS = 36

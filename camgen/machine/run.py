@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from camgen.machine.closure import System
+from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics
 from camgen.machine.jets import Jet
 from camgen.machine.loops import State, chain_of
-from camgen.machine.model import Floats, Machine, Path, Place, Points, Pose
+from camgen.machine.model import Machine, Path, Place, Pose
+from camgen.numerics import Floats, Points
 
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 8192
@@ -121,8 +122,8 @@ class Run:
         return rows
 
     @cached_property
-    def _system(self) -> System:
-        return System(self.machine)
+    def _system(self) -> Constraints:
+        return Constraints(self.machine)
 
     @cached_property
     def _poses(self) -> Floats:

@@ -26,15 +26,13 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.contacts import Apart, Moved, Pose, StandIn
-from camgen.machine.features import Asked, CamOutline, Eye, Feature, Mount
-from camgen.machine.model import GROUND, Cam, Machine
-from camgen.machine.model import Pose as BodyPose
+from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, StandIn
+from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Study, Table
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
 from camgen.spec import Spec, validate
+from camgen.study import Study, Table
 
 
 class Mechanism(Spec, ABC):
@@ -80,21 +78,21 @@ class Mechanism(Spec, ABC):
         joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
         return replace(self.model, joints=tuple(joints)) if laws else self.model
 
-    def courses(self, theta: Floats) -> Mapping[str, BodyPose]:
-        """Pose of each body of the model at theta, (n,) rad, as exact parts move it."""
+    def courses(self, theta: Floats) -> Mapping[str, Pose]:
+        """PartPose of each body of the model at theta, (n,) rad, as exact parts move it."""
         run = solve(self._exact, self.course(np.asarray(theta, float)), 0)
         return {name: run.pose(name) for name in (GROUND, *(body.name for body in self._exact.moving))}
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
         return self._placed(self.courses(theta))
 
-    def _placed(self, courses: Mapping[str, BodyPose]) -> dict[str, list[Pose]]:
-        found: dict[str, list[Pose]] = {part.name: [] for part in self.parts()}
+    def _placed(self, courses: Mapping[str, Pose]) -> dict[str, list[PartPose]]:
+        found: dict[str, list[PartPose]] = {part.name: [] for part in self.parts()}
         for mount in self.mounts():
             body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
-            found[mount.part].append(Pose(body.angle + mount.turned, place, mount.flipped, mount.z))
+            found[mount.part].append(PartPose(place, body.angle + mount.turned, mount.flipped, mount.z))
         return found
 
     def contacts(self) -> Sequence[Apart]:
@@ -177,9 +175,9 @@ class Mechanism(Spec, ABC):
         """What the sweep needs."""
         names, tolerance, things = [part.name for part in self.parts()], self.accuracy.chord_tolerance, self.stand_ins()
 
-        def poses(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+        def poses(theta: Floats) -> Mapping[str, Sequence[PartPose]]:
             courses = self.courses(theta)
-            beside = {thing.name: [Pose(courses[thing.body].angle, courses[thing.body].place)] for thing in things}
+            beside = {thing.name: [PartPose(courses[thing.body].place, courses[thing.body].angle)] for thing in things}
             return {**self._placed(courses), **beside}
 
         pairs = (*self.contacts(), *self.features())

@@ -33,8 +33,7 @@ from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
 from camgen.judge.measured import Sections, measure_bore
-from camgen.machine.contacts import Apart
-from camgen.machine.features import CamOutline, parts_of
+from camgen.machine.features import Apart, CamOutline, parts_of
 from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
@@ -219,7 +218,7 @@ def _distance(case: Case, pair: Apart) -> float:
     poses = case.mechanism.poses
 
     def way(theta: Floats) -> Points:
-        return np.asarray(poses(theta)[pair.b][0].position - poses(theta)[pair.a][0].position)
+        return np.asarray(poses(theta)[pair.b][0].place - poses(theta)[pair.a][0].place)
 
     found = []
     for plane in pair.planes:

@@ -12,9 +12,9 @@ import numpy as np
 
 from camgen.files.folder import Staged, write_manifest
 from camgen.geometry.outlines import Floats
-from camgen.machine.study import Plot
 from camgen.pipeline.benchmark import JUDGED, KINDS, STAGES, Bench, measure
 from camgen.pipeline.jobs import Progress, silent
+from camgen.study import Plot
 from camgen.tolerances import SAME_POINT
 
 STARTERS = ("uniform-swing", "indexing-cam", "chain-stitch-looper")

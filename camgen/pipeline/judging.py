@@ -25,7 +25,6 @@ from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
 from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
-from camgen.machine.study import Plot, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
@@ -34,6 +33,7 @@ from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, reading, unheard
 from camgen.report.report import Report
+from camgen.study import Plot, Study, Table
 
 if TYPE_CHECKING:
     from camgen.judge.measured import Sections

@@ -20,9 +20,9 @@ from camgen.errors import DesignError
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
-from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
 from camgen.machines.linkage.tables import Cam, Gear, Parts
 from camgen.motion.program import Program

@@ -23,11 +23,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from camgen.motion.laws import Floats
+from camgen.numerics import Floats, Points
 
-Points = NDArray[np.complex128]
 Motion = Callable[[Any, int], Floats]
 
 
