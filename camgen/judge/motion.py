@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import tolerances
+from camgen.files.formats import FORMATS
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.judge.cams import judge_cams, judged_angles, named
 from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
@@ -222,7 +223,7 @@ def judge_machine(
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
-    kind: "dxf", "stl" or "3mf"; where: said in findings; files: sections (shapes at each height) of each part's file of this
+    kind: of FORMATS; where: said in findings; files: sections (shapes at each height) of each part's file of this
     kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
 
@@ -230,11 +231,12 @@ def judge_machine(
     limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
-    found = read(features, files, kind == "dxf")
+    form = FORMATS[kind]
+    found = read(features, files, not form.solid)
     every = named(where, parts_of(features))
     if found.lost:
         return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(found.lost)),))
-    rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size([files[part] for part in parts_of(features)])
+    rounding = form.rounding * _size([files[part] for part in parts_of(features)]) if form.rounding else 0.0
     try:
         measured = assembled(machine, features, mounts, found)
         closing = _Closing(kind, where, machine, measured, theta, chord_tolerance, rounding, asked)
