@@ -27,9 +27,9 @@ from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
+from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.cams.sizing import least_convex, smallest
+from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Feature, Mount
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
@@ -212,11 +212,11 @@ class DiscCamDrive(Mechanism):
     def machine(self) -> Machine:
         """Cam and follower; output "lift", mm, or "swing", rad."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        groove = (Touch(self.cam), OuterWall(self.cam)) if self.geometry.closure == "groove" else ()
+        groove = (ProfileTouch(self.cam), OuterWallTouch(self.cam)) if self.geometry.closure == "groove" else ()
         return cam_machine(self.cams, self.speed, self._load, closed, groove)
 
     @cached_property
-    def _load(self) -> Load | None:
+    def _load(self) -> FollowerLoad | None:
         return load_of(self.load, self.spring)
 
     @cached_property
@@ -343,7 +343,7 @@ class DiscCamDrive(Mechanism):
             "base_radius_mm": self.base_radius,
             "prime_radius_mm": self.base_radius + (f.radius or 0.0),
             "pressure_angle_deg": max(self._pressure),
-            "curvature_radius_min_mm": min(least_convex(each) for each in self.cams),
+            "curvature_radius_min_mm": min(each.least_radius for each in self.cams),
             f"peak_speed_{unit}_s": peaks[0],
             f"peak_acceleration_{unit}_s2": peaks[1],
             "profile_length_mm": cam.outline.length,
@@ -353,7 +353,7 @@ class DiscCamDrive(Mechanism):
         if f.shape == "flat":
             numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
         else:
-            numbers["pitch_curvature_radius_min_mm"] = cam.least_radius
+            numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
         forces = Study()
         if self._load and self._loaded:
             pushed = self.geometry.closure == "force"
