@@ -32,7 +32,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
-from camgen.judge.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
+from camgen.judge.slabs import PLANE, ROUND, Body, Course, Section, sections_of, shadow_of
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -76,12 +76,11 @@ class Clearance:
 class _Motion:
     """How one body, the guest, moves as another, the home, sees it: home = shift + turn * guest, turn a unit complex number.
 
-    theta: (n,) the grid; turns, shifts: (n,) complex on it; name: of both, for people.
+    theta: (n,) the grid; turns, shifts: (n,) complex on it.
     """
 
-    def __init__(self, home: Body, guest: Body, theta: Floats) -> None:
-        self.theta, self.name = theta, f"{guest.name} seen from {home.name}"
-        self._courses = home.course, guest.course
+    def __init__(self, home: Course, guest: Course, theta: Floats) -> None:
+        self.theta, self._courses = theta, (home, guest)
         self.turns, self.shifts = self.at(theta)
 
     @property
@@ -165,7 +164,7 @@ class _Approach:
             moved = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(np.diff(turns))
             if not np.all(moved <= way * (1 + 1e-6) + 1e-7):
                 k = int(np.argmax(moved - way))
-                said = f"{self.motion.name} moves by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
+                said = f"one sees the other move by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
                 raise ValueError(f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm")
         return _moved(self.guest, self.coordinates, turns, shifts)
 
@@ -343,6 +342,7 @@ def swept(
     if len(set(names)) < len(names) or unknown or not all(value > 0 for value in contacts.values()):
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
     sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
+    seen = functools.cache(lambda home, guest: _Motion(home, guest, theta))  # bodies on one course move as one
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
         level = [
@@ -351,9 +351,12 @@ def swept(
             if min(first.z1, second.z1) - max(first.z0, second.z0) > _SAME_HEIGHT
         ]
         if level:
-            motions = _Motion(a, b, theta), _Motion(b, a, theta)
+            motions = seen(a.course, b.course), seen(b.course, a.course)
             allowed = contacts.get(frozenset((a.name, b.name)), mounted if motions[0].at_rest else None)
-            best, proven = _least(motions, level, allowed, needed, resolution)
+            try:
+                best, proven = _least(motions, level, allowed, needed, resolution)
+            except ValueError as fault:
+                raise ValueError(f"{a.name} and {b.name}: {fault}") from None
             found.append(
                 Clearance(a.name, b.name, best.gap, proven, best.theta, allowed, best.evaluations, motions[0].at_rest)
             )
