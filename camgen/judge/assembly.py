@@ -6,6 +6,7 @@ joint's parts have their fit; a tip rolls on its cam; parts that pass by each ot
 
 from __future__ import annotations
 
+import cmath
 import itertools
 import math
 from collections import Counter
@@ -56,7 +57,8 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             on = stands[item.name][numbers[item.name]]
             numbers[item.name] += 1
             bodies.append(Body(f"{item.name}-{numbers[item.name]}", slabs_of(item.placed), courses[on], at=home[on]))
-        bodies += [Body(thing.name, _slabs(thing), courses[thing.body]) for thing in machine.stand_ins]
+        for thing in machine.stand_ins:
+            bodies.append(Body(thing.name, _slabs(thing, float(start[thing.body].angle[0])), courses[thing.body]))
         clearances = swept(
             bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
             resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
@@ -136,11 +138,9 @@ def _course(courses: Courses, body: str, start: float) -> Course:
     return course
 
 
-def _slabs(thing: StandIn) -> tuple[Slab, ...]:
-    """Discs as slabs."""
-    spans = dict.fromkeys((z0, z1) for _, _, z0, z1 in thing.discs)
-    return tuple(
-        Slab(z0, z1, tuple(Ring(np.asarray(at + radius * _ENDS, complex), np.ones(2)) for at, radius, *span in thing.discs
-                           if tuple(span) == (z0, z1)))
-        for z0, z1 in spans
-    )  # fmt: skip
+def _slabs(thing: StandIn, turned: float) -> tuple[Slab, ...]:
+    """Discs as slabs, on a body that is turned by so much at theta = 0, rad."""
+    turn, slabs = cmath.exp(1j * turned), dict[tuple[float, float], list[Ring]]()
+    for at, radius, z0, z1 in thing.discs:
+        slabs.setdefault((z0, z1), []).append(Ring(np.asarray(turn * (at + radius * _ENDS), complex), np.ones(2)))
+    return tuple(Slab(z0, z1, tuple(rings)) for (z0, z1), rings in slabs.items())
