@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from camgen.geometry.outlines import Floats, Points
-from camgen.machine.features import Feature
+from camgen.machine.features import Feature, Mount
+from camgen.machine.model import Pose as BodyPose
 
 
 @dataclass(frozen=True)
@@ -53,18 +54,21 @@ class Apart:
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
+# Poses of the copies of each part at theta, (n,) rad, in the order of their mounts.
 Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
+# Poses of the model's bodies at theta, (n,) rad, as exact parts move it: each is worked out when asked for.
+Courses = Callable[[Floats], Mapping[str, BodyPose]]
 
 
 @dataclass(frozen=True)
 class Moved:
-    """A machine as the sweep needs it: its parts' names, contacts and features, what else is in the way, the poses of all.
+    """A machine as the sweep needs it: its parts' mounts, contacts and features, what else is in the way, courses of its bodies.
 
     gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm; angle: what theta is.
     """
 
-    parts: Sequence[str]
-    poses: Poses
+    mounts: Sequence[Mount]
+    courses: Courses
     contacts: Sequence[Apart | Feature]
     stand_ins: Sequence[StandIn]
     gap: float
