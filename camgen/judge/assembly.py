@@ -20,8 +20,7 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.contacts import Apart, Courses, Moved, StandIn
-from camgen.machine.features import CamOutline, GearTeeth, PinEyes, SlideFaces
+from camgen.machine.features import Apart, CamOutline, Courses, GearTeeth, Moved, PinEyes, SlideFaces, StandIn
 from camgen.machine.model import Pose
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from camgen.machine.jets import Jet, cross, minus, plus, times, vanishes
-from camgen.machine.model import Floats
+from camgen.numerics import Floats
 
 # A dyad that misses by less than this share of its size squared is taken as just closing: rounding of theta does as much.
 JUST_CLOSES = 1e-14

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.machine.model import Floats, Points
+from camgen.numerics import Floats, Points
 
 Jet = list[Any]
 

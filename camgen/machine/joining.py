@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from camgen.machine.features import Asked, Eye, Faces, Feature, Flat, Mount
-from camgen.machine.model import (
-    GROUND,
-    Along,
-    Angle,
-    Body,
-    Floats,
-    Function,
-    Gravity,
-    Law,
-    Machine,
-    Path,
-    Place,
-    Pose,
-)  # fmt: skip
+from camgen.machine.features import Asked, Eye, Faces, Feature, Flat, Mount, OwnTip, Teeth
+from camgen.machine.model import GROUND, Along, Angle, Body, Function, Gravity, Law, Machine, Path, Place, Pose
 from camgen.machine.run import solve
+from camgen.numerics import Floats
 
 T = TypeVar("T")
 
+_RECORDS = Angle | Along | Path | Eye | Faces | Flat | OwnTip | Teeth  # that stand in others
 _BODIES = {"a", "b", "cam", "follower", "body", "on", "by", "carrier"}  # keys whose text is a body's name
-_JOINTS = {"slide", "joint", "turns", "swings"}
 
 
 @dataclass(frozen=True)
@@ -96,23 +84,21 @@ class Module:
 
     def renamed(self, record: T) -> T:
         """A joint, load, output or feature with the names and places that it has in the whole."""
-        changed: dict[str, Any] = {}
-        for each in fields(record):  # type: ignore[arg-type]
-            value = getattr(record, each.name)
-            if isinstance(value, Place):
-                changed[each.name] = self._place(value)
-            elif isinstance(value, Angle | Along | Path | Eye | Faces | Flat):
-                changed[each.name] = self.renamed(value)
-            elif isinstance(value, Function):
-                places = tuple(self._place(place) for place in value.of)
-                changed[each.name] = Function(places, _Shifted(value.value, self.at) if self.at else value.value)
-            elif isinstance(value, str) and each.name in _BODIES:
-                changed[each.name] = self.body(value)
-            elif isinstance(value, str) and each.name in {*_JOINTS, "name"}:
-                changed[each.name] = self.name(value)
-            elif isinstance(value, str) and each.name == "part":
-                changed[each.name] = self.part(value)
+        changed = {each.name: self._renamed(each.name, getattr(record, each.name)) for each in fields(record)}  # type: ignore[arg-type]
         return replace(record, **changed)  # type: ignore[type-var]
+
+    def _renamed(self, key: str, value: Any) -> Any:
+        """A value of a record, under its key."""
+        if isinstance(value, Place):
+            return self._place(value)
+        if isinstance(value, Function):
+            places = tuple(self._place(place) for place in value.of)
+            return Function(places, _Shifted(value.value, self.at) if self.at else value.value)
+        if isinstance(value, tuple):
+            return tuple(self._renamed(key, each) for each in value)
+        if isinstance(value, str) and key in _NAMES:
+            return _NAMES[key](self, value)
+        return self.renamed(value) if isinstance(value, _RECORDS) else value
 
     def _place(self, place: Place) -> Place:
         return Place(self.body(place.body), place.at + self.at if place.body == GROUND else place.at)
@@ -130,6 +116,14 @@ class Module:
         """What is asked of an output."""
         motion = None if asked.motion is None else Ahead(asked.motion, self.phase)
         return replace(asked, output=self.name(asked.output), motion=motion)
+
+
+# What a text is, by its key.
+_NAMES: dict[str, Callable[[Module, str], str]] = {
+    **dict.fromkeys(_BODIES, Module.body),
+    **dict.fromkeys(("name", "slide", "joint", "turns", "swings"), Module.name),
+    **dict.fromkeys(("part", "roller"), Module.part),
+}
 
 
 def joined(host: Machine, modules: Mapping[Module, Machine]) -> Machine:

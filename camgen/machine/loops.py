@@ -21,9 +21,10 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.machine import dyads, newton
 from camgen.machine.jets import Jet, minus, plus, product, stacked, times, turned, unit_turn
-from camgen.machine.model import GROUND, Angle, Floats, Machine, Output, Path, Pin, Place, Points, Turning
+from camgen.machine.model import GROUND, Along, Angle, Machine, Output, Path, Pin, Place, Turning
 from camgen.machine.newton import Block, Known, Loop, relation_jet
-from camgen.machine.order import NO_LEVER, Groups, Key, Relation, group_bodies, joined_bodies, order, places, relations
+from camgen.machine.order import NO_LEVER, Groups, Key, Relation, group_bodies, order, places, relations
+from camgen.numerics import Floats, Points
 
 # Angles a turn at which an angle is followed, so that it is continuous at any others.
 FOLLOWED = 720
@@ -63,13 +64,11 @@ class Chain:
 
     def __init__(self, machine: Machine) -> None:
         self.drives = {drive.name: drive.law for drive in machine.drives}
-        self.speed = machine.speed
         self.groups: Groups = group_bodies(machine)
         self.way: dict[str, Way] = {GROUND: Way(GROUND)}
         self.steps: list[Step] = []
         self.maker: dict[Key, int] = {}  # the step that gives an unknown
         self._followed: dict[str, tuple[Floats, Floats]] = {}
-        self._joints = {joint.name: joint for joint in machine.joints}
         self._place_blocks(machine)
 
     # ---- parting into steps, once ----
@@ -160,7 +159,7 @@ class Chain:
             return Direct(unknowns[0], within[0])
         angles = tuple(name for kind, name in unknowns if kind == "angle")
         lengths = tuple(name for kind, name in unknowns if kind == "length")
-        start = np.array([_start_angle(machine, self.groups, g) for g in angles] + [start_length(machine, s) for s in lengths])
+        start = np.array([_start_angle(machine, self.groups, g) for g in angles] + [_start_length(machine, s) for s in lengths])
         block = Block(angles, lengths, tuple(loops), tuple(within), joints, start)
         if len(loops) != 1 or within:
             return block
@@ -391,7 +390,7 @@ class State:
             rows = stacked(self.angle(groups.of[of.body]), n, float) - stacked(self.angle(groups.of[of.on]), n, float)
             rows[0] += groups.excess[of.body] - groups.excess[of.on]
             return np.asarray(rows)
-        if hasattr(of, "slide"):
+        if isinstance(of, Along):
             return np.asarray(stacked(self.lengths[of.slide], n, float))
         return np.asarray(of.value(*(stacked(self.point(place), n, complex) for place in of.of)))
 
@@ -406,7 +405,7 @@ def _start_angle(machine: Machine, groups: Groups, group: str) -> float:
     return 0.0 if group == GROUND else float(machine.start_of(group).angle) - groups.excess[group]
 
 
-def start_length(machine: Machine, name: str) -> float:
+def _start_length(machine: Machine, name: str) -> float:
     """Place along a slide or slot as drawn, mm."""
     slide = machine.slide(name)
     base, runner = (machine.start_of(place.body) for place in (slide.guide, slide.runner))
@@ -423,5 +422,3 @@ def chain_of(machine: Machine) -> Chain:
         _chains[machine] = Chain(machine)
     return _chains[machine]
 
-
-__all__ = ["Chain", "State", "chain_of", "joined_bodies", "start_length"]

@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
-from camgen.machine.model import Floats
 from camgen.machine.order import Key, Relation
-from camgen.numerics import solve
+from camgen.numerics import Floats, solve
 
 # Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
 KNOTS = 36
@@ -88,12 +87,6 @@ class Trace:
     jets: Floats
     signs: Floats
     ends: tuple[bool, bool]
-
-    @property
-    def folds(self) -> Floats:
-        """Knots behind which the determinant's sign has changed, rad."""
-        changed: Floats = self.theta[1:][self.signs[1:] != self.signs[:-1]]
-        return changed
 
     def covers(self, low: float, high: float) -> bool:
         """Whether all that can be reached of the range is known."""

@@ -61,19 +61,6 @@ def places(joint: Joint) -> tuple[Place, Place] | None:
     return (joint.guide, joint.runner) if isinstance(joint, Slide | Slot) else None
 
 
-def joined_bodies(joint: Joint | Drive) -> tuple[str, ...]:
-    """The bodies that a joint holds."""
-    if isinstance(joint, Drive):
-        return (joint.body,)
-    if isinstance(joint, Gear):
-        return (joint.a, joint.b, joint.carrier)
-    if isinstance(joint, Cam):
-        return (joint.cam, joint.follower)
-    both = places(joint)
-    assert both is not None
-    return both[0].body, both[1].body
-
-
 def group_bodies(machine: Machine) -> Groups:
     """Bodies that slides hold to one angle."""
     of = {body: body for body in (GROUND, *(body.name for body in machine.moving))}

@@ -10,9 +10,9 @@ import numpy as np
 from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, Loaded
-from camgen.machine.study import Plot, Study
+from camgen.machine.cams.machine import Load, Loaded
 from camgen.machines.disc_cam_tables import LoadTable, SpringTable
+from camgen.study import Plot, Study
 
 
 def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool) -> list[Fault]:

@@ -25,14 +25,13 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
-from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.machine import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
+from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.cams.sizing import least_convex, smallest
 from camgen.machine.features import Asked, CamOutline, Feature, Mount
-from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
-from camgen.machine.sizing import least_convex, smallest
-from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
 from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.mechanism import Mechanism
@@ -41,6 +40,7 @@ from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
+from camgen.study import Plot, Sketch, Study, Table
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")

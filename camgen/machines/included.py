@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING, Any
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
-from camgen.machine.contacts import Apart, StandIn
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
 from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Machine
-from camgen.machine.study import Sketch, Study
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
+from camgen.study import Sketch, Study
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.tables import Include

@@ -26,24 +26,22 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.contacts import Apart, Moved, Pose, StandIn
-from camgen.machine.features import Asked, CamOutline, Eye, Feature, Mount
-from camgen.machine.model import GROUND, Cam, Machine
-from camgen.machine.model import Pose as BodyPose
+from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, StandIn
+from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Study, Table
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
 from camgen.spec import Spec, validate
+from camgen.study import Study, Table
 
 
-class _Courses(Mapping[str, BodyPose]):
+class _Courses(Mapping[str, Pose]):
     """Poses of a machine's bodies over its run, by name, each worked out once."""
 
     def __init__(self, run: Run) -> None:
-        self._run, self._poses = run, dict[str, BodyPose]()
+        self._run, self._poses = run, dict[str, Pose]()
 
-    def __getitem__(self, name: str) -> BodyPose:
+    def __getitem__(self, name: str) -> Pose:
         if name not in self._poses:
             self._poses[name] = self._run.pose(name)
         return self._poses[name]
@@ -98,20 +96,20 @@ class Mechanism(Spec, ABC):
         joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
         return replace(self.model, joints=tuple(joints)) if laws else self.model
 
-    def courses(self, theta: Floats) -> Mapping[str, BodyPose]:
+    def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
         return _Courses(solve(self._exact, self.course(np.asarray(theta, float)), 0))
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
         return self._placed(self.courses(theta))
 
-    def _placed(self, courses: Mapping[str, BodyPose]) -> dict[str, list[Pose]]:
-        found: dict[str, list[Pose]] = {part.name: [] for part in self.parts()}
+    def _placed(self, courses: Mapping[str, Pose]) -> dict[str, list[PartPose]]:
+        found: dict[str, list[PartPose]] = {part.name: [] for part in self.parts()}
         for mount in self.mounts():
             body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
-            found[mount.part].append(Pose(body.angle + mount.turned, place, mount.flipped, mount.z))
+            found[mount.part].append(PartPose(place, body.angle + mount.turned, mount.flipped, mount.z))
         return found
 
     def contacts(self) -> Sequence[Apart]:

@@ -46,7 +46,7 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
     for part in found.parts():
         for k, pose in enumerate(start[part.name]):
             copy = f"{part.name}-{k + 1}"
-            at = complex(pose.position[0]) + shifts.get(copy.replace("-", "_"), 0j)
+            at = complex(pose.place[0]) + shifts.get(copy.replace("-", "_"), 0j)
             items.append(Placed(part.name, copy, placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped)))
     write_3mf(path, dict(solids(name, *settings)), items, "key")
     return sweep(path, found.moved())[0]

@@ -12,7 +12,7 @@ from chains import CHAINS, four_bar, linked, peaucellier, scotch_yoke, slider_cr
 from camgen.errors import DesignError
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide, Turning, solve
 from camgen.machine.freedom import drawn, freedoms, refuse_unsound
-from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
+from camgen.machine.reach import folds, refuse_folds, refuse_partial, turn
 
 
 @pytest.mark.parametrize("name", CHAINS)

@@ -26,14 +26,13 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
-from camgen.machine.cam_drive import Load as CamLoad
-from camgen.machine.cam_drive import cam_machine, cam_outline
-from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.machine import Load as CamLoad
+from camgen.machine.cams.machine import cam_machine, cam_outline
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
-from camgen.machine.study import Plot, Sketch, Study
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
 from camgen.machines.mechanism import Mechanism
@@ -44,6 +43,7 @@ from camgen.motion.spring_law import characteristic, trade_off
 from camgen.parts.disc_cams import ShaftHole, Thickness, holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.study import Plot, Sketch, Study
 
 _LASH = (
     "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "

@@ -12,10 +12,10 @@ from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.closed_form import FourBar, four_bar
 from camgen.machine.landmarks import double_points
+from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machine.targets import Course, time_ratio
-from camgen.machine.turning import transmission
+from camgen.study import Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal

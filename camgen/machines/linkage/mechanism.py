@@ -25,13 +25,11 @@ from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.contacts import Apart, StandIn
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
 from camgen.machine.joining import joined
+from camgen.machine.reach import folds, refuse_folds, refuse_partial, turn
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Study, together
 from camgen.machine.targets import stroke
-from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, wheels
 from camgen.machines.linkage import tables as t
@@ -43,6 +41,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
+from camgen.study import Study, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels

@@ -27,13 +27,11 @@ from camgen.findings import Finding
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
-from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
-from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import StandIn
-from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
+from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.machine import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
+from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
-from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
@@ -46,6 +44,7 @@ from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
 from camgen.spec import Length, Record, Rpm, turning
+from camgen.study import Plot, Sketch, Study, Table
 
 _LASH = (
     "free play of the follower between the two tips, deg; 0.25: so far the nozzle stands still after each reversal, 1 % of a "

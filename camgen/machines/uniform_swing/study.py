@@ -10,11 +10,11 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, Loaded, loaded
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.machine import Load, Loaded, loaded
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.model import Machine
-from camgen.machine.study import Plot, Study, Table
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
+from camgen.study import Plot, Study, Table
 
 _BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is

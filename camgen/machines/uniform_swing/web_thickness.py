@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.laws import TURN, Floats
 from camgen.motion.program import uniform_swing
 

@@ -10,7 +10,7 @@
                (cam)
                  O                                  the envelope runs CLOCKWISE round the cam as theta grows
 
-Followers are those of `tips`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
+What touches it is said in `followers`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
 [Norton, Cam Design and Manufacturing Handbook, ch. 7]
 """
 
@@ -28,13 +28,12 @@ import numpy as np
 from typing_extensions import TypeVar
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Smooth, end_point, start_point
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Smooth, end_point, start_point
 from camgen.geometry.trimming import trim
-from camgen.machine.followers import FlatFace, Follower, Motion, RoundTip
-from camgen.machine.followers import SwingingArm as SwingingArm
-from camgen.motion.laws import Floats
+from camgen.machine.cams.followers import FlatFace, Follower, Motion, RoundTip
+from camgen.machine.cams.followers import SwingingArm as SwingingArm
 from camgen.motion.program import Program, Segment
-from camgen.numerics import greatest, sign_changes
+from camgen.numerics import Floats, Points, greatest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine import Forces, solve
-from camgen.machine.cam_drive import Load, Mirrored, OuterWall, Touch, cam_machine, loaded
-from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.followers import SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.machine import Load, Mirrored, OuterWall, Touch, cam_machine, loaded
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.disc_cam import DiscCamDrive
 from camgen.motion.laws import POLYNOMIAL_345
 from camgen.motion.program import Program, Segment, uniform_swing
@@ -25,7 +25,7 @@ from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part
 from camgen.spec import validate
 
-NORTON = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "disc-cam.toml").read_text())["spring"]
+NORTON = tomllib.loads((Path(__file__).resolve().parents[2] / "reference" / "disc-cam.toml").read_text())["spring"]
 THETA = np.linspace(0, 2 * math.pi, 7201)
 BLEND = math.radians(20)
 CAM = DiscCam(uniform_swing(math.radians(30), BLEND), SwingingArm(60 + 0j, complex(-60, -30), 3.0, 1))

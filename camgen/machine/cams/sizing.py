@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import Follower, Points, RoundTip
-from camgen.motion.laws import Floats
+from camgen.machine.cams.followers import Follower, RoundTip
+from camgen.machine.cams.profile import DiscCam
+from camgen.numerics import Floats, Points
 
 _GROWTH = 1.25  # from one try to the next, until a size is large enough
 _STEPS = 60

@@ -11,9 +11,9 @@ from numpy.polynomial.chebyshev import Chebyshev
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Line, Smooth
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
-from camgen.machine.sizing import least_convex, smallest, survey
+from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.sizing import least_convex, smallest, survey
 from camgen.motion.laws import LAWS, UNIFORM
 from camgen.motion.program import Program, Segment
 

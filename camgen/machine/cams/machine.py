@@ -19,9 +19,9 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.findings import Finding, at_least
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
-from camgen.machine.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
@@ -30,18 +30,17 @@ from camgen.machine.model import (
     Body,
     Cam,
     Drive,
-    Floats,
     Joint,
     Machine,
     Output,
     Pin,
     Place,
-    Points,
     Pose,
     Resistance,
     Slide,
 )
 from camgen.machine.run import solve
+from camgen.numerics import Floats, Points
 
 ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
 

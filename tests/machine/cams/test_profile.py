@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.laws import UNIFORM
 from camgen.motion.program import Program, Segment, uniform_swing
 
-FACTS = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "uniform_swing.toml").read_text())
+FACTS = tomllib.loads((Path(__file__).resolve().parents[2] / "reference" / "uniform_swing.toml").read_text())
 L, H = FACTS["machine"]["pivot_distance"], FACTS["machine"]["arm_offset"]
 DELTA, RHO = math.radians(FACTS["machine"]["swing_deg"]) / 2, FACTS["machine"]["tip_radius"]
 R, K = math.hypot(L, H), math.pi / (2 * DELTA)

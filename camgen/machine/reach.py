@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from camgen.errors import DesignError, listed
 from camgen.machine.loops import Chain, Direct, Step, chain_of
-from camgen.machine.model import Floats, Machine
+from camgen.machine.model import Machine
 from camgen.machine.newton import Block
-from camgen.numerics import roots
+from camgen.numerics import Floats, roots
 
 # Angles a turn that are looked at first.
 LOOKED = 720

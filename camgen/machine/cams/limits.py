@@ -15,9 +15,9 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import SwingingArm, SwingingFace
-from camgen.machine.sizing import least_convex
+from camgen.machine.cams.followers import SwingingArm, SwingingFace
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.sizing import least_convex
 from camgen.numerics import greatest
 
 _BESIDE = 1e-9  # rad, to either side of where the pressure angle jumps
