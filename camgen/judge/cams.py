@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,8 @@ def given(joint: Cam, outline: Outline) -> Law:
 
 def rolled(machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections) -> tuple[Ring, Rolled]:
     """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
-    where it does not fit."""
+    where it does not fit. The follower counts as meant."""
+    outline = replace(outline, tip=replace(outline.tip, part=None))
     found = read([outline], {outline.part: sections}, False)
     law = assembled(machine, [outline], mounts, found).outlines[outline.joint][0].law
     away = 0j if outline.bore is None else found.eyes[outline.bore].centre

@@ -305,10 +305,7 @@ class Linkage(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Drive and screws."""
-        p = self.making
-        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
-        drive = f"{turning_text(self.drive.speed_rpm)}, for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
-        own = (Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2))
+        own = self.bodies.bought(turning_text(self.drive.speed_rpm))
         return (*own, *(thing for each in self.modules for thing in each.bought()))
 
     def limits(self) -> Sequence[Finding]:

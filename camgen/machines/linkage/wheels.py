@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -25,13 +25,33 @@ from camgen.machine.cams.limits import Allowed, cam_limits, steepest
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Cam, Gear, Parts
+from camgen.machines.linkage.tables import Gear, Parts
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
 _BESIDE = 0.5  # mm, of a face beside where it is touched
+
+
+class Ridden(Protocol):
+    """What of a follower touches a cam, as in [[cam]]: the point `at` is a roller's centre, an edge, a place on a face."""
+
+    @property
+    def shape(self) -> str:
+        """"roller", "knife" or "flat"."""
+
+    @property
+    def at(self) -> str:
+        """A point of the follower."""
+
+    @property
+    def radius(self) -> float | None:
+        """Of a roller, mm."""
+
+    @property
+    def closure(self) -> str:
+        """"force", "groove" or "conjugate"."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +169,7 @@ def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
     raise DesignError("pivots on the ground", 0, 1, "", f"link {link}", "what carries a cam or gear turns on the ground")
 
 
-def with_seconds(machine: m.Machine, cams: Mapping[str, Cam]) -> m.Machine:
+def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
     """The machine with a further point on each follower of a conjugate pair, where its second roller sits."""
     bodies = {body.name: body for body in machine.bodies}
     for name, spec in cams.items():
@@ -167,7 +187,7 @@ def _highest(program: Program) -> float:
     return max(max(each.start, each.end) for each in program.segments)
 
 
-def _second(machine: m.Machine, joint: m.Cam, spec: Cam) -> complex:
+def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law, body = joint.law, machine.body(joint.follower)
     assert isinstance(law, Scaled)
@@ -191,7 +211,7 @@ def _signed(law: Scaled) -> Program:
     return replace(law.program, segments=tuple(segments))
 
 
-def _follower(machine: m.Machine, joint: m.Cam, spec: Cam, point: str, leaves: Literal[1, -1]) -> Follower:
+def _follower(machine: m.Machine, joint: m.Cam, spec: Ridden, point: str, leaves: Literal[1, -1]) -> Follower:
     """What touches the cam, about the cam's axis, as drawn."""
     at = complex(machine.body(joint.follower).points[point])
     centre, radius = pivot(machine, joint.cam)[1], spec.radius or 0.0
@@ -209,7 +229,7 @@ def _follower(machine: m.Machine, joint: m.Cam, spec: Cam, point: str, leaves: L
     return SwingingArm(far, arm, radius, leaves)
 
 
-def tips(machine: m.Machine, cams: Mapping[str, Cam], sizes: Parts, clearance: float) -> list[Tip]:
+def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance: float) -> list[Tip]:
     """What runs on each cam; of a conjugate pair both. clearance: of a groove, mm."""
     found = []
     for name, spec in cams.items():
