@@ -127,7 +127,7 @@ class Linkage(Mechanism):
             return ()
         host = self.model_dump(by_alias=True, exclude_none=True)
         top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        return inc.stacked(self.includes, host, self.drive.speed_rpm, top, self.print.slide_clearance)
+        return inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
 
     @cached_property
     def _fitted(self) -> m.Machine:
