@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import io
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -90,10 +91,24 @@ def check(folders: Sequence[Path], jobs: int, as_json: bool) -> None:
 @cli.command()
 @click.argument("mechanism")
 @click.argument("file", required=False, type=click.Path(path_type=Path))
-def new(mechanism: str, file: Path | None) -> None:
-    """Write a commented starter spec of a MECHANISM to FILE, or print it; it builds as it is."""
+@click.option("--from", "source", metavar="CHAIN", type=click.Path(path_type=Path), help="PMKS lines, or pylinkage's JSON.")
+def new(mechanism: str, file: Path | None, source: Path | None) -> None:
+    """Write a commented starter spec of a MECHANISM to FILE, or print it; it builds as it is.
+
+    With --from a linkage is read from a file of another program: PMKS lines, J[R, P[x, y], L[ground, crank]], or the JSON of
+    pylinkage's mechanism_to_dict.
+    """
     _known(mechanism)
-    _hand_over((_starters() / f"{mechanism}.toml").read_text(encoding="utf-8"), file)
+    if source is None:
+        text = (_starters() / f"{mechanism}.toml").read_text(encoding="utf-8")
+    elif mechanism != "linkage":
+        alone = "nothing here: only a linkage is read from another program"
+        raise SpecError([Fault("--from", str(source), alone)], "command line")
+    else:
+        from camgen.machines.linkage.bridges import read_chain, spec_text
+
+        text = spec_text(read_chain(source), _spec_name(file or source), source.name)
+    _hand_over(text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
 
@@ -245,6 +260,11 @@ def _known(name: str) -> type[Mechanism]:
     if name not in MECHANISMS:
         raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
     return load(name)
+
+
+def _spec_name(file: Path) -> str:
+    """A name for a spec, after a file's."""
+    return "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-") or "linkage"
 
 
 def _hand_over(text: str, file: Path | None) -> None:

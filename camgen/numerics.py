@@ -33,9 +33,8 @@ def product(a: Floats, b: Floats) -> Floats:
 def solve(matrices: Floats, right: Floats) -> Floats:
     """Solutions of n systems (n, k, k) x = right, (n, k), or (n, k, m) for m of them; nan for a singular one.
 
-    Gauss, partial pivoting.
-    What is zero in all systems is left out: joints tie few bodies to each other, and machines
-    on one shaft none.
+    Gauss, partial pivoting. What is zero in all systems is left out: joints tie few bodies to each other, and machines on
+    one shaft none.
     """
     n, size = right.shape[:2]
     several = right.reshape(n, size, -1)

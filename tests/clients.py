@@ -19,6 +19,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -427,6 +428,12 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
 ]  # fmt: skip
 
 
+@cache
+def as_built(client: Client, path: Path) -> Problem:
+    """What a client has against a sound file, asked once."""
+    return client(path)
+
+
 @pytest.mark.parametrize(("client", "damage", "edit"), DAMAGES, ids=[f"{c.__name__} {name}" for c, name, _ in DAMAGES])
 def test_a_damaged_file_is_refused(
     client: Client, damage: str, edit: Callable[[Path], None], built: list[Path], tmp_path: Path
@@ -437,7 +444,7 @@ def test_a_damaged_file_is_refused(
     for path in (source, source.with_name("report.json")):
         shutil.copy(path, tmp_path)
     path = tmp_path / source.name
-    assert client(path) == ""
+    assert as_built(client, source) == ""
     edit(path)
     assert client(path) != ""
 

@@ -20,14 +20,14 @@ from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.contacts import Apart, Moved, Pose, Poses, StandIn
-from camgen.machine.features import CamOutline, PinEyes, SlideFaces
+from camgen.machine.features import CamOutline, GearTeeth, PinEyes, SlideFaces
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
 
 Row = tuple[str, str, float, float, float]
 _PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching
-_ROLLING = 0.08  # mm, the same of tip and cam on the way round; how they touch is judged by rolling, far more finely
+_ROLLING = 0.08  # mm, the same of tip and cam, or of teeth, on the way round; how they touch is judged far more finely
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
 _FINEST = 0.001  # mm, and no finer than this
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
@@ -53,7 +53,7 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             numbers[item.name] += 1
             at = -complex(start[item.name][k].position[0])
             bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(item.placed), _course(poses, item.name, k), at=at))
-        bodies += [Body(thing.name, _slabs(thing), thing.course) for thing in machine.stand_ins]
+        bodies += [Body(thing.name, _slabs(thing), _course(poses, thing.name)) for thing in machine.stand_ins]
         clearances = swept(
             bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
             resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
@@ -95,6 +95,8 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
                 made = contact.roller or contact.tip.part
                 rolling = [own.part] if own is not None and own.radius is None else [made] if made else tips
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
+            case GearTeeth(a=wheel, b=mate):  # their play is measured far more finely at the pitch circle
+                yield wheel.part, mate.part, _ROLLING + spare
             case PinEyes(a=a, b=b, pin=pin):
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
@@ -121,12 +123,12 @@ def _remembered(poses: Poses) -> Poses:
     return remembered
 
 
-def _course(poses: Poses, part: str, copy: int) -> Course:
-    """The motion of a part's copy from its place at theta = 0, where the file shows it."""
-    start = float(poses(np.zeros(1))[part][copy].angle[0])
+def _course(poses: Poses, name: str, copy: int | None = None) -> Course:
+    """The motion of a stand-in, or of a part's copy from its place at theta = 0, where the file shows it."""
+    start = 0.0 if copy is None else float(poses(np.zeros(1))[name][copy].angle[0])
 
     def course(theta: Floats) -> tuple[Floats, Points]:
-        pose = poses(theta)[part][copy]
+        pose = poses(theta)[name][copy or 0]
         return pose.angle - start, pose.position
 
     return course

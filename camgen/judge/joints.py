@@ -18,13 +18,14 @@ from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.measured import Readings
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, Mark, Mount, PinEyes, SlideFaces, SlotFaces
-from camgen.machine.model import Cam, Function, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlideFaces, SlotFaces
+from camgen.machine.model import GROUND, Cam, Function, Gear, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
 from camgen.tolerances import SAME_POINT
 
 Floats = NDArray[np.float64]
 
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
+_PRESSURE = math.radians(20)  # of gears' flanks
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
 
 
@@ -45,10 +46,9 @@ class Rolled:
         """s at theta, (n,), or its derivative."""
         if order == 0:
             return self.contact.angle(theta)
-        before, here, after = (self.contact.angle(theta + k * _SLOPE) for k in (-1, 0, 1))
         if order == 1:
-            return np.asarray((after - before) / (2 * _SLOPE))
-        return np.zeros_like(here)  # a facet has none; only the start of Newton's method asks for it
+            return np.asarray((self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE))
+        return np.zeros(np.shape(theta))  # a facet has none; only the start of Newton's method asks for it
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
@@ -87,11 +87,15 @@ class Outline:
 
 @dataclass(frozen=True)
 class Closable:
-    """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first."""
+    """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
+
+    radii: of each Gear the pitch radius of b, mm, at which a way along the flanks turns it.
+    """
 
     machine: Machine
     fits: Mapping[str, Fit]
     outlines: Mapping[str, Sequence[Outline]]
+    radii: Mapping[str, float]
 
 
 def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> Closable:
@@ -100,14 +104,14 @@ def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mo
     ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
     """
     builder = _Builder(machine, mounts, found)
-    for kind in (PinEyes, SlideFaces, SlotFaces, CamOutline):  # a cam asks for the pins that hold it
+    for kind in (PinEyes, SlideFaces, SlotFaces, CamOutline, GearTeeth):  # cams and gears ask for the pins that hold them
         for feature in features:
             if isinstance(feature, kind):
                 builder.put(feature)
     marks = [feature.eye for feature in features if isinstance(feature, Mark)]
     outputs = tuple(builder.output(output, marks) for output in machine.outputs)
     joints = tuple(builder.joints[joint.name] for joint in machine.joints)
-    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.outlines)
+    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.outlines, builder.radii)
 
 
 class _Builder:
@@ -116,10 +120,12 @@ class _Builder:
     def __init__(self, machine: Machine, mounts: Sequence[Mount], found: Readings) -> None:
         self.mounts, self.found = mounts, found
         self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
+        self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
+        self.radii: dict[str, float] = {}
 
-    def put(self, feature: PinEyes | SlideFaces | SlotFaces | CamOutline) -> None:
+    def put(self, feature: PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth) -> None:
         """Put the feature's joint where it is."""
         joint = self.joints[feature.joint]
         match feature, joint:
@@ -131,6 +137,8 @@ class _Builder:
                 new = self._slot(feature, joint)
             case CamOutline(), Cam():
                 new = self._cam(feature, joint)
+            case GearTeeth(), Gear():
+                new = self._gear(feature, joint)
             case _:
                 raise ValueError(f"{joint.name} is no joint for {type(feature).__name__}")
         self.joints[feature.joint] = new
@@ -228,6 +236,30 @@ class _Builder:
         outlines = self.outlines.setdefault(joint.name, [])
         outlines.append(Outline(feature, law, tight, self._own(feature, joint)))
         return replace(joint, law=law) if len(outlines) == 1 else joint
+
+    def _gear(self, feature: GearTeeth, joint: Gear) -> Gear:
+        """A pair whose teeth lie in each other's gaps on the line of their axes, with the play that is left there."""
+        before, after, off = [], [], 0.0
+        for teeth, pin, body in zip((feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True):
+            made = self.found.teeth[teeth]
+            if not self._on(teeth.part, body):
+                raise ValueError(f"{joint.name}: {teeth.part} is not mounted on {body}")
+            off += teeth.count * (made.tooth - teeth.tooth)
+            meant = self.meant[pin]
+            before.append(meant.a.at if meant.a.body == GROUND else meant.b.at)
+            after.append(self._held(pin, body)[1])
+        meant_line, line = before[1] - before[0], after[1] - after[0]
+        lean = cmath.phase(line / meant_line)
+        count, radius = feature.b.count, feature.b.radius
+        phase = joint.phase + ((feature.a.count + count) * lean - off) / count
+        wider = 2 * (abs(line) - abs(meant_line)) * math.tan(_PRESSURE)
+        gaps = [sum(each.thickness for each in pair)
+                for pair in ((feature.a, feature.b), (self.found.teeth[feature.a], self.found.teeth[feature.b]))]  # fmt: skip
+        space = 2 * math.pi * radius / count
+        thin = max(abs(self.found.teeth[each].thickness - each.thickness) for each in (feature.a, feature.b))
+        self.fits[joint.name] = Fit(space - gaps[1] + wider, space - gaps[0], max(thin, abs(wider)))
+        self.radii[joint.name] = radius
+        return replace(joint, phase=phase)
 
     def _own(self, feature: CamOutline, joint: Cam) -> Rolled | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""

@@ -11,7 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.geometry.rings import Circle, Ring, Shape, bore_circle, fit_circle, hole_circles
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, OwnTip, SlideFaces, SlotFaces, eyes
+from camgen.machine.features import (
+    CamOutline,
+    Eye,
+    Faces,
+    Feature,
+    Flat,
+    GearTeeth,
+    OwnTip,
+    SlideFaces,
+    SlotFaces,
+    Teeth,
+    eyes,
+)  # fmt: skip
 
 Floats = NDArray[np.float64]
 Sections = Sequence[Sequence[Shape]]
@@ -21,6 +33,7 @@ _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart a
 _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
 _HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
+_FINE = 1e-5  # mm, to which arcs of a wheel's outline are taken as facets
 _ON_TIP = 0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
 
 
@@ -142,6 +155,7 @@ class Readings:
     faces: dict[Faces, MeasuredFaces] = field(default_factory=dict)
     flats: dict[Flat, Flat] = field(default_factory=dict)
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
+    teeth: dict[Teeth, Teeth] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
 
 
@@ -183,6 +197,14 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
                     found.eyes |= {} if end is None else {own.tip: end}
                 if isinstance(tip, Flat) and face is not None:
                     found.flats[tip] = face
+            case GearTeeth(joint=joint, a=a, b=b):
+                pairs = []
+                for teeth in (a, b):
+                    made = measure_teeth(teeth, files[teeth.part])
+                    if made is None:
+                        found.lost.append(f"{joint}: no {teeth.count} teeth of {teeth.part} cross the pitch circle")
+                    else:
+                        found.teeth[teeth] = made
             case _:
                 continue
         for pair in pairs:
@@ -194,6 +216,33 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
                 break
             found.faces[pair] = faces
     return found
+
+
+def measure_teeth(teeth: Teeth, sections: Sections) -> Teeth | None:
+    """Teeth as found: mean direction and thickness, at all heights; None where not so many cross the pitch circle."""
+    found = []
+    for ring in (max((shape.outer for shape in shapes), key=lambda ring: abs(ring.area)) for shapes in sections if shapes):
+        points = ring.facetted(_FINE)
+        beyond = np.abs(points) - teeth.radius
+        k = np.flatnonzero(np.sign(beyond) * np.sign(np.roll(beyond, -1)) < 0)
+        if len(k) != 2 * teeth.count:
+            return None
+        a, b = points[k], np.roll(points, -1)[k]
+        way = b - a
+        half, size = (a.conj() * way).real, np.abs(way) ** 2
+        root = np.sqrt(half**2 - size * (np.abs(a) ** 2 - teeth.radius**2))
+        share = (-half + np.where(beyond[k] < 0, root, -root)) / size
+        angles = np.unwrap(np.angle(a + share * way))
+        if beyond[k[0]] > 0:  # the first crossing ends a tooth
+            angles = np.append(angles[1:], angles[0] + math.tau)
+        middles = (angles[0::2] + angles[1::2]) / 2
+        even = np.exp(1j * teeth.count * (middles - teeth.tooth))
+        tooth = teeth.tooth + float(np.angle(even.mean())) / teeth.count
+        found.append((tooth, teeth.radius * float(np.mean(angles[1::2] - angles[0::2]))))
+    if not found:
+        return None
+    tooth, thickness = np.mean(found, axis=0)
+    return replace(teeth, tooth=float(tooth), thickness=float(thickness))
 
 
 def _outline(sections: Sections, inside: bool) -> Ring | None:

@@ -21,7 +21,7 @@ from camgen.judge.cams import judge_cams, judged_angles, named
 from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
 from camgen.machine.closure import Closed, System
-from camgen.machine.features import Asked, CamOutline, Feature, Mount, parts_of
+from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
 from camgen.machine.model import Cam, Law, Machine, Output, unit_of
 from camgen.machine.order import joined_bodies
 from camgen.machine.study import Table
@@ -86,7 +86,7 @@ class _Meant:
         if laws not in self._systems:
             self._systems[laws] = System(_with(self.system.machine, laws))
         system = self._systems[laws]
-        parts = [_outcome(system, output, system.close(part, self.near(part))) for part in _parts(system, theta)]
+        parts = [_outcome(system, output, system.close(part, self.near(part), 1)) for part in _parts(system, theta)]
         found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
         if len(theta) > _KNOWN:
             self._seen[key] = found
@@ -103,7 +103,8 @@ class Proof:
     def __init__(self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()) -> None:
         self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
-        self.plays |= {name: fit.play for name, fit in self.fits.items()}
+        self._radii = measured.radii
+        self.plays |= {name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()}
         for name, (drive, *others) in measured.outlines.items():
             if others:
                 self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
@@ -135,11 +136,19 @@ class Proof:
             self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
         return self._seen[key][output]
 
+    def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """Its value and slope alone, (n,)."""
+        if theta.tobytes() in self._seen:
+            moved = self._seen[theta.tobytes()][output]
+            return moved.value, moved.slope
+        return _outcome(self._system, output, self._system.close(theta, self._meant.near(theta), 1))[:2]
+
     def _at(self, theta: Floats) -> Mapping[str, Moved]:
         """All outputs by the joints as they are, (n,)."""
-        closed = self._system.close(theta, self._meant.near(theta))
+        closed = self._system.close(theta, self._meant.near(theta), 1)
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
-        levers = {
+        levers: dict[str, Any] = dict(self._radii)
+        levers |= {
             joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
             for joint in self.machine.joints
             if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
@@ -286,20 +295,25 @@ class _Closing:
     rounding: float
     asked: Sequence[Asked]
 
+    @property
+    def outputs(self) -> Sequence[Output]:
+        """Those that are judged, as they are measured."""
+        return judged_outputs(self.measured.machine.outputs, self.asked)
+
     def proof(self, driven: Mapping[str, Outline], own: bool = False) -> Proof:
         """The machine driven by these outlines, by cam; own: with the tips that parts have."""
         laws = tuple((name, outline.own if own and outline.own else outline.law) for name, outline in driven.items())
         given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
-        made = replace(self.measured, machine=_with(self.measured.machine, laws))
+        machine = replace(_with(self.measured.machine, laws), outputs=tuple(self.outputs))
+        made = replace(self.measured, machine=machine)
         return Proof(self.machine, made, self.theta, tuple((name, law) for name, law in given if law is not None))
 
     def judged(self, proof: Proof) -> list[_Judged]:
-        """Its outputs that something is asked of; of a machine of which nothing is asked all."""
+        """Its outputs against what is asked of them."""
         wishes = {each.output: each for each in self.asked}
-        outputs = [output for output in self.machine.outputs if output.name in wishes] or self.machine.outputs
         return [
             _Judged(output, wishes.get(output.name, Asked(output.name)), proof, self.theta, self.chord_tolerance, self.rounding)
-            for output in outputs
+            for output in self.outputs
         ]
 
     def motion(self, driven: Mapping[str, Outline], own: bool, where: str) -> Finding:
@@ -336,8 +350,7 @@ class _Judged:
 
     def recovered(self, theta: Floats) -> tuple[Any, Any]:
         """The same as the files give it."""
-        moved = self.proof.moved(self.output.name, theta)
-        return moved.value, moved.slope
+        return self.proof.outcome(self.output.name, theta)
 
     @cached_property
     def band(self) -> float:

@@ -1,7 +1,7 @@
 """The judge of files: what they hold, against the plain numbers and points of the parts.
 
 Every contour of every section is compared with the one that was meant, by its points, along its edges and by its area. It
-knows nothing of the formulas that made the curve; what a follower does on it is judged by `rolling`.
+knows nothing of the formulas that made the curve; what a follower does on it is judged by `cams`.
 """
 
 from __future__ import annotations

@@ -151,37 +151,36 @@ def cam_machine(
 
 
 def cam_outline(
-    cam: DiscCam[Any],
-    part: str,
-    bore: float | None,
-    meant: CamMeant,
-    face: tuple[float, float] = (0.0, math.inf),
-    free: float | None = None,
-    copy: int = 0,
+    cam: DiscCam[Any], part: str, bore: float | None, pressure_angle: float, ripple: float, undercut: float,
+    face: tuple[float, float] = (0.0, 0.0), width: float | None = None, free: float | None = None, copy: int = 0,
     own: OwnTip | None = None,
-) -> CamOutline:
+) -> CamOutline:  # fmt: skip
     """What of a part is measured for "contact" in a machine made by `cam_machine`.
 
-    bore: diameter of the part's own hole on the shaft, mm. face: middle of a flat one, mm from the stem's line or the pivot's
-    foot, and its width. free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm.
-    copy: which of the part's mounts it is.
+    bore: diameter of the part's own hole on the shaft, mm. pressure_angle: the largest, deg. ripple, undercut: as in CamMeant.
+    face: between which places a flat one on an arm is touched, mm from the pivot's foot; width: its own, None without an end.
+    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm. copy: which of the
+    part's mounts it is.
     """
-    follower, swings, (middle, width) = cam.follower, "pivot", face
+    follower, cosine, middle = cam.follower, math.cos(math.radians(pressure_angle)), (face[0] + face[1]) / 2
     tip: Eye | Flat
+    swings: str | None = None
     match follower:
         case SwingingArm():
-            tip = Eye(None, follower.arm, 2 * follower.tip_radius)
+            tip, swings, lever = Eye(None, follower.arm, 2 * follower.tip_radius), "pivot", abs(follower.arm) * cosine
         case SwingingFace():
             at = follower.facing * complex(follower.ahead, middle)
-            tip = Flat(None, at, cmath.phase(-follower.facing), width)
+            tip, swings = Flat(None, at, cmath.phase(-follower.facing), width or math.inf), "pivot"
+            lever = min(map(abs, face))
         case SlidingTip():
-            tip, swings = Eye(None, follower.start, 2 * follower.tip_radius), ""
+            tip, lever = Eye(None, follower.start, 2 * follower.tip_radius), cosine
         case _:
-            tip, swings = Flat(None, follower.start, cmath.phase(-follower.leaves * follower.along), width), ""
-    hole = None if bore is None else Eye(part, 0j, bore)
+            tip = Flat(None, follower.start, cmath.phase(-follower.leaves * follower.along), width or math.inf)
+            lever = cosine
+    given = cam.reachable if cam.undercuts and free is None else None
     return CamOutline(
-        "contact", part, "shaft", swings or None, tip, leaves=follower.leaves, inside=free is not None, free=free or 0.0,
-        copy=copy, bore=hole, own=own, meant=meant,
+        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None, free=free or 0.0, copy=copy,
+        bore=None if bore is None else Eye(part, 0j, bore), own=own, meant=CamMeant(given, lever, ripple, undercut),
     )  # fmt: skip
 
 

@@ -237,8 +237,11 @@ class System:
 
     # ---- closing ----
 
-    def close(self, theta: Floats, guess: Floats | None = None) -> Closed:
-        """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones."""
+    def close(self, theta: Floats, guess: Floats | None = None, order: int = 2) -> Closed:
+        """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones.
+
+        order: 2, or 1 to leave the second derivatives nan.
+        """
         self._square()
         theta = np.asarray(theta, float)
         if guess is None:
@@ -248,16 +251,18 @@ class System:
         else:
             q, open_ = self._newton(guess, theta)
         q[open_] = 0
-        first, second = self.derivatives(q, theta)
+        first, second = self.derivatives(q, theta, order)
         for rows in (q, first, second):
             rows[open_] = np.nan
         return Closed(theta, q, first, second)
 
-    def derivatives(self, q: Floats, theta: Floats) -> tuple[Floats, Floats]:
-        """q', q'' to theta at closed poses."""
+    def derivatives(self, q: Floats, theta: Floats, order: int = 2) -> tuple[Floats, Floats]:
+        """q', q'' to theta at closed poses; of order 1 the latter is nan."""
         with np.errstate(all="ignore"):
             slopes = self.evaluate(q, theta)[1]
             first = solved(slopes, -self.drift(theta))
+            if order < 2:
+                return first, np.full(first.shape, np.nan)
             bends = self.evaluate(q, theta, first)[2]
             return first, solved(slopes, -bends)
 

@@ -1,11 +1,9 @@
-"""How bodies touch and where they are: poses, mounts of an assembly, what else is in the way."""
+"""Where parts are over the turn, what else is in their way, and what passes by what."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-
-import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.features import Feature
@@ -26,58 +24,16 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Drive:
-    """What bodies turn with: ground = centre + exp(i angle(theta)) * (place on it); angle: (n,) rad -> (n,) rad, continuous."""
-
-    name: str
-    centre: complex
-    angle: Callable[[Floats], Floats]
-
-    def course(self, theta: Floats) -> tuple[Floats, Points]:
-        """Angle, rad, and position, complex mm, of its frame in the ground's; (n,)."""
-        return self.angle(theta), np.full(theta.shape, self.centre)
-
-
-@dataclass(frozen=True)
-class Mount:
-    """One copy of a part on a drive: drive's frame = at + exp(i turned) * body, first turned over about its Oy if `flipped`.
-
-    z: height of its underside in the assembly, mm. The copies of a part are numbered in the order of their mounts.
-    """
-
-    part: str
-    drive: Drive
-    at: complex = 0j
-    turned: float = 0.0
-    z: float = 0.0
-    flipped: bool = False
-
-    def pose(self, angle: Floats) -> Pose:
-        """The same over the turn, in the ground's frame, by the drive's angle, (n,) rad."""
-        place = self.drive.centre + (np.exp(1j * angle) * self.at if self.at else np.zeros(angle.shape))
-        return Pose(angle + self.turned, np.asarray(place, complex), self.flipped, self.z)
-
-
-@dataclass(frozen=True)
 class StandIn:
-    """A body that is not made but in the way of others: discs (centre, radius, z0, z1), mm, in a frame of its own.
+    """A thing that is not made but in the way of others: discs (centre, radius, z0, z1), mm, on a body of the model.
 
-    course: (n,) rad -> the frame's angle, (n,) rad, and position, (n,) complex mm, in the ground's. rolls: it is a tip that
-    rolls on parts.
+    rolls: it is a tip that rolls on parts.
     """
 
     name: str
-    course: Callable[[Floats], tuple[Floats, Points]]
+    body: str
     discs: tuple[tuple[complex, float, float, float], ...]
     rolls: bool = False
-
-
-@dataclass(frozen=True)
-class Assembly:
-    """A whole machine, laid out for printing: all copies of its parts and what is bought."""
-
-    mounts: tuple[Mount, ...]
-    stand_ins: tuple[StandIn, ...]
 
 
 @dataclass(frozen=True)
@@ -97,22 +53,19 @@ class Apart:
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
-Contact = Apart
-
-
 Poses = Callable[[Floats], Mapping[str, Sequence[Pose]]]
 
 
 @dataclass(frozen=True)
 class Moved:
-    """A machine as the sweep needs it: its parts' names, their poses, contacts and features, what else is in the way.
+    """A machine as the sweep needs it: its parts' names, contacts and features, what else is in the way, the poses of all.
 
     gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm; angle: what theta is.
     """
 
     parts: Sequence[str]
     poses: Poses
-    contacts: Sequence[Contact | Feature]
+    contacts: Sequence[Apart | Feature]
     stand_ins: Sequence[StandIn]
     gap: float
     tolerance: float

@@ -3,6 +3,7 @@
     eye       a round feature of a part: a hole, or the rim of a disc that is itself the pin (`shaft`)
     faces     two parallel straight faces of a part: rails, the walls of a slot, a runner
     outline   what a cam's follower runs on
+    teeth     of a wheel: where its outline crosses the pitch circle
     mount     where a part stands on its body: body = at + exp(i turned) * part
 
 Places and diameters here are nominal, mm in the part's frame; the judge reads the true ones from each file.
@@ -16,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from camgen.machine.model import Floats, Law
+from camgen.machine.model import Floats, Law, Output
 from camgen.machine.targets import Target
 
 
@@ -148,13 +149,37 @@ class CamOutline:
 
 
 @dataclass(frozen=True)
+class Teeth:
+    """The teeth of a wheel about its part's origin: how many, radius of the pitch circle, thickness there, mm.
+
+    tooth: direction of the middle of one of them, rad in the part's frame.
+    """
+
+    part: str
+    count: int
+    radius: float
+    thickness: float
+    tooth: float = 0.0
+
+
+@dataclass(frozen=True)
+class GearTeeth:
+    """Of a Gear whose wheels mesh outside: their teeth, and the Pins about which they turn on the ground."""
+
+    joint: str
+    a: Teeth
+    b: Teeth
+    turns: tuple[str, str]
+
+
+@dataclass(frozen=True)
 class Mark:
     """An eye whose centre is a place of an output: a thread guide, the hole of a pen."""
 
     eye: Eye
 
 
-Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | Mark
+Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | Mark
 
 
 @dataclass(frozen=True)
@@ -186,7 +211,8 @@ class Asked:
 
     motion(theta, order): the wanted one, (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine with
     all joints where they are meant. stroke: whether the difference of its extremes is judged; lash: free play that the
-    designer accepts, mm or rad, never more than half of its range; targets: what is wanted of it by value.
+    designer accepts, mm or rad, never more than half of its range; targets: what is wanted of it by value. judged: False for
+    one that follows from another output by what no file shows.
     """
 
     output: str
@@ -194,6 +220,13 @@ class Asked:
     stroke: bool = False
     lash: float = math.inf
     targets: tuple[Target, ...] = ()
+    judged: bool = True
+
+
+def judged_outputs(outputs: Iterable[Output], asked: Iterable[Asked]) -> list[Output]:
+    """Those that are judged."""
+    left_out = {each.output for each in asked if not each.judged}
+    return [output for output in outputs if output.name not in left_out]
 
 
 def eyes(feature: Feature) -> Iterator[Eye]:
@@ -209,11 +242,10 @@ def parts_of(features: Iterable[Feature]) -> set[str]:
     return {part for part in found if part is not None}
 
 
-def eyes_of(part: str, contacts: Iterable[object]) -> tuple[tuple[complex, float], ...]:
-    """Nominal centres and diameters of a part's eyes, mm, in those of the contacts that are features.
+def eyes_of(part: str, features: Iterable[Feature]) -> tuple[tuple[complex, float], ...]:
+    """Nominal centres and diameters of a part's eyes, mm.
 
     A pin's own rim is none: its place is the hole's.
     """
-    features = [contact for contact in contacts if isinstance(contact, Feature)]
     found = [eye for feature in features for eye in eyes(feature) if eye is not getattr(feature, "pin", None)]
     return tuple((eye.at, eye.diameter) for eye in found if eye.part == part)

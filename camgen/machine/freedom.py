@@ -56,7 +56,8 @@ def freedoms(machine: Machine) -> Freedom:
     """Count and rank; the machine must be closed as drawn (see `drawn`)."""
     system, counted = System(machine), _counted(machine)
     best = _values(system, system.start)
-    for q in _elsewhere(system):
+    full = best[1] == min(system.width, system.height)
+    for q in () if full else _elsewhere(system):  # no rank is higher
         other = _values(system, q)
         if other[1] > best[1]:
             best = other

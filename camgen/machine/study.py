@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from camgen.geometry.outlines import Floats, Points
+from camgen.machine.model import GROUND
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Sketch:
-    """A body that is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) in its own frame."""
+    """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model."""
 
     name: str
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
+    body: str = GROUND
 
 
 @dataclass(frozen=True)

@@ -130,6 +130,18 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
             )  # fmt: skip
 
 
+def transmission(machine: Machine, theta: Floats) -> dict[tuple[str, ...], Floats]:
+    """Transmission angle of each loop that is closed together, by its joints: 0 (a fold) to 90 deg at theta, (n,) rad; of a loop
+    that is no dyad the same measure of its equations. nan where it does not close."""
+    chain = chain_of(machine)
+    found = {}
+    for number, step in enumerate(chain.steps):
+        if not isinstance(step, Direct):
+            joints = (step if isinstance(step, Block) else step.block).joints
+            found[joints] = np.degrees(np.arcsin(np.minimum(np.abs(determinant(chain, number, theta)), 1.0)))
+    return found
+
+
 def determinant(chain: Chain, number: int, theta: Floats) -> Floats:
     """Of a step's equations at theta, (n,); nan where it does not close."""
     step = chain.steps[number]

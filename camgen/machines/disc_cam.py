@@ -23,13 +23,12 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Points
+from camgen.findings import Finding, at_most
+from camgen.geometry.outlines import Floats
 from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
+from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Pose
-from camgen.machine.features import Asked, CamMeant, CamOutline, Feature, Mount
+from camgen.machine.features import Asked, CamOutline, Feature, Mount
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
 from camgen.machine.sizing import least_convex, smallest
@@ -243,18 +242,6 @@ class DiscCamDrive(Mechanism):
         made = disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
         return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """The plates turning about O, one above the other; the follower."""
-        theta = np.asarray(theta, float)
-        still: Points = np.zeros(theta.shape, complex)
-        found = {mount.part: [Pose(theta, still, z=mount.z)] for mount in self.mounts()}
-        s = self.reachable(theta)
-        f = self.geometry.follower
-        found["ground"] = [Pose(np.zeros(theta.shape), still)]
-        if f.motion == "translating":
-            return {**found, "follower": [Pose(np.zeros(theta.shape), still + _UP * s)]}
-        return {**found, "follower": [Pose(s, still + complex(f.pivot_distance or 0.0))]}
-
     def features(self) -> Sequence[Feature]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""
         return self._features
@@ -268,14 +255,11 @@ class DiscCamDrive(Mechanism):
         return found
 
     def _outline(self, k: int, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
-        f, limits, width = self.geometry.follower, self.allowed, self.geometry.follower.face_width or math.inf
-        middle, lever = 0.0, math.cos(math.radians(self._pressure[k])) * (f.arm or 1.0)
-        if isinstance(cam.follower, SwingingFace):
-            low, high = self._face[k]
-            middle, lever = (low + high) / 2, min(abs(low), abs(high))
-        given = cam.reachable if cam.undercuts and free is None else None
-        meant = CamMeant(given, lever, limits.speed_ripple, limits.undercut / self._unit[1])
-        return cam_outline(cam, part, self.making.bore if free is None else None, meant, (middle, width), free)
+        face = self._face[k] if isinstance(cam.follower, SwingingFace) else (0.0, 0.0)
+        return cam_outline(
+            cam, part, self.making.bore if free is None else None, self._pressure[k], self.allowed.speed_ripple,
+            self.allowed.undercut / self._unit[1], face, self.geometry.follower.face_width, free,
+        )  # fmt: skip
 
     def mounts(self) -> Sequence[Mount]:
         """All plates on the cam's body, one above the other."""
@@ -291,15 +275,8 @@ class DiscCamDrive(Mechanism):
 
     @cached_property
     def _pressure(self) -> list[float]:
-        """Largest pressure angle of each cam over the turn, deg; it jumps at the program's breaks and at an undercut's ends."""
-        found = []
-        for cam in self.cams:
-            breaks = [float(b) for b in self.program.corners]
-            ends = [c % math.tau for cut in cam.undercuts for c in (cut.begin, cut.end)]
-            marks = sorted({*breaks, *(c for c in ends if breaks[0] < c < breaks[-1])})
-            stretches = [(a + 1e-9, b - 1e-9, self.program.knots(a, b)) for a, b in pairwise(marks)]
-            found.append(math.degrees(max(greatest(cam.pressure_angle, *stretch)[1] for stretch in stretches)))
-        return found
+        """Largest pressure angle of each cam over the turn, deg."""
+        return [steepest(cam) for cam in self.cams]
 
     @cached_property
     def _face(self) -> list[tuple[float, float]]:
@@ -318,34 +295,15 @@ class DiscCamDrive(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
-        unit, scale = self._unit
         limits, f = self.allowed, self.geometry.follower
+        allowed = Allowed(
+            limits.pressure_angle_deg, limits.undercut, limits.least_radius,
+            "a larger base_radius, a longer span or an offset towards the rise",
+            "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
+        )  # fmt: skip
         findings = []
         for cam, pressure, name in zip(self.cams, self._pressure, self._names, strict=True):
-            where = f"exact profile{name}"
-            findings.append(
-                at_most("PRESSURE_ANGLE", pressure, limits.pressure_angle_deg, "deg", where,
-                        "a larger base_radius, a longer span or an offset towards the rise lowers it")
-            )  # fmt: skip
-            lost = scale * max((cut.shortfall for cut in cam.undercuts), default=0.0)
-            spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in cam.undercuts)
-            remedy = "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else "")
-            findings.append(
-                at_most("UNDERCUT", lost, limits.undercut, unit, spans + name or where,
-                        f"the follower falls short there, as the spec implies; {remedy} lowers it" if lost
-                        else "the follower makes the whole motion")
-            )  # fmt: skip
-            findings.append(
-                at_least("CURVATURE", least_convex(cam), limits.least_radius, "mm", where,
-                         "least radius of curvature of the convex profile; below 0 it is undercut, "
-                         "which a limits.least_radius below 0 accepts")
-            )  # fmt: skip
-        if f.pivot_distance is not None:
-            reach = max(float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance)))) for cam in self.cams)
-            findings.append(
-                at_least("INTERFERENCE", f.pivot_distance - reach, 0.0, "mm", "exact profile and the follower's axle",
-                         f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {f.pivot_distance:g} mm")
-            )  # fmt: skip
+            findings += cam_limits(f"exact profile{name}", cam, pressure, allowed, self.accuracy.chord_tolerance)
         if f.face_width is not None:
             needed = max(high - low if f.motion == "oscillating" else 2 * max(-low, high) for low, high in self._face)
             findings.append(
@@ -390,8 +348,7 @@ class DiscCamDrive(Mechanism):
             f"peak_acceleration_{unit}_s2": peaks[1],
             "profile_length_mm": cam.outline.length,
             "profile_area_mm2": cam.outline.area,
-            f"undercut_{unit}": scale * max((c.shortfall for each in self.cams for c in each.undercuts), default=0.0),
-            "undercut_mm": max((c.depth for each in self.cams for c in each.undercuts), default=0.0),
+            **lost(self.cams),
         }
         if f.shape == "flat":
             numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
@@ -468,7 +425,7 @@ class DiscCamDrive(Mechanism):
                 case SwingingFace(_, facing, ahead):
                     low, high = self._face[self.cams.index(cam)]
                     strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
-        return Sketch("follower", strokes, [(z, r) for z, r in circles if r])
+        return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")
 
 
 def _negative(f: Callable[[Any], Floats], theta: Any) -> Floats:

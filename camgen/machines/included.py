@@ -13,13 +13,12 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
-from camgen.geometry.outlines import Floats
 from camgen.machine.contacts import Apart, StandIn
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.joining import Module, Ride, ride
-from camgen.machine.model import Machine, Pose
+from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
-from camgen.machine.study import Study
+from camgen.machine.study import Sketch, Study
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
@@ -81,17 +80,12 @@ class Included:
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made and in the way."""
-        m = self.module
-
-        def moved(thing: StandIn) -> StandIn:
-            def course(theta: Floats) -> tuple[Floats, Any]:
-                angle, place = thing.course(theta + m.phase)
-                return angle, place + m.at
-
-            discs = tuple((at, radius, low + m.z, high + m.z) for at, radius, low, high in thing.discs)
-            return replace(thing, name=m.part(thing.name), course=course, discs=discs)
-
-        return [moved(thing) for thing in self.mechanism.stand_ins()]
+        found = []
+        for thing in self.mechanism.stand_ins():
+            shift = self.module.at if thing.body == GROUND else 0j
+            discs = tuple((at + shift, r, low + self.module.z, high + self.module.z) for at, r, low, high in thing.discs)
+            found.append(replace(thing, name=self.module.part(thing.name), body=self.module.body(thing.body), discs=discs))
+        return found
 
     def apart(self) -> Sequence[Apart]:
         """Parts that pass by each other."""
@@ -102,7 +96,6 @@ class Included:
                 drawn={m.part(name): (m.part(other), mirrored) for name, (other, mirrored) in each.drawn.items()},
             )
             for each in self.mechanism.contacts()
-            if isinstance(each, Apart)
         ]  # fmt: skip
 
     def bought(self) -> Sequence[Bought]:
@@ -134,9 +127,14 @@ class Included:
             {self.module.name(name): value for name, value in found.numbers.items()},
             [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots],
             [replace(table, title=f"{prefix}: {table.title}") for table in found.tables],
-            [replace(sketch, name=self.module.part(sketch.name)) for sketch in found.sketches],
+            [self._sketch(sketch) for sketch in found.sketches],
             [*self._told(), *(f"{prefix}: {note}" for note in found.notes)],
         )
+
+    def _sketch(self, sketch: Sketch) -> Sketch:
+        shift, (name, body) = self.module.at if sketch.body == GROUND else 0j, (sketch.name, sketch.body)
+        strokes, circles = [z + shift for z in sketch.strokes], [(z + shift, r) for z, r in sketch.circles]
+        return Sketch(self.module.part(name), strokes, circles, self.module.body(body))
 
     def _told(self) -> list[str]:
         """Where it was read, if not beside the spec."""

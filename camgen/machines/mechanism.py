@@ -5,18 +5,18 @@ motion(theta, order)   the wanted output
 parts()                what to make
 mounts(), poses(theta) which part stands on which body, and so where it is
 features()             on what of its parts the joints are measured
-contacts()             how parts touch
+contacts()             which parts pass by each other
 limits()               closed-form design checks, as findings
 study()                named numbers, curves and tables for the report
 """
 
 from __future__ import annotations
 
-import cmath
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
 from typing import Self
@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
-from camgen.geometry.outlines import Floats, Points
-from camgen.machine.contacts import Assembly, Contact, Moved, Pose, StandIn
+from camgen.geometry.outlines import Floats
+from camgen.machine.contacts import Apart, Moved, Pose, StandIn
 from camgen.machine.features import Asked, CamOutline, Eye, Feature, Mount
-from camgen.machine.model import Cam, Machine
+from camgen.machine.model import GROUND, Cam, Machine
 from camgen.machine.model import Pose as BodyPose
 from camgen.machine.run import Run, solve
 from camgen.machine.study import Study, Table
@@ -69,29 +69,41 @@ class Mechanism(Spec, ABC):
         """The model's theta at a phase of its period, (n,) rad: the same, unless its drive goes to and fro."""
         return phase
 
+    @cached_property
+    def _exact(self) -> Machine:
+        """The model as exact parts move it: cams that the spec undercuts give what they can."""
+        drives: dict[str, CamOutline] = {}  # a joint's first outline
+        for cam in self.features():
+            if isinstance(cam, CamOutline):
+                drives.setdefault(cam.joint, cam)
+        laws = {name: cam.meant.given for name, cam in drives.items() if cam.meant.given}
+        joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
+        return replace(self.model, joints=tuple(joints)) if laws else self.model
+
+    def courses(self, theta: Floats) -> Mapping[str, BodyPose]:
+        """Pose of each body of the model at theta, (n,) rad, as exact parts move it."""
+        run = solve(self._exact, self.course(np.asarray(theta, float)), 0)
+        return {name: run.pose(name) for name in (GROUND, *(body.name for body in self._exact.moving))}
+
     def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """Poses of each part's copies, in the order of their mounts, and of sketches that move, by name; theta: (n,) rad."""
-        run, bodies = self.solve(self.course(np.asarray(theta, float)), 0), dict[str, BodyPose]()
+        """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
+        return self._placed(self.courses(theta))
+
+    def _placed(self, courses: Mapping[str, BodyPose]) -> dict[str, list[Pose]]:
         found: dict[str, list[Pose]] = {part.name: [] for part in self.parts()}
         for mount in self.mounts():
-            if mount.body not in bodies:
-                bodies[mount.body] = run.pose(mount.body)
-            body = bodies[mount.body]
+            body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
             found[mount.part].append(Pose(body.angle + mount.turned, place, mount.flipped, mount.z))
         return found
 
-    def contacts(self) -> Sequence[Contact]:
-        """How parts touch beside the joints: those that pass by each other."""
+    def contacts(self) -> Sequence[Apart]:
+        """Which parts pass by each other without a joint."""
         return ()
 
     def features(self) -> Sequence[Feature]:
         """On what of its parts the machine's joints are measured."""
         return ()
-
-    def touching(self) -> Sequence[Contact | Feature]:
-        """Contacts and features."""
-        return (*self.contacts(), *self.features())
 
     def mounts(self) -> Sequence[Mount]:
         """Where every copy of every part stands on the machine's bodies."""
@@ -143,15 +155,8 @@ class Mechanism(Spec, ABC):
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
 
-    def assembly(self) -> Assembly | None:
-        """The whole machine with all that is bought; None where only its moving parts are made."""
-        return None
-
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""
-        assembly = self.assembly()
-        if assembly is not None:
-            return assembly.stand_ins
         found = []
         for cam in self.features():
             if isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter and not (cam.own or cam.inside):
@@ -159,26 +164,26 @@ class Mechanism(Spec, ABC):
         return found
 
     def _tip(self, cam: CamOutline, tip: Eye) -> StandIn:
-        """A tip, as high as the cam that it touches, where the exact cam puts it."""
+        """A tip, as high as the cam that it touches."""
         part, joint = next(part for part in self.parts() if part.name == cam.part), self.model.joint(cam.joint)
         mount = [mount for mount in self.mounts() if mount.part == cam.part][cam.copy]
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
-        law, layer = cam.meant.given or joint.law, part.layers[part.cut]
+        layer = part.layers[part.cut]
         low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if mount.flipped else (layer.z0, layer.z1)
-        along = cmath.exp(1j * self.model.slide(joint.slide).angle) if joint.slide else 0j
-        pivot = 0j if cam.swings is None else self.model.pin(cam.swings).b.at
-
-        def course(theta: Floats) -> tuple[Floats, Points]:
-            s = law(theta, 0)
-            return (np.zeros(theta.shape) if along else s), np.asarray(pivot + along * s, complex)
-
         disc = (tip.at, tip.diameter / 2, mount.z + low, mount.z + high)
-        return StandIn(f"tip on {cam.part}-{1 + cam.copy}", course, (disc,), rolls=True)
+        return StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
 
     def moved(self) -> Moved:
         """What the sweep needs."""
-        names, tolerance = [part.name for part in self.parts()], self.accuracy.chord_tolerance
-        return Moved(names, self.poses, self.touching(), self.stand_ins(), self.running_gap, tolerance, self.angle_name)
+        names, tolerance, things = [part.name for part in self.parts()], self.accuracy.chord_tolerance, self.stand_ins()
+
+        def poses(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+            courses = self.courses(theta)
+            beside = {thing.name: [Pose(courses[thing.body].angle, courses[thing.body].place)] for thing in things}
+            return {**self._placed(courses), **beside}
+
+        pairs = (*self.contacts(), *self.features())
+        return Moved(names, poses, pairs, things, self.running_gap, tolerance, self.angle_name)
 
     @property
     def running_gap(self) -> float:
@@ -199,6 +204,10 @@ class Mechanism(Spec, ABC):
         ]
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height alone", columns, rows)
+
+    def texts(self) -> Mapping[str, str]:
+        """Further text files of the folder, by what follows the spec's name in theirs."""
+        return {}
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""

@@ -283,12 +283,17 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
 def with_tables(data: Data, folder: Path) -> Data:
     """Copy of a spec's tables in which each law's `file`, seen from the folder, is replaced by its points and its name.
 
-    So the resolved spec needs no other file. Laws are those of [[segment]] and of [geometry]; what is no such table is left
-    for `validate` to find.
+    So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of [drive] and of each [[cam]], and
+    of [geometry]; what is no such table is left for `validate` to find.
     """
     data = copy.deepcopy(data)
-    segments: Any = data.get("segment")
-    for table in (data.get("geometry"), *(segments if isinstance(segments, list) else ())):
+
+    def listed(holder: Any, key: str) -> list[Any]:
+        found = holder.get(key) if isinstance(holder, dict) else None
+        return found if isinstance(found, list) else []
+
+    holders = [data, data.get("drive"), *listed(data, "cam")]
+    for table in (data.get("geometry"), *(segment for holder in holders for segment in listed(holder, "segment"))):
         law = table.get("law") if isinstance(table, dict) else None
         if isinstance(law, dict) and isinstance(law.get("file"), str) and "points" not in law:
             name = law.pop("file")

@@ -95,6 +95,8 @@ class Bought:
 # (generic_pla.xml.fdm_material and its neighbours, element <density>).
 DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
+STEEL = 7.85  # g/cm^3, of what is bought to turn on
+
 # Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
 SCREW_LENGTHS = (
     4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 80.0, 90.0, 100.0,

@@ -7,7 +7,7 @@
     wall     stands beside a link that slides, on the link or plate that guides it, as high as the link
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
-    wanted   the fewest levels, then the shortest pins: an integer program
+    wanted   the fewest levels, then the shortest pins: depth first, or an integer program
 
 Distances are those at samples of the motion, less half of the way to the next sample at either body: what lies between two
 samples is bounded by the ways, which 1.1 times the chords bound while a step turns a body by less than half a radian.
@@ -16,9 +16,10 @@ samples is bounded by the ways, which 1.1 times the chords bound while a step tu
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from camgen.geometry.outlines import Floats, Points
 
 _WAY = 1.1  # of a chord: the way between two samples
 _LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
-_FEW = 2000  # orders that are all tried; scipy takes longer to load
+_NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
 
 
 @dataclass(frozen=True)
@@ -179,9 +180,9 @@ def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
 
 def levels(
     bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
-    walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (),
-) -> dict[str, int]:  # fmt: skip
-    """Levels by name, 1 the lowest; DesignError where there is no way to lay what lies on them.
+    walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (), explain: bool = True,
+) -> dict[str, int] | None:  # fmt: skip
+    """Levels by name, 1 the lowest; None where they are not found soon, or to `explain` a longer search and DesignError.
 
     theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
     to be kept; over: pairs of levels, the first of which must lie over the second.
@@ -189,9 +190,10 @@ def levels(
     given = given or {}
     things: list[Thing] = [*bands, *axes, *walls]
     rules = [rule for a, b in combinations(things, 2) if (rule := _meets(a, b, gap))]
-    names = dict.fromkeys(band.level for band in bands)
-    few = (len(names) + 2) ** sum(name not in given for name in names) <= _FEW
-    found = (every_order if few else integer_program)(bands, axes, rules, given, over)
+    found = search(bands, axes, rules, given, over)
+    if found is not None or not explain:
+        return found
+    found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
     broken = [rule for rule in rules if not _kept(rule, found)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
@@ -227,26 +229,72 @@ def _least(bands: Sequence[Band]) -> dict[str, int]:
     return {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
 
 
-def every_order(
+def search(
     bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (),
-) -> dict[str, int]:  # fmt: skip
-    """The best levels, by trying all."""
+    over: Sequence[tuple[str, str]] = (), nodes: int = _NODES,
+) -> dict[str, int] | None:  # fmt: skip
+    """The best levels that keep all rules, by depth first on ever more levels; None where so many nodes do not find them."""
     least = _least(bands)
-    most = len(least) + 2
-    best: tuple[float, dict[str, int]] | None = None
-    for values in product(*([given[name]] if name in given else range(low, most + 1) for name, low in least.items())):
-        level = dict(zip(least, values, strict=True))
-        if not all(level[upper] > level[lower] for upper, lower in over):
-            continue
-        ends = [span(axis, level) for axis in axes]
-        cost = _LEVEL * max(values) + _LOW * sum(values) + sum(high - low for low, high in ends)
-        if best is None or cost < best[0]:
-            cost += _BROKEN * sum(not _kept(rule, level) for rule in rules)
-            best = (cost, level) if best is None or cost < best[0] else best
-    if best is None:
-        raise _no_levels()
-    return best[1]
+    about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
+    names = sorted(least, key=lambda name: (name not in given, -about[name]))
+    touching = {name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)] for name in names}
+    ordered = {name: [pair for pair in over if name in pair] for name in names}
+    pins = {name: [axis for axis in axes if name in axis.links] for name in names}
+    level: dict[str, int] = {}
+    best: dict[str, int] | None = None
+    cheapest, left = math.inf, nodes
+
+    def sound(name: str) -> bool:
+        for rule in touching[name]:
+            a, b = _so_far(rule.a, level), _so_far(rule.b, level)
+            if a and b and not (a[1] < b[0] or b[1] < a[0]):
+                return False
+        return all(level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in ordered[name])
+
+    def lay(k: int, highest: int, cost: float) -> None:
+        nonlocal best, cheapest, left
+        if k == len(names):
+            best, cheapest = dict(level), cost
+            return
+        name = names[k]
+        for value in [given[name]] if name in given else range(least[name], highest + 1):
+            left -= 1
+            if left < 0:
+                return
+            before = sum(_length(axis, level) for axis in pins[name])
+            level[name] = value
+            more = cost + _LOW * value + sum(_length(axis, level) for axis in pins[name]) - before
+            if more < cheapest and sound(name):
+                lay(k + 1, highest, more)
+            del level[name]
+
+    for highest in range(max([1, *least.values(), *given.values()]), 2 * len(names) + 2):
+        lay(0, highest, 0.0)
+        if best is not None or left < 0:
+            break
+    return {name: best[name] for name in least} if best is not None else None
+
+
+def _on(thing: Thing) -> tuple[str, ...]:
+    """Names of the levels that say which levels a thing takes."""
+    if isinstance(thing, Axis):
+        return thing.links
+    return (thing.level,) if isinstance(thing, Band) else (thing.link, *([thing.on] if thing.on else []))
+
+
+def _so_far(thing: Thing, level: Mapping[str, int]) -> tuple[int, int] | None:
+    """Levels that a thing takes at least, some of its names being laid; None where nothing is known."""
+    if isinstance(thing, Axis):
+        held = [level[link] for link in thing.links if link in level]
+        return (0 if thing.ground else min(held) - thing.under, max(held) + thing.over) if held else None
+    known = all(name in level for name in _on(thing))
+    return span(thing, level) if known else None
+
+
+def _length(axis: Axis, level: Mapping[str, int]) -> int:
+    """Levels from an axis's lowest to its highest so far."""
+    ends = _so_far(axis, level)
+    return ends[1] - ends[0] if ends else 0
 
 
 def integer_program(

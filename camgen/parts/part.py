@@ -165,7 +165,8 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
 def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
     """The band drawn tight round discs (centre, radius): a bar with two hubs, a bell crank; counter-clockwise.
 
-    Arcs of the discs and the outer tangents between them; a disc inside another, or inside the band, leaves no trace.
+    Arcs of the discs and the outer tangents between them; a disc inside another, or inside the band, leaves no trace,
+    one of radius 0 a sharp corner.
     """
     # Of discs that reach a tangent alike, the one farthest along it is next, then the largest: the rest touch on the way.
     right = max(centre.real + radius for centre, radius in discs)
@@ -182,7 +183,7 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
         ]
         first = min((sweep for sweep, _ in leaving), default=math.tau)
         sweep = min(first, math.tau - angle)
-        if sweep > 1e-12:
+        if sweep > 1e-12 and radius:
             pieces.append(Arc(centre, radius, angle, sweep))
         angle += sweep
         round_once = angle >= math.tau - 1e-12
@@ -198,10 +199,11 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
             return Contour(tuple(pieces))
 
 
-def with_bar(edge: Contour, at: complex, along: complex, half: float, length: float) -> Contour:
+def with_bar(edge: Contour, at: complex, along: complex, half: float, length: float, pointed: bool = False) -> Contour:
     """An edge of lines and arcs with a bar that sticks out of it: from the point `at` inside so far along a unit vector, mm.
 
-    half: half its width; its end is round. ValueError where the edge is not as wide as the bar, or reaches further.
+    half: half its width; its end is round and reaches so much further, or pointed and does not.
+    ValueError where the edge is not as wide as the bar, or reaches further.
     """
     pieces = edge.counter_clockwise().pieces
     cuts = []
@@ -213,11 +215,10 @@ def with_bar(edge: Contour, at: complex, along: complex, half: float, length: fl
     (low, first, t), (high, last, s) = cuts
     rest = [pieces[(last + k) % len(pieces)] for k in range(1, (first - last) % len(pieces) or len(pieces))]
     kept = [_part(pieces[last], s, pieces[last].t1), *rest, _part(pieces[first], pieces[first].t0, t)]
-    corner, end = at + (length - 1j * half) * along, at + (length + 1j * half) * along
-    bar = (
-        Line(at + (low - 1j * half) * along, corner), Arc(at + length * along, half, cmath.phase(along) - math.pi / 2, math.pi),
-        Line(end, at + (high + 1j * half) * along),
-    )  # fmt: skip
+    straight = length - 2 * half * pointed
+    tip, corner, end = (at + z * along for z in (length, straight - 1j * half, straight + 1j * half))
+    nose = (Line(corner, tip), Line(tip, end)) if pointed else (Arc(tip, half, cmath.phase(along) - math.pi / 2, math.pi),)
+    bar = (Line(at + (low - 1j * half) * along, corner), *nose, Line(end, at + (high + 1j * half) * along))
     return Contour((*(piece for piece in kept if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT), *bar))
 
 

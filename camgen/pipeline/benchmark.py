@@ -1,6 +1,6 @@
 """What a tolerance buys and what it costs: a mechanism made, read back and judged at a row of chord tolerances.
 
-    measured parts   those whose outlines set the motion, by the mechanism's contacts; of a linkage all of them
+    measured parts   those on which the machine's joints are measured, and those that pass by each other
     outline          the contour that the follower touches, or the outer one of a part of one layer; for parts that are two
                      outlines crossed, which no drawing and no section shows whole, the flat templates stand in
     least            vertices: integral of sqrt(|kappa| / (8 tolerance)) ds, and one a straight line;
@@ -89,7 +89,7 @@ def measure(spec: Path, tolerances: Sequence[float] = TOLERANCES, progress: Prog
     mechanism = read_mechanism(spec)
     parts, _ = _subjects(mechanism)
     moves = bool(mechanism.features())
-    apart = any(isinstance(contact, Apart) for contact in mechanism.contacts())
+    apart = bool(mechanism.contacts())
     rows = []
     for k, tolerance in enumerate([max(tolerances), *tolerances]):
         progress(f"{mechanism.name} at {tolerance:g} mm", k / (1 + len(tolerances)))
@@ -104,7 +104,7 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
     """The measured parts, and the outlines by part."""
     contacts, parts = mechanism.contacts(), {part.name: part for part in mechanism.parts()}
     rolled = {cam.part for cam in _cams(mechanism)}
-    passing = {name for contact in contacts if isinstance(contact, Apart) for name in (contact.a, contact.b)}
+    passing = {name for contact in contacts for name in (contact.a, contact.b)}
     touching = parts_of(mechanism.features()) | passing
     even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
     flat = rolled | touching & even or even
@@ -197,11 +197,10 @@ def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
 
 def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
     """What only all files of a kind together tell: the motion, and the error of distances."""
-    mechanism, contacts = case.mechanism, case.mechanism.contacts()
+    mechanism, pairs = case.mechanism, case.mechanism.contacts()
     if mechanism.features():
         moved = judge_motion(mechanism, kind, read, judged_angles())
         return [] if moved is None else list(moved[0].findings)
-    pairs = [contact for contact in contacts if isinstance(contact, Apart)]
     if any({pair.a, pair.b} - read.keys() for pair in pairs):  # a part of which no solid could be made
         return []
     found = list(pass_by(case, [kind]).numbers.values()) if pairs and kind != "dxf" else []

@@ -54,6 +54,8 @@ def build(
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
+            for name, text in mechanism.texts().items():
+                (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
             from camgen.report.figures import plot_svg
 
@@ -104,14 +106,14 @@ def animation(mechanism: Mechanism) -> Animation:
     theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
     if mechanism.sense < 0:  # as time goes on
         theta = np.mod(-theta, 2 * math.pi)
-    poses = mechanism.poses(theta)
-    bodies = []
+    poses, courses, bodies = mechanism.poses(theta), mechanism.courses(theta), []
     for part in mechanism.parts():
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    still = [Pose(np.zeros(theta.shape), np.zeros(theta.shape, complex))]
-    bodies += [Body(s.name, poses.get(s.name, still), (), s.strokes, s.circles) for s in mechanism.study().sketches]
+    for s in mechanism.study().sketches:
+        body = courses[s.body]
+        bodies.append(Body(s.name, [Pose(body.angle, body.place)], (), s.strokes, s.circles))
     if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]

@@ -14,7 +14,6 @@ from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Floats, Line, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.round_trip import Expected, Section, Undo
-from camgen.machine.contacts import Contact
 from camgen.machine.features import CamOutline, Feature, eyes_of
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
@@ -26,7 +25,7 @@ _BESIDE = 4.0  # chord tolerances from the ends of a layer
 
 
 def expected(
-    part: Part, tolerance: float, contacts: Sequence[Contact | Feature] = (), fit: Compensation | None = None,
+    part: Part, tolerance: float, features: Sequence[Feature] = (), fit: Compensation | None = None,
     marked: bool = False,
 ) -> Expected:
     """What a file of a part should hold, as plain numbers and points for the judge; marked: with centre marks.
@@ -34,7 +33,7 @@ def expected(
     With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
     chamfer, and those through an engraving beside holes that were made larger, as they were sent.
     """
-    cams = [each for each in contacts if isinstance(each, CamOutline)]
+    cams = [each for each in features if isinstance(each, CamOutline)]
     turns = any((cam.bore and cam.part) == part.name or (cam.own and cam.own.part) == part.name for cam in cams)
     sent = compensated(part, fit) if fit is not None else part
     levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
@@ -61,7 +60,7 @@ def expected(
         min_wall=part.min_wall,
         chord_tolerance=tolerance,
         bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
-        eyes=eyes_of(part.name, contacts),
+        eyes=eyes_of(part.name, features),
         stacked=part.crossed is None,
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if marked else ()),

@@ -24,8 +24,7 @@ from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
-from camgen.machine.contacts import Apart
-from camgen.machine.features import CamOutline, Feature, parts_of
+from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
 from camgen.machine.study import Plot, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
@@ -33,7 +32,7 @@ from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
-from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, passing_by, reading, unheard
+from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, reading, unheard
 from camgen.report.report import Report
 
 if TYPE_CHECKING:
@@ -119,13 +118,13 @@ def judge(
 def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
     """Read one part's files."""
     mechanism, part = case.mechanism, case.parts[name]
-    contacts, tolerance, fit = mechanism.touching(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    features, tolerance, fit = mechanism.features(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
     findings: list[Finding] = []
     read: Read = {}
     for kind in kinds:
         path = case.file(name, kind)
         sent, marked = (None, mechanism.output.center_marks) if kind == "dxf" else (fit, False)
-        meant = expected(part, tolerance, contacts, sent, marked)
+        meant = expected(part, tolerance, features, sent, marked)
         judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
         findings += judged.findings
         if judged.shape is not None:
@@ -185,7 +184,7 @@ def _moved(
     (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
     theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
-    outputs = [output for output in mechanism.model.outputs if output.name in wishes] or mechanism.model.outputs
+    outputs = judged_outputs(mechanism.model.outputs, wishes.values())
     cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)
     curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
     for curve in curves:
@@ -208,7 +207,7 @@ def _moved(
             for curve in curves:
                 curve.add(kind, verdict.proof)
             findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
-    columns = {"theta_deg": np.degrees(theta)}
+    columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:
         columns |= curve.columns
     plots = [plot for curve in curves for plot in curve.plots()]
@@ -247,7 +246,7 @@ def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
 def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     """The stages that this mechanism asks for, in the order of the report, then those that are done as parts are read."""
     stages = []
-    if passing_by(mechanism):
+    if mechanism.contacts():
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
@@ -261,7 +260,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.clearance import judge_clearance
 
     mechanism = case.mechanism
-    pairs = [contact for contact in mechanism.contacts() if isinstance(contact, Apart)]
+    pairs = mechanism.contacts()
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
     columns: dict[str, Floats] = {}
@@ -282,7 +281,7 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
         originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
         for name, mesh in originals.items():
-            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.touching())
+            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.features())
             findings += [f for f in judge_solid(mesh, meant, f"{path.name}, {name}").findings if not f.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
@@ -350,4 +349,5 @@ def _plates(case: Case) -> list[Path]:
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
     fixed = [case.file("assembly", "3mf"), case.file("parts", "csv")]
-    return [path.name for path in (*fixed, *_plates(case)) if path.exists()]
+    more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
+    return [path.name for path in (*fixed, *_plates(case), *more) if path.exists()]

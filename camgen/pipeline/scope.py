@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from camgen.files.formats import FORMATS
 from camgen.findings import Finding, NotJudged
-from camgen.machine.contacts import Apart
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
 
@@ -66,11 +65,6 @@ def reading(mechanism: Mechanism) -> list[Stage]:
         more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
         stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *more), "the linkage, closed on the holes of its parts", ANY))
     return stages
-
-
-def passing_by(mechanism: Mechanism) -> bool:
-    """Whether parts pass by each other that must not meet."""
-    return any(isinstance(contact, Apart) for contact in mechanism.contacts())
 
 
 def not_judged(

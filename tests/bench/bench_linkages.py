@@ -1,9 +1,9 @@
-"""One turn of a four-bar: positions and two derivatives here, against pylinkage's compiled modes; best of several, alternated.
+"""What the kernel of machines costs a turn: positions and two derivatives, against goals and against pylinkage's compiled modes.
 
     python tests/bench/bench_linkages.py [PYTHON]
 
 PYTHON: an interpreter that has pylinkage and numba, where they are in an environment of their own. Without one the
-comparison is named and left out. The threads used are camgen's own choice (two from 100,000 angles on).
+comparison is named and left out. Times are the best of several, alternated. The six-bar is a four-bar and a dyad on its joint B.
 """
 
 from __future__ import annotations
@@ -14,16 +14,21 @@ import math
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 COUNTS, ROUNDS = (360, 3_600, 36_000, 1_000_000), 9
-WANTED = {3_600: 2, 36_000: 5, 1_000_000: 10}
+# How many times as fast as pylinkage's positions, by machine and number of angles.
+WANTED = {("four-bar", 3_600): 2, ("four-bar", 36_000): 5, ("four-bar", 1_000_000): 10, ("six-bar", 36_000): 3}
 FRAME, CRANK, COUPLER, OUTPUT = 9.0, 30.0, 30.0, 19.0
+PIVOT, ROD, ROCKER = 60.0, 55.0, 30.0  # of the six-bar's second dyad: its place beside O, its two links
+# ms for 3,600 angles: chains of tests/machine/chains.py, those behind the first without dyads or with larger blocks.
+GOALS = {"jansen": 0.5, "klann": 0.5, "watt_two": 0.5, "double_butterfly": 30.0, "stephenson_three": 30.0}
 
 
-def peer_jobs(count: int) -> tuple[dict[str, Callable[[], Any]], Callable[[], Any]]:
-    """Pylinkage's timed calls, and one that gives the first angle and all places of the joint B for comparison."""
+def peer_jobs(machine: str, count: int) -> tuple[dict[str, Callable[[], Any]], Callable[[], Any]]:
+    """Pylinkage's timed calls, and one that gives all places of the joints for comparison."""
     from pylinkage.actuators import Crank
     from pylinkage.components import Ground
     from pylinkage.dyads import RRRDyad
@@ -33,24 +38,27 @@ def peer_jobs(count: int) -> tuple[dict[str, Callable[[], Any]], Callable[[], An
         o, c = Ground(0, 0, name="O"), Ground(FRAME, 0, name="C")
         a = Crank(anchor=o, radius=CRANK, angular_velocity=2 * math.pi / count, name="A")
         b = RRRDyad(anchor1=a.output, anchor2=c, distance1=COUPLER, distance2=OUTPUT, name="B")
-        linkage = Linkage([o, c, a, b])
+        parts = [o, c, a, b]
+        if machine == "six-bar":
+            g = Ground(PIVOT, 0, name="G")
+            parts = [o, c, g, a, b, RRRDyad(anchor1=b, anchor2=g, distance1=ROD, distance2=ROCKER, name="E")]
+        linkage = Linkage(parts)
         linkage.compile()
         return linkage
 
     linkage = fresh()
-    jobs = {
-        "pylinkage step_fast, positions": lambda: linkage.step_fast(count, 1),
-        "pylinkage step_fast_with_kinematics": lambda: linkage.step_fast_with_kinematics(count, 1),
-    }
-    return jobs, lambda: fresh().step_fast(count, 1)
+    jobs = {"pylinkage step_fast, positions": lambda: linkage.step_fast(count, 1)}
+    if machine == "four-bar":
+        jobs["pylinkage step_fast_with_kinematics"] = lambda: linkage.step_fast_with_kinematics(count, 1)
+    return jobs, lambda: fresh().step_fast(count, 1)[:, 2 if machine == "four-bar" else 3 :]
 
 
 def serve() -> None:
     """Answer on standard input's requests: the peer runs in its own interpreter, its calls timed there."""
     for line in sys.stdin:
-        count = int(line)
-        jobs, places = peer_jobs(count)
-        way = places()[:: max(1, count // 360), 2:]
+        machine, count = json.loads(line)
+        jobs, places = peer_jobs(machine, count)
+        way = places()[:: max(1, count // 360)]
         for job in jobs.values():
             job()
         print(json.dumps(way.tolist()), flush=True)
@@ -67,11 +75,49 @@ def clocked(job: Callable[[], Any]) -> float:
     return (time.perf_counter() - start) * 1e3
 
 
-def main(interpreter: str | None) -> None:
-    """Print the table."""
-    import numpy as np
+def joints_of(machine: str) -> Callable[[Any, int], list[Any]]:
+    """Ours: the jets of the joints at theta, (n,), up to an order."""
+    import cmath
 
-    from camgen.machines.thread_take_up.feed import TakeUp
+    from camgen.machine.model import Body, Drive, Machine, Pin, Place, Pose
+    from camgen.machine.run import solve
+
+    a = CRANK + 0j
+    b = _meet(a, COUPLER, FRAME, OUTPUT, -1)
+    places = {"crank": (0j, a), "coupler": (a, b), "rocker": (FRAME + 0j, b)}
+    pins = [
+        Pin("O", Place("ground"), Place("crank")),
+        Pin("A", Place("crank", CRANK), Place("coupler")),
+        Pin("C", Place("ground", FRAME), Place("rocker")),
+        Pin("B", Place("coupler", COUPLER), Place("rocker", OUTPUT)),
+    ]
+    asked = [("crank", CRANK), ("coupler", COUPLER)]
+    if machine == "six-bar":
+        e = _meet(b, ROD, PIVOT, ROCKER, 1)
+        places |= {"rod": (b, e), "lever": (PIVOT + 0j, e)}
+        pins += [Pin("B of rod", Place("coupler", COUPLER), Place("rod")), Pin("G", Place("ground", PIVOT), Place("lever")),
+                 Pin("E", Place("rod", ROD), Place("lever", ROCKER))]  # fmt: skip
+        asked.append(("rod", ROD))
+    start: Mapping[str, Pose] = {name: Pose(z, cmath.phase(w - z)) for name, (z, w) in places.items()}
+    made = Machine(tuple(Body(name) for name in places), tuple(pins), (Drive("drive", "crank"),), start)
+
+    def joints(theta: Any, order: int) -> list[Any]:
+        run = solve(made, theta, order)
+        return [run.point(body, complex(at)) for body, at in asked]
+
+    return joints
+
+
+def _meet(a: complex, r: float, c: float, s: float, side: int) -> complex:
+    """Where circles about a (radius r) and about c (s) meet: left (side 1) or right (-1) of the way from a to c."""
+    way = c - a
+    along = (r**2 - s**2 + abs(way) ** 2) / (2 * abs(way))
+    return a + way / abs(way) * (along + side * 1j * math.sqrt(r**2 - along**2))
+
+
+def main(interpreter: str | None) -> None:
+    """Print the tables."""
+    import numpy as np
 
     if interpreter is None and importlib.util.find_spec("pylinkage") and importlib.util.find_spec("numba"):
         interpreter = sys.executable
@@ -80,36 +126,30 @@ def main(interpreter: str | None) -> None:
         print("pylinkage or numba is not installed: compared with nothing")
     else:
         peer = subprocess.Popen([interpreter, __file__, "--serve"], stdin=-1, stdout=-1, text=True)
-    four_bar = TakeUp(CRANK, COUPLER, OUTPUT, FRAME, 1.0, 0.0, -1, (0j, 0j))
 
-    def joints(theta: Any, order: int) -> tuple[Any, Any]:
-        run = four_bar.run(theta, order)
-        return run.point("crank", "A"), run.point("coupler", "B")
+    def ask(line: object) -> Any:
+        assert peer and peer.stdin and peer.stdout
+        peer.stdin.write(f"{json.dumps(line)}\n")
+        peer.stdin.flush()
+        return json.loads(peer.stdout.readline())
 
-    for count in COUNTS:
+    for machine, count in [*(("four-bar", count) for count in COUNTS), ("six-bar", 3_600), ("six-bar", 36_000)]:
+        joints = joints_of(machine)
         theta = np.arange(1, count + 1) * (2 * math.pi / count)
         ours = {
-            "camgen, positions": lambda theta=theta: joints(theta, 0),
-            "camgen, positions and two derivatives": lambda theta=theta: joints(theta, 2),
+            "camgen, positions": lambda theta=theta, joints=joints: joints(theta, 0),
+            "camgen, positions and two derivatives": lambda theta=theta, joints=joints: joints(theta, 2),
         }
         for job in ours.values():
             job()
         times: dict[str, list[float]] = {}
-
-        def ask(line: object) -> Any:
-            assert peer and peer.stdin and peer.stdout
-            peer.stdin.write(f"{line}\n")
-            peer.stdin.flush()
-            return json.loads(peer.stdout.readline())
-
+        print(f"{machine}, {count:,} angles", end="")
         if peer:
-            theirs = np.array(ask(count)) @ [1, 1j]
-            a, b = joints(theta[:: max(1, count // 360)], 0)
+            theirs = np.array(ask([machine, count])) @ [1, 1j]
+            here = joints(theta[:: max(1, count // 360)], 0)
             # Its crank is stepped by adding, which drifts; its coarse answers carry that.
-            apart = np.abs(theirs.T - [a[0], b[0]]).max()
-            print(f"{count:,} angles; greatest difference {apart:.1e} mm")
-        else:
-            print(f"{count:,} angles")
+            print(f"; greatest difference {np.abs(theirs.T - [each[0] for each in here]).max():.1e} mm", end="")
+        print()
         for _ in range(ROUNDS):
             for name, job in ours.items():
                 times.setdefault(name, []).append(clocked(job))
@@ -120,12 +160,38 @@ def main(interpreter: str | None) -> None:
             print(f"  {name:51} {min(spent):9.3f} ms   {min(spent) / base:6.2f} of positions and two derivatives")
         if peer:
             theirs_ms = min(times["pylinkage step_fast, positions"])
-            reached = theirs_ms / base
-            wanted = f", {WANTED[count]:g} wanted" if count in WANTED else ""
-            print(f"  {reached:.1f} times as fast as pylinkage's positions{wanted}")
+            wanted = f", {WANTED[machine, count]:g} wanted" if (machine, count) in WANTED else ""
+            alike = min(times["camgen, positions"])
+            print(f"  {theirs_ms / base:.1f} times as fast as its positions{wanted}; by positions alone {theirs_ms / alike:.1f}")
     if peer and peer.stdin:
         peer.stdin.close()
         peer.wait()
+    print_chains()
+
+
+def print_chains() -> None:
+    """Chains of the kernel's tests, 3,600 angles with two derivatives, against their goals."""
+    import numpy as np
+
+    from camgen.machine.run import solve
+
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "machine"))
+    import chains
+
+    theta = np.arange(1, 3_601) * (2 * math.pi / 3_600)
+    for name, goal in GOALS.items():
+        machine = getattr(chains, name)()
+
+        def job(machine: Any = machine) -> None:
+            run = solve(machine, theta, 2)
+            for output in machine.outputs:
+                run.derivatives(output.name)
+            for body in machine.moving:
+                run.angle(body.name)
+
+        job()
+        spent = min(clocked(job) for _ in range(ROUNDS))
+        print(f"{name:20} {spent:8.3f} ms for 3,600 angles, goal {goal:g}: {'met' if spent <= goal else 'NOT met'}")
 
 
 if __name__ == "__main__":

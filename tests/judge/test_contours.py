@@ -87,7 +87,7 @@ def failing(name: str, part: str, kind: str, made: Part, folder: Path) -> set[st
     else:
         write_stl(path, solid(made, tolerance), "x")
     fit = compensation(mechanism) if kind != "dxf" else None
-    meant = expected(part_of(name, part), tolerance, mechanism.touching(), fit)
+    meant = expected(part_of(name, part), tolerance, mechanism.features(), fit)
     judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
     return {finding.code for finding in judged.findings if not finding.ok}
 
@@ -229,7 +229,7 @@ def test_a_top_face_at_another_height_is_told(by: float, tmp_path: Path) -> None
     vertices = mesh.vertices.copy()
     vertices[np.isclose(vertices[:, 2], vertices[:, 2].max()), 2] += by
     write_stl(tmp_path / "x.stl", Mesh(vertices, mesh.faces), "x")
-    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.touching()))
+    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.features()))
     assert {finding.code for finding in judged.findings if not finding.ok} == {"ROUND_TRIP"}
 
 
@@ -242,7 +242,7 @@ def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
     for notched in (face, face.difference(shapely.box(face.bounds[2] - 2, 3.95, face.bounds[2] + 1, 4.15))):
         made = replace(whole, crossed=region_of(notched))
         write_stl(tmp_path / "x.stl", solid(made, tolerance), "x")
-        judged = judge_mesh(tmp_path / "x.stl", replace(expected(whole, tolerance, mechanism.touching()), volume=made.volume))
+        judged = judge_mesh(tmp_path / "x.stl", replace(expected(whole, tolerance, mechanism.features()), volume=made.volume))
         told = {finding.code for finding in judged.findings if not finding.ok}
         assert told == ({"ROUND_TRIP"} if notched is not face else set())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +34,7 @@ from camgen.machine import (
     Slot,
     solve,
 )
-from camgen.machine.features import Asked, CamOutline, Eye, Faces, Feature, Flat, Mount, PinEyes, SlideFaces, SlotFaces
+from camgen.machine.features import Asked, CamMeant, CamOutline, Eye, Faces, Feature, Flat, Mount, PinEyes, SlideFaces, SlotFaces
 from camgen.machine.model import Floats
 from camgen.parts.part import Layer, Part, hull
 from camgen.parts.solids import solid
@@ -296,6 +296,34 @@ def test_a_follower_that_misses_its_cam_is_told(kind: str, tmp_path: Path) -> No
     (wrong,) = (finding for finding in verdict.findings if not finding.ok)
     assert wrong.code == "MOTION_ERROR" and math.isinf(wrong.measured) and "it does not close at" in wrong.message
     assert verdict.proof is None
+
+
+@dataclass(frozen=True)
+class More:
+    """A law and 0.1 deg more over a quarter of the turn."""
+
+    law: Callable[[Floats, int], Floats]
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        return self.law(theta, order) + math.radians(0.1) * (np.cos(theta) > math.sqrt(0.5)) * (order == 0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_judged_on_the_cam_of_any_machine(kind: str, tmp_path: Path) -> None:
+    """Its ripple and what its outline loses of the wanted motion; the ram's error is that from what is reachable."""
+    case = rocking_cam()
+    lift = case.machine.joint("lift")
+    assert isinstance(lift, Cam)
+    joints = tuple(replace(lift, law=More(lift.law)) if joint is lift else joint for joint in case.machine.joints)
+    machine = replace(case.machine, joints=joints)
+    for ripple, undercut, codes in ((0.01, 0.11, set()), (1e-9, 0.11, {"SPEED_RIPPLE"}), (0.01, 0.09, {"UNDERCUT"})):
+        meant = CamMeant(lift.law, None, ripple, math.radians(undercut))
+        features = tuple(replace(f, meant=meant) if isinstance(f, CamOutline) else f for f in case.features)
+        found = replace(case, machine=machine, features=features).judged(kind, tmp_path)
+        told = failing(found)
+        assert told == (codes if kind != "dxf" else codes - {"SPEED_RIPPLE"})  # a drawing's circle is exact
+        assert found.numbers[f"undercut_{kind}_deg"] == pytest.approx(0.1, abs=0.004)
+        assert 0 < found.numbers[f"pressure_angle_{kind}_deg"] < 60
 
 
 def test_a_lost_outline_and_a_wrong_pin_are_told(tmp_path: Path) -> None:

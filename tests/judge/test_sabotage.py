@@ -139,7 +139,7 @@ def test_stl_of_the_wrong_thickness(folder: Path) -> None:
 def test_stl_of_another_volume(folder: Path) -> None:
     """A part that should weigh more than the file's, all its contours alike."""
     mechanism = pipeline.read_mechanism(folder / "spec.toml")
-    meant = expected(mechanism.parts()[0], 0.001, mechanism.touching())
+    meant = expected(mechanism.parts()[0], 0.001, mechanism.features())
     codes = []
     for share in (1.0, 1.01):
         judged = judge_mesh(folder / "cam-cam.stl", replace(meant, volume=share * meant.volume))

@@ -179,6 +179,17 @@ def test_undercut_against_40_digits() -> None:
     assert cut.depth == pytest.approx(facts["depth_mm"], abs=5e-8)
 
 
+def test_the_slope_of_what_is_reachable_is_that_of_its_values() -> None:
+    made = cam()
+    (cut,) = made.undercuts
+    theta = np.linspace(cut.begin, cut.end, 41)[1:-1]
+    theta = np.concatenate([theta, theta + 1.0])
+    step = 1e-5
+    slope = (made.reachable(theta + step) - made.reachable(theta - step)) / (2 * step)
+    np.testing.assert_allclose(made.reachable(theta, 1), slope, atol=1e-8)
+    assert np.isnan(made.reachable(theta, 2)).tolist() == [True] * 39 + [False] * 39
+
+
 def test_reachable_joins_the_program() -> None:
     made = cam()
     (cut,) = made.undercuts

@@ -118,12 +118,12 @@ def test_what_is_no_value_is_told_by_its_path(mechanism: str) -> None:
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_extremes_end_well(variant: str) -> None:
     """A fault, a design that does not exist, or a machine all of whose figures are numbers, and a nan has failed; warnings are
-    errors. Each key gets two of the extremes, other ones than the key before it; the second one is studied too.
+    errors. Each key gets two of the extremes, other ones than the key before it; every second key is studied too.
     """
     mechanism, settings = VARIANTS[variant]
     own = {"geometry", "parts", "limits"} if settings else load(mechanism).model_fields
     good, turn = 0, 5 * list(VARIANTS).index(variant)
-    for path, _, _ in keys_of(mechanism):
+    for number, (path, _, _) in enumerate(keys_of(mechanism)):
         if path[0] not in own:
             continue
         for k in range(2):
@@ -131,7 +131,7 @@ def test_extremes_end_well(variant: str) -> None:
             value = EXTREMES[turn % len(EXTREMES)]
             try:
                 made = changed(variant, path, value)
-                findings, parts, numbers = made.limits(), made.parts(), made.study().numbers if k else {}
+                findings, parts, numbers = made.limits(), made.parts(), made.study().numbers if k and number % 2 else {}
                 made.contacts(), made.bought()
             except SpecError as error:
                 assert all(fault.path and fault.expected for fault in error.faults), (path, value)

@@ -14,8 +14,10 @@ import numpy as np
 import pytest
 import tomli_w
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, SpecError
+from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build, check
+from camgen.spec import read, validate
 
 Floats = np.ndarray
 DWELLS = [
@@ -37,6 +39,25 @@ CYLINDER = {
     "output": [{"name": "out", "link": "cylinder"}],
 }
 
+GEARED = {
+    "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
+    "gear": [{"a": "crank", "b": "drum", "ratio": -2}],
+    "output": [{"name": "out", "link": "drum"}],
+}
+FIVE_BAR = {  # two cranks that turn against each other: their common point stays on the middle line
+    "points": {"O": [0, 0], "C": [60, 0], "A": [20, 0], "B": [40, 0], "P": [30, 60]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "other": ["C", "B"], "left": ["A", "P"], "right": ["B", "P"]},
+    "lengths": {"A-P": 70, "B-P": 70},
+    "gear": [{"a": "crank", "b": "other", "ratio": -1}],
+    "output": [{"name": "out", "point": "P"}],
+    "limits": {"transmission_angle_deg": 15},
+}
+
+
+def without_none(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if value is not None}
+
 
 def cam_rocker(**cam: Any) -> dict[str, Any]:
     rows = [{**row, **({"lift_deg": 15} if row["kind"] == "rise" else {"to_deg": 0} if row["kind"] == "return" else {})}
@@ -44,7 +65,7 @@ def cam_rocker(**cam: Any) -> dict[str, Any]:
     return {
         "points": {"O": [0, 0], "A": [15, 0], "C": [60, 0], "T": [30, 25]},
         "links": {"ground": ["O", "C"], "crank": ["O", "A"], "rocker": ["C", "T"]},
-        "cam": [{"cam": "crank", "follower": "rocker", "at": "T", "radius": 6, "segment": rows, **cam}],
+        "cam": [without_none({"cam": "crank", "follower": "rocker", "at": "T", "radius": 6, "segment": rows, **cam})],
         "output": [{"name": "out", "link": "rocker"}],
     }
 
@@ -56,9 +77,14 @@ def cam_ram(**cam: Any) -> dict[str, Any]:
         "points": {"O": [0, 0], "A": [10, 0], "R": [0, 60], "T": [0, 35]},
         "links": {"ground": ["O", "R"], "crank": ["O", "A"], "ram": ["T"]},
         "slide": [{"link": "ram", "along": ["O", "R"]}],
-        "cam": [{"cam": "crank", "follower": "ram", "at": "T", "radius": 6, "segment": rows, **cam}],
+        "cam": [without_none({"cam": "crank", "follower": "ram", "at": "T", "radius": 6, "segment": rows, **cam})],
         "output": [{"name": "out", "link": "ram"}],
     }
+
+
+def knife_rocker() -> dict[str, Any]:
+    tables = cam_rocker(shape="knife", radius=None)
+    return {**tables, "points": {**tables["points"], "T": [0, 38], "C": [70, 50]}}
 
 
 def cycloidal(theta: Floats) -> Floats:
@@ -95,6 +121,10 @@ def failing(folder: Path) -> set[str]:
         (cam_rocker(), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
         (cam_rocker(closure="conjugate"), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
         (cam_ram(), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
+        (cam_rocker(shape="flat", radius=None), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
+        (knife_rocker(), "out_deg", lambda t: math.degrees(math.atan2(-12, -70)) % 360 - 15 * cycloidal(t), 2e-3),
+        (cam_ram(shape="flat", radius=None), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
+        (cam_ram(shape="knife", radius=None), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
         (cam_ram(closure="groove"), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
     ],
 )  # fmt: skip
@@ -103,12 +133,105 @@ def test_motion_from_the_files(
 ) -> None:
     rows = curves(made(tmp_path, tables, "3mf"))
     theta = np.radians(rows["theta_deg"])
-    assert np.max(np.abs(rows[f"{column}_3mf"] - motion(theta))) < within
+    off = rows[f"{column}_3mf"] - motion(theta)
+    assert np.max(np.abs(off - 360 * np.rint(off / 360))) < within
+
+
+KNOWN = read(Path(__file__).resolve().parents[1] / "reference" / "linkage_specs.toml")
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_linkages_are_built(tmp_path: Path, name: str) -> None:
+    rows = curves(made(tmp_path, KNOWN[name], "3mf"))
+    for column in (column for column in rows if column.endswith("_3mf")):
+        assert np.max(np.abs(rows[column] - rows[column.removesuffix("_3mf")])) < 2.5e-3
+    if name == "hoeken":  # nearly straight over half a turn
+        low = np.abs(rows["theta_deg"] - 180) <= 90
+        assert np.ptp(rows["out_y_mm_3mf"][low]) < 0.02 * np.ptp(rows["out_x_mm_3mf"][low])
+    if name == "ram":
+        assert np.max(np.abs(rows["drum_deg_3mf"] - rows["drum_deg_3mf"][0] + 2 * rows["theta_deg"])) < 1e-4
+
+
+def test_jansens_leg_and_peaucelliers_cell_need_few_levels(root: Path) -> None:
+    """Jansen: crank and both rods share a pin, so three; Peaucellier: three links on each of A, B, Q, P, and a crank."""
+    leg = validate(Linkage, read(root / "specs" / "walking-leg.toml"))
+    assert max(leg.bodies.layout.given.values()) == 3
+    cell = validate(Linkage, {"mechanism": "linkage", "name": "own", **KNOWN["peaucellier"]})
+    assert max(cell.bodies.layout.given.values()) == 4
+
+
+def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
+    rows = curves(made(tmp_path, FIVE_BAR, "3mf"))
+    theta = np.radians(rows["theta_deg"])
+    assert np.max(np.abs(rows["out_x_mm_3mf"] - 30)) < 1e-4
+    assert np.max(np.abs(rows["out_y_mm_3mf"] - 20 * np.sin(theta) - np.sqrt(70**2 - (30 - 20 * np.cos(theta)) ** 2))) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"ratio": 2}, "link with a wheel between"),
+        ({"ratio": -math.pi}, "ratio .*take one of whole teeth"),
+        ({"ratio": -97 / 89}, "module"),
+        ({"teeth": 21}, "multiple of 2"),
+        ({"teeth": 12}, "roll at which the tips begin to touch"),
+    ],
+)
+def test_wheels_that_cannot_be(tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        made(tmp_path, {**GEARED, "gear": [GEARED["gear"][0] | change]}, "dxf")
+
+
+def test_a_face_that_is_touched_at_its_hinge_and_a_face_in_a_groove_are_refused(tmp_path: Path) -> None:
+    near = cam_rocker(shape="flat", radius=None)
+    near["points"] = near["points"] | {"C": [32, 0], "T": [26, 25]}
+    with pytest.raises(DesignError, match="place on the face"):
+        made(tmp_path, near, "dxf")
+    with pytest.raises(DesignError, match="closure of a knife"):
+        made(tmp_path, cam_ram(shape="knife", radius=None, closure="groove"), "dxf")
+
+
+def test_a_face_that_is_off_is_found(tmp_path: Path) -> None:
+    folder = made(tmp_path, cam_ram(shape="flat", radius=None), "dxf")
+    bent(folder / "own-ram.dxf", 20j, lambda z: z - 0.03j if z.imag < 1 else z)
+    assert "MOTION_ERROR" in failing(folder)
+
+
+def test_a_cam_that_undercuts_or_is_steep_is_told() -> None:
+    def failing_limits(**cam: Any) -> set[str]:
+        machine = validate(Linkage, {"mechanism": "linkage", "name": "own", "drive": {"link": "crank"}, **cam_ram(**cam)})
+        return {finding.code for finding in machine.limits() if not finding.ok}
+
+    assert failing_limits() == set()
+    steep = [{"kind": "rise", "span_deg": 40, "lift": 24, "law": "cycloidal"},
+             {"kind": "return", "span_deg": 320, "to": 0, "law": "cycloidal"}]  # fmt: skip
+    assert failing_limits(segment=steep) == {"PRESSURE_ANGLE"}
+    assert failing_limits(segment=steep, radius=30) >= {"PRESSURE_ANGLE", "UNDERCUT"}
+
+
+def test_what_a_spring_must_hold_is_the_followers_inertia() -> None:
+    """A cycloidal motion over 120 deg at 1 Hz: the greatest deceleration is 2 pi lift / time^2."""
+    masses = {"masses": {"ram": {"mass_g": 500}}, "drive": {"link": "crank", "speed_rpm": 60}}
+    machine = validate(Linkage, {"mechanism": "linkage", "name": "own", **cam_ram(), **masses})
+    needed = 0.5 * math.tau * 0.012 / (1 / 3) ** 2
+    assert machine.study().numbers["hold_crank_on_ram_n"] == pytest.approx(needed, rel=1e-3)
 
 
 def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="crank on ram.*meets the shaft"):
         made(tmp_path, cam_ram(closure="conjugate"), "dxf")
+
+
+def test_steel_dowels_in_place_of_printed_pins(root: Path, tmp_path: Path) -> None:
+    """Lengths of ISO 2338: above 8 mm they step by 2."""
+    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["parts.pin=dowel"])
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    table = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
+    bought = validate(Linkage, read(tmp_path / "linkage" / "spec.toml")).parts()
+    lengths = {part.thickness for part in bought if part.made == "bought"}
+    assert lengths and all(length % 2 == 0 for length in lengths) and "bought" in table
+    with pytest.raises(SpecError, match=r"parts.pin_diameter.*dowels are sold"):
+        validate(Linkage, read(root / "specs" / "linkage.toml") | {"parts": {"pin": "dowel", "pin_diameter": 5.2}})
 
 
 # ---- damage ----------------------------------------------------------------------------------------------------------
@@ -134,6 +257,18 @@ def test_a_slot_turned_by_a_fifth_of_a_degree_is_found(tmp_path: Path) -> None:
     turn = complex(math.cos(math.radians(0.2)), math.sin(math.radians(0.2)))
     bent(folder / "own-yoke.dxf", 30 + 0j, lambda z: 30 + (z - 30) * turn)
     assert "MOTION_ERROR" in failing(folder)
+
+
+def test_a_wheel_with_turned_teeth_and_a_thin_one_are_found(tmp_path: Path) -> None:
+    folder = made(tmp_path, GEARED, "dxf")
+    path = folder / "own-gear-crank_to_drum-drum.dxf"
+    sound = path.read_bytes()
+    turn = complex(math.cos(math.radians(0.2)), math.sin(math.radians(0.2)))
+    bent(path, 0j, lambda z: z * turn if abs(z) > 5 else z)
+    assert "MOTION_ERROR" in failing(folder)
+    path.write_bytes(sound)
+    bent(path, 0j, lambda z: z * 0.999 if abs(z) > 5 else z)
+    assert "PIN_GAP" in failing(folder)
 
 
 def test_a_mirrored_cam_is_found(tmp_path: Path) -> None:

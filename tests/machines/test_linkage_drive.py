@@ -96,3 +96,24 @@ def test_programs_that_are_none(four_bar: dict[str, Any], drive: dict[str, Any],
     with pytest.raises(SpecError) as caught:
         driven(four_bar, **drive)
     assert path in [fault.path for fault in caught.value.faults]
+
+
+def test_a_program_from_a_file_of_points(four_bar: dict[str, Any], tmp_path: Path) -> None:
+    """Read from beside the spec; the resolved spec needs it no more."""
+    (tmp_path / "rise.csv").write_text("angle,turned\n0,0\n30,40\n60,200\n90,360\n", encoding="utf-8")
+    four_bar["drive"]["segment"] = [{**STEPPED[0], "law": {"name": "table", "file": "rise.csv"}}, STEPPED[1]]
+    file = tmp_path / "stepped.toml"
+    file.write_text(tomli_w.dumps(four_bar), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    rows = np.loadtxt(tmp_path / "linkage" / "motion.csv", delimiter=",", skiprows=1)
+    even = driven({**four_bar, "drive": {"link": "crank"}}).solve(np.radians([40.0, 200.0]))["pen"]
+    assert rows[[360, 720], 1] == pytest.approx(even.real, abs=1e-6)  # 30 and 60 of 90 are 90 and 180 of 270 deg
+    (tmp_path / "rise.csv").unlink()
+    assert build(tmp_path / "linkage" / "spec.toml", tmp_path / "again", frozenset({"dxf"})).ok
+
+
+def test_a_program_and_an_included_machine_do_not_share_a_shaft(four_bar: dict[str, Any]) -> None:
+    four_bar["include"] = [{"spec": "other.toml"}]
+    with pytest.raises(SpecError, match="turns evenly with the shaft"):
+        driven(four_bar, segment=STEPPED)

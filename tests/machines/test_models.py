@@ -15,18 +15,18 @@ from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 THETA = np.random.default_rng(5).uniform(0, 2 * np.pi, 200)
-# Spec, overrides, the output that is the wanted motion, and which body each part or sketch is fixed to.
+# Spec, overrides, the output that is the wanted motion, and which body each part is fixed to.
 LINKS = {"input-crank": "crank", "bell-crank": "coupler", "output-crank": "output", "shaft": "crank"}
 SLIDERS = {name: name for name in ("needle-1", "needle-2", "lower-spreader", "upper-spreader")}
-CAM = {"cam": "cam", "follower": "follower"}
+CAM = {"cam": "cam"}
 ROWS: list[tuple[str, list[str], str, Mapping[str, str]]] = [
     ("uniform-swing", ["parts.make='cams'", "geometry.tip_radius=0"], "swing", CAM),
     ("uniform-swing", ["parts.make='cams'", "geometry.closure='force'", "geometry.reversal_blend_deg=40"], "swing", CAM),
     ("disc-cam", [], "lift", CAM),
     ("disc-cam", ["geometry.follower.motion='oscillating'", "geometry.follower.pivot_distance=60", "geometry.follower.arm=50",
                   "geometry.base_radius=30", "motor.speed_rpm=-60"], "swing", CAM),
-    ("indexing-cam", [], "swing", CAM | {"driven-link": "driven-link"}),
-    ("indexing-cam", ["geometry.closure='force'", "geometry.index_deg=150"], "swing", CAM | {"driven-link": "driven-link"}),
+    ("indexing-cam", [], "swing", CAM),
+    ("indexing-cam", ["geometry.closure='force'", "geometry.index_deg=150"], "swing", CAM),
     ("eccentric-drive", [], "travel", {"disc": "disc", "rod": "rod", "slider": "slider"}),
     ("eccentric-drive", ["geometry.offset=4"], "travel", {"disc": "disc", "rod": "rod", "slider": "slider"}),
     ("thread-take-up", [], "feed", LINKS),

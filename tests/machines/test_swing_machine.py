@@ -97,7 +97,7 @@ def test_heavier_plastic() -> None:
 
 def test_stacking_heights() -> None:
     """Base 4, gap 0.6, two frames of 6; cams 0.2 mm beyond the frames' middle plane on either side."""
-    mounts = machine().assembly().mounts  # type: ignore[union-attr]
+    mounts = machine().mounts()
     heights = {(m.part, m.flipped): m.z for m in mounts}
     middle = 4 + 0.6 + 6
     assert heights["frame", False] == pytest.approx(middle - 6) and heights["frame", True] == pytest.approx(middle)
@@ -107,13 +107,12 @@ def test_stacking_heights() -> None:
 
 def test_tips_that_are_bought_lie_beside_the_frames() -> None:
     """Base 4, gap 0.6, cam 6, 0.2, two frames of 6, 0.2, cam 6; each tip reaches its cam from its frame, and no farther."""
-    assembly = machine("frame.tip='MR63'").assembly()
-    assert assembly is not None
-    heights = {(m.part, m.flipped): m.z for m in assembly.mounts}
+    made = machine("frame.tip='MR63'")
+    heights = {(m.part, m.flipped): m.z for m in made.mounts()}
     assert [heights["cam", False], heights["frame", False], heights["frame", True], heights["cam", True]] == pytest.approx(
         [4.6, 10.8, 16.8, 23.0]
     )
-    tips = {s.name: s.discs for s in assembly.stand_ins if s.name.startswith("tip")}
+    tips = {s.name: s.discs for s in made.stand_ins() if s.name.startswith("tip")}
     (pin, ring), (other, other_ring) = tips["tip-1"], tips["tip-2"]
     assert pin == (complex(-60, -30), 1.5, pytest.approx(4.8), pytest.approx(16.8))
     assert ring == (complex(-60, -30), 3.0, pytest.approx(6.35), pytest.approx(8.85))

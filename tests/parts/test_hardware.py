@@ -17,6 +17,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, circle, polygon
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, SCREW_LENGTHS, SCREWS, Bought, dowel, fastener, flange
 from camgen.parts.hardware import Collet, headed, plate, rounded, spacer
+from camgen.parts.part import hull, with_bar
 from camgen.parts.solids import solid
 
 CORNER = 1 - math.pi / 4  # area that rounding a right angle with radius 1 takes
@@ -173,3 +174,20 @@ def test_lengths_that_are_sold() -> None:
 def test_plain_flange() -> None:
     plain = flange(30.0, 50.0, 3, "M4")
     assert np.allclose(np.abs(plain.screws), 25) and abs(sum(plain.screws)) < 1e-12
+
+
+@pytest.mark.parametrize(("pointed", "end"), [(False, math.pi / 2), (True, 0.0)])
+def test_a_bar_out_of_a_band(pointed: bool, end: float) -> None:
+    """Areas by hand: the band, and what of the bar lies outside of it; its end half a disc, or a triangle of the same length."""
+    band = hull([(-10 + 0j, 5), (10 + 0j, 5)])
+    both = with_bar(band, 0j, 1j, 2.0, 20.0, pointed)
+    more = 4 * (15 - 4) + 4 * 4 / 2 if pointed else 4 * 15 + 4 * end
+    assert both.area == pytest.approx(band.area + more, rel=1e-12)
+    turned = with_bar(band.moved(1j), 0j, -1, 2.0, 20.0, pointed)
+    assert turned.area == pytest.approx(both.area, rel=1e-12)
+
+
+@pytest.mark.parametrize(("half", "length"), [(6, 30.0), (2, 4.0)])
+def test_a_bar_wider_or_shorter_than_its_band_is_none(half: float, length: float) -> None:
+    with pytest.raises(ValueError, match="no edge as wide"):
+        with_bar(hull([(-10 + 0j, 5), (10 + 0j, 5)]), 0j, 1 + 0j, half, length)

@@ -140,11 +140,8 @@ class Stitch:
                 "feed_deg", math.degrees(self.feed), 0.0, math.degrees(longer(VANISHING) + self.feed), "deg",
                 "shaft angle over which the needles are off their lowest point", "let them dwell there for less",
             )  # fmt: skip
-
-        def both(share: Floats, _: object) -> tuple[Floats, Floats]:
-            return np.array([longer(s) for s in share.tolist()]), np.zeros(share.size)
-
-        return float(roots(both, np.array([VANISHING]), np.array([1 - HAIR]))[0])
+        ends = np.array([VANISHING]), np.array([1 - HAIR])
+        return float(roots(lambda share, _: (np.array([longer(share[0])]), np.zeros(1)), *ends)[0])
 
     def design(self, published: bool = False) -> Design:
         """All figures, corrected or as printed; DesignError where no such mechanism exists."""

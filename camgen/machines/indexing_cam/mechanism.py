@@ -24,14 +24,13 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Points, Region
+from camgen.findings import Finding
+from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cam_drive import Load as CamLoad
 from camgen.machine.cam_drive import cam_machine, cam_outline
+from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Pose
-from camgen.machine.features import Asked, CamMeant, Feature, Mount
+from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machine.study import Plot, Sketch, Study
@@ -350,17 +349,6 @@ class IndexingCam(Mechanism):
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """The cams turning about O, the follower about A, the driven link about its own axle."""
-        theta = np.asarray(theta, float)
-        still: Points = np.zeros(theta.shape, complex)
-        s = self.reachable(theta)
-        found = {mount.part: [Pose(theta, still, z=mount.z)] for mount in self.mounts()}
-        found["follower"] = [Pose(s, still + complex(self.geometry.follower.pivot_distance))]
-        found["driven-link"] = [Pose(-self.geometry.gear_ratio * s, still + self._link_centre)]
-        found["ground"] = [Pose(np.zeros(theta.shape), still)]
-        return found
-
     @property
     def _link_centre(self) -> complex:
         f = self.geometry.follower
@@ -372,12 +360,8 @@ class IndexingCam(Mechanism):
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
-        return [cam_outline(cam, name, self.making.bore, self._meant(name, cam)) for name, cam in self.cams.items()]
-
-    def _meant(self, name: str, cam: DiscCam) -> CamMeant:
-        lever = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[name]))
-        given, limits = cam.reachable if cam.undercuts else None, self.allowed
-        return CamMeant(given, lever, limits.speed_ripple, math.radians(limits.undercut_deg))
+        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
+        return [cam_outline(cam, name, self.making.bore, self._pressure[name], *accepted) for name, cam in self.cams.items()]
 
     def mounts(self) -> Sequence[Mount]:
         """The cams beside each other."""
@@ -385,15 +369,15 @@ class IndexingCam(Mechanism):
         return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
 
     def asked(self) -> Sequence[Asked]:
-        """The play of the follower that is borne."""
-        return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
+        """The play of the follower that is borne; the link follows by gears that are not made."""
+        return Asked("swing", lash=math.radians(self.allowed.lash_deg)), Asked("link", judged=False)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
     @cached_property
     def _pressure(self) -> Mapping[str, float]:
         """Largest pressure angle of each cam, deg."""
-        return {name: math.degrees(cam.greatest(cam.pressure_angle)[1]) for name, cam in self.cams.items()}
+        return {name: steepest(cam) for name, cam in self.cams.items()}
 
     @cached_property
     def _study(self) -> IndexingStudy:
@@ -427,28 +411,13 @@ class IndexingCam(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""
+        allowed = Allowed(
+            self.allowed.pressure_angle_deg, self.allowed.undercut_deg, None,
+            "a larger base_radius, gear_ratio or rise_deg", "a larger base_radius or a smaller roller",
+        )  # fmt: skip
         findings = []
         for name, cam in self.cams.items():
-            where = f"exact {name}"
-            findings.append(
-                at_most(
-                    "PRESSURE_ANGLE", self._pressure[name], self.allowed.pressure_angle_deg, "deg", where,
-                    "a larger base_radius, gear_ratio or rise_deg lowers it",
-                )
-            )  # fmt: skip
-            lost = max((math.degrees(cut.shortfall) for cut in cam.undercuts), default=0.0)
-            findings.append(
-                at_most(
-                    "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where,
-                    "a larger base_radius or a smaller roller lowers it" if lost else "the roller follows the whole motion",
-                )
-            )  # fmt: skip
-            reach = float(np.max(np.abs(facet_contour(cam.outline, self.accuracy.chord_tolerance))))
-            pivot = self.geometry.follower.pivot_distance
-            findings.append(
-                at_least("INTERFERENCE", pivot - reach, 0.0, "mm", f"{where} and the follower's axle",
-                         f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {pivot:g} mm")
-            )  # fmt: skip
+            findings += cam_limits(f"exact {name}", cam, self._pressure[name], allowed, self.accuracy.chord_tolerance)
         return [*findings, *self._study.findings(self.allowed.acceleration_jump, self.allowed.residual)]
 
     def study(self) -> Study:
@@ -460,9 +429,7 @@ class IndexingCam(Mechanism):
             **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius - cam.follower.tip_radius
                for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
         }  # fmt: skip
-        cut = [c for cam in self.cams.values() for c in cam.undercuts]
-        numbers |= {"undercut_deg": max((math.degrees(c.shortfall) for c in cut), default=0.0),
-                    "undercut_mm": max((c.depth for c in cut), default=0.0)}  # fmt: skip
+        numbers |= lost([*self.cams.values()])
         if isinstance(self._spring, CrankSpring):
             low, high = self._spring.stretches
             numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,
@@ -489,6 +456,7 @@ class IndexingCam(Mechanism):
         rollers = [(cam.follower.arm, cam.follower.tip_radius) for cam in self.cams.values()]
         strokes = [np.array([0j, arm]) for arm, _ in rollers]
         size = self.geometry.follower.arm / 2
-        table = Sketch("driven-link", [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])], [(0j, size)])
+        arrow = [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])]
+        table = Sketch("driven-link", arrow, [(0j, size)], "driven-link")
         bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
-        return Sketch("follower", strokes, rollers), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])
+        return Sketch("follower", strokes, rollers, "follower"), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])

@@ -4,9 +4,12 @@
     slot     straight, as long as its pin's way; its link lies over the one with the pin
     slide    a bar between rails of the plate or of the link that guides it; it is held down by the links on its pins
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
-    pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it
+    pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
+             a level the plate's pins have their heads under it and are pressed into their highest link; or a steel
+             dowel with a cap pressed on
     spacer   round a pin, where levels between its links are empty
-    shaft    of a link that drives or carries cams: its flat turns link and cams; it turns in the plate, held by a collar
+    shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar
+    gear     two wheels on shafts
     cam      over its follower, whose roller turns on a pin that is pressed into it; a groove's cam is three plates
     pen      a hole at a point that is an output and no pin
 """
@@ -24,9 +27,10 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Mark, Mount, PinEyes, SlotFaces
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces
 from camgen.machines.linkage.layout import GROUND, Layout
-from camgen.machines.linkage.wheels import Tip, groove_rim, groove_wall, named, outline
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
+from camgen.parts.catalogue import STEEL, dowel
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -34,7 +38,7 @@ from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
 _MM = 1e-3
-_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}"}
+_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin"}
 
 Placed = tuple[Part, Mount]
 
@@ -63,7 +67,7 @@ class Bodies:
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [Mount(part_name(name), name, z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
-        for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)),
+        for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point))]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
@@ -98,8 +102,7 @@ class Bodies:
         for point, (low, high) in layout.slots_of(link).items():
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
-        outer = layout.guides[link].outline if link in layout.guides else hull(layout.hubs(link))
-        region = plate(f"link {link}", outer, holes, self.min_wall)
+        region = plate(f"link {link}", layout.outline(link), holes, self.min_wall)
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         return Part(
             part_name(link), f"Link {link}",
@@ -170,7 +173,14 @@ class Bodies:
             yield collar, Mount("collar", body, at, z=-play - s.thickness)
         else:
             bottom, hung = layout.floor(held[0]), point in layout.hung
-            yield self._headed(top + play - bottom), Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+            grip = top + play - bottom
+            if s.pin == "printed":
+                yield self._headed(grip), Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+            else:
+                steel, cap = self._dowel(grip, point)
+                low = bottom - (play + cap.thickness) * hung
+                yield steel, Mount("pin", body, at, z=low)
+                yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
         for low, high in zip(held, held[1:], strict=False):
             height = layout.floor(high) - layout.top(low) - 2 * play
             if high - low > 1:
@@ -195,6 +205,21 @@ class Bodies:
         shank = Layer(Region(circle(0j, s.pin_diameter / 2)), s.head, s.head + length)
         return Part("pin", "Pin", (head, shank), centres=(0j,), notes=("pressed and glued in",), cut=1)
 
+    def _dowel(self, grip: float, point: str) -> tuple[Part, Part]:
+        """A dowel through so much, mm, and the cap on what stands out; DesignError where none of such a length is sold."""
+        s = self.sizes
+        length = dowel(s.pin_diameter, grip + s.thickness)
+        least = grip + max(self.min_wall, s.head / 2)
+        if length < least:
+            raise DesignError(
+                "length of the dowel", length, least, "mm", f"pin {point}",
+                'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
+            )  # fmt: skip
+        notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
+        steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
+        hole, wide = s.pin_diameter + self.fits.press_clearance, s.pin_diameter + 2 * s.head
+        return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, self.min_wall)
+
     # ---- cams -------------------------------------------------------------------------------------------------------
 
     def _cam(self, tip: Tip) -> Iterator[Placed]:
@@ -204,9 +229,11 @@ class Bodies:
         floor = layout.floor(layout.level[tip.level])
         said = (f"drawn at theta = 0, level {layout.level[tip.level]}", f"pressed and glued on the shaft of {link}")
         for part, under, place in self._discs(tip):
-            part = replace(part, name=part.name.replace("cam", f"cam-{tip.level}", 1), title=f"{part.title}: {tip.joint.name}")
+            part = replace(part, name=part.name.replace("cam", f"cam-{tip.name}", 1), title=f"{part.title}: {tip.joint.name}")
             yield replace(part, notes=said), Mount(part.name, link, at + place * tip.turn, turned, z=floor - under)
-        hole, ring = s.pin_diameter + self.fits.slide_clearance, f"roller-{tip.level}"
+        if not tip.rolls:
+            return
+        hole, ring = s.pin_diameter + self.fits.slide_clearance, f"roller-{tip.name}"
         roller = spacer(ring, f"Roller of cam {tip.joint.name}", hole, 2 * tip.radius, s.thickness, self.min_wall)
         yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
 
@@ -230,6 +257,23 @@ class Bodies:
             yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
             pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + s.thickness)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
+
+    def _gear(self, wheel: Toothed) -> Placed:
+        """A gear's wheel on its link's shaft, as drawn at theta = 0."""
+        layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
+        start = float(layout.machine.start_of(wheel.link).angle)
+        edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
+        region = plate(f"wheel of {wheel.link}", edge, {"bore": self._profile(press).moved(cmath.exp(1j * start))}, self.min_wall)
+        notes = (
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
+            f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
+        )  # fmt: skip
+        part = Part(
+            wheel.part, f"Wheel of {wheel.link}", (Layer(region, 0.0, self.sizes.thickness),), centres=(0j,), notes=notes,
+            bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
+        )  # fmt: skip
+        at = layout.at(wheel.link, layout.shaft_of(wheel.link))
+        return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -265,21 +309,36 @@ class Bodies:
                     found.append(SlotFaces(joint.name, walls, self._eye(point, a), pin))
                 else:
                     found.append(PinEyes(joint.name, self._eye(point, a), self._eye(point, b), pin))
+        for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
+            turns = self._pivot(one.link), self._pivot(other.link)
+            found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
         found += [outline for tip in layout.tips for outline in self._outlines(tip)]
         return [*found, *(Mark(self._eye(point, link)) for point, link in layout.pens.items())]
 
+    def _pivot(self, link: str) -> str:
+        """Name of the pin on which a link turns on the ground."""
+        joints = self.layout.machine.joints
+        return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
+
+    def _tip(self, tip: Tip) -> Eye | Flat:
+        """What of the follower touches: a roller's seat, an edge, a face."""
+        link = tip.joint.follower
+        if tip.rolls:
+            return self._eye(tip.point, link)
+        at = self.layout.at(link, tip.point)
+        if tip.shape == "knife":
+            return Eye(part_name(link), at, 0.0)
+        (low, high), away = tip.touched(), tip.away(float(self.layout.machine.start_of(link).angle))
+        origin = at if tip.joint.slide is not None else pivot(self.layout.machine, link)[0]
+        return Flat(part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low)
+
     def _outlines(self, tip: Tip) -> Iterator[CamOutline]:
         """What a roller runs on, first what drives; the hole of its pin is what holds it."""
-        joint, name = tip.joint, f"cam-{tip.level}"
-        turns, swings = (
-            next((each.name for each in self.layout.machine.joints
-                  if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link}), None)
-            for link in (joint.cam, joint.follower)
-        )  # fmt: skip
-        assert turns is not None, "what carries a cam turns on the ground"
+        joint, name = tip.joint, f"cam-{tip.name}"
         driving = CamOutline(
-            joint.name, f"{name}-inner" if tip.grooved else name, turns, swings if joint.slide is None else None,
-            self._eye(tip.point, joint.follower), tip.radius, tip.leaves, roller=f"roller-{tip.level}",
+            joint.name, f"{name}-inner" if tip.grooved else name, self._pivot(joint.cam),
+            self._pivot(joint.follower) if joint.slide is None else None,
+            self._tip(tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
         )  # fmt: skip
         yield driving
         if tip.grooved:
@@ -306,8 +365,9 @@ class Bodies:
                 rows = []
                 for mount in (mount for mount in self.mounts if mount.body == body.name):
                     part = made[mount.part]
-                    mass, centre = part.volume * density * _MM**3, centre_of(part)
-                    own = inertia_of(part, density) - mass * abs(centre * _MM) ** 2
+                    heavy = density if part.made == "printed" else 1e3 * STEEL
+                    mass, centre = part.volume * heavy * _MM**3, centre_of(part)
+                    own = inertia_of(part, heavy) - mass * abs(centre * _MM) ** 2
                     rows.append((mass, mount.place(centre), own))
                 mass = sum(row[0] for row in rows)
                 centre = sum(row[0] * row[1] for row in rows) / mass

@@ -193,7 +193,7 @@ class Drawing:
             faults += self._cam_faults(f"cam.{k}", cam, link)
         for name in self.levels_of_joints():
             if name in links:
-                faults.append(Fault(f"links.{name}", "", "another name: a cam has it, and a level of that name"))
+                faults.append(Fault(f"links.{name}", "", "another name: a cam or gear has it, and its level"))
         for kind, names in (("slide", map(self.slide_name, self.slides)), ("slot", map(self.slot_name, self.slots)),
                             ("gear", map(self.gear_name, self.gears)), ("cam", map(self.cam_name, self.cams))):  # fmt: skip
             for k, name in enumerate(names):
@@ -305,9 +305,9 @@ class Drawing:
         return cam.name or f"{cam.cam} on {cam.follower}"
 
     def levels_of_joints(self) -> list[str]:
-        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair."""
-        found = []
-        for cam in self.cams:
+        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears."""
+        found = [level_of(self.gear_name(gear)) for gear in self.gears]
+        for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
             found += [key, key + SECOND] if cam.closure == "conjugate" else [key]
         return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,13 +11,20 @@ from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.closed_form import FourBar, four_bar
-from camgen.machine.run import solve
+from camgen.machine.landmarks import double_points
+from camgen.machine.run import Run, solve
 from camgen.machine.study import Plot, Sketch, Study, Table
-from camgen.machine.targets import Course
+from camgen.machine.targets import Course, time_ratio
+from camgen.machine.turning import transmission
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
 
+_EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")
+_PATHS = ("path", "length, mm", "least radius, mm", "at, deg", "inflections at, deg", "cusps at, deg", "crosses itself at, deg")
+_MOST_SERIES = 8  # curves of one plot
+_RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
+_SLOW, _STILL = 0.05, 1e-6  # of a point's greatest speed: where a stop is looked for, and what is one
 ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
 
 
@@ -44,8 +51,20 @@ def study(linkage: Linkage) -> Study:
             marks = path[::60]  # of equal time where the drive turns evenly
             series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
             plots.append(Plot(f"Path of {output.name}", "x, mm", "y, mm", series, equal=True))
+    paths_of = _path_table(linkage, theta, run)
+    for name, length, radius, *_ in paths_of:
+        numbers |= {f"{name}_length_mm": float(str(length)), f"{name}_least_radius_mm": float(str(radius))}
+    places, ratios = _extreme_places(linkage)
+    numbers |= ratios
+    bends = transmission(linkage.chain, theta)
+    label = linkage.angle_name + ", deg"
+    if bends:
+        series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
+        plots.append(Plot("Transmission angle", label, "deg", series[:_MOST_SERIES]))
     heads = ("output", "unit", "least", "greatest", "stroke", "peak speed, /s", "peak acceleration, /s^2")
     tables = [Table("Outputs", heads, rows)]
+    tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
+    tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
     notes = []
     bar = four_bar_of(linkage.chain, linkage.drive.link)
     if bar is not None:
@@ -83,11 +102,14 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
     if linkage.lacking() is not None:
         return Study()
-    found, label = solve(linkage.machine(), theta).forces(), f"{linkage.drive.link}, deg"
+    found, label = solve(linkage.machine(), theta).forces(), f"{linkage.angle_name}, deg"
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
     numbers = {"peak_torque_n_m": float(np.abs(torque).max()), "peak_kinetic_energy_j": float(found.energy.max())}
     numbers |= {f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
+    for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
+        unit = "n_m" if cam.slide is None else "n"  # what a spring must give at least, along the follower's motion
+        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.push * found.contacts[cam.name]).min()))
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
     plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
     return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])
@@ -138,6 +160,68 @@ def four_bar_of(machine: m.Machine, driven: str) -> FourBar | None:
         return None
     (coupler,) = set(lengths) - {m.GROUND, driven, output[0]}
     return four_bar(lengths[m.GROUND], lengths[driven], lengths[coupler], lengths[output[0]])
+
+
+def _extreme_places(linkage: Linkage) -> tuple[list[tuple[object, ...]], dict[str, float]]:
+    """Where angles and places turn back: there the output could not drive; the time ratio of each that goes to and fro."""
+    rows: list[tuple[object, ...]] = []
+    ratios = {}
+    for wanted, course in zip(linkage.wanted, courses(linkage), strict=True):
+        if np.iscomplexobj(course.value) or abs(course.value[-1] - course.value[0]) > _RETURNS * np.ptp(course.value):
+            continue
+        dead = "turns back: a dead point for a force at the output"
+        for sign in (-1, 1):
+            theta, value = course.extreme(sign)
+            inside = course.whole or course.theta[0] < theta < course.theta[-1]
+            rows.append((wanted.name, course.unit, value, math.degrees(theta), dead if inside else "end of the range"))
+        if course.whole:
+            ratios[f"{wanted.name}_time_ratio"] = time_ratio(course)[0]
+    return rows, ratios
+
+
+def _path_table(linkage: Linkage, theta: Floats, run: Run) -> list[tuple[object, ...]]:
+    """Of each path its length, its sharpest place, where it is straight for a moment, where it has cusps, where it crosses
+    itself. A cusp is a place where the point stands still for a moment."""
+    rows: list[tuple[object, ...]] = []
+    whole = linkage.drive.range_deg is None
+    for output in (each for each in linkage.chain.outputs if isinstance(each.of, m.Path)):
+        _, first, second = np.asarray(run.derivatives(output.name), complex)
+        speed, bend = np.abs(first), (np.conj(first) * second).imag
+        length = float(np.sum((speed[1:] + speed[:-1]) / 2 * np.diff(theta)))
+        if not length > 0:
+            continue
+        with np.errstate(all="ignore"):
+            radius = np.where(speed > 0, speed**3 / np.abs(bend), np.inf)
+        sharp = int(np.argmin(radius))
+        stops = _stops(linkage, output.name, theta, speed, whole)
+        turns = np.flatnonzero((np.signbit(bend[1:]) != np.signbit(bend[:-1])) & (speed[1:] > _STILL * speed.max()))
+        straight = [math.degrees(theta[k]) for k in turns if all(abs(theta[k] - stop) > 0.02 for stop in stops)]
+        crossed = []
+        if whole and not stops and not linkage.drive.segments:
+            pairs, _ = double_points(lambda t, order, name=output.name: _jet(linkage, name, t)[order], 720)  # type: ignore[misc]
+            crossed = [" and ".join(f"{math.degrees(t) % 360:.1f}" for t in pair) for pair in pairs]
+        least = 0.0 if stops else float(radius[sharp])
+        at = math.degrees(stops[0] if stops else theta[sharp])
+        told = [", ".join(f"{math.degrees(t):.2f}" for t in stops), "; ".join(crossed)]
+        rows.append((output.name, length, least, at, ", ".join(f"{t:.1f}" for t in straight), *told))
+    return rows
+
+
+def _jet(linkage: Linkage, name: str, theta: Floats) -> Any:
+    return linkage.solve(theta).derivatives(name)
+
+
+def _stops(linkage: Linkage, name: str, theta: Floats, speed: Floats, whole: bool) -> list[float]:
+    """Angles at which a path's point stands still for a moment, rad: the least speeds, by Newton's method from the samples."""
+    near = np.flatnonzero((speed <= np.roll(speed, 1)) & (speed <= np.roll(speed, -1)) & (speed < _SLOW * speed.max()))
+    t = theta[near if whole else near[(near > 0) & (near < len(theta) - 1)]]
+    if linkage.drive.segments or not t.size:  # a program's rests are none
+        return []
+    for _ in range(20):
+        _, first, second = _jet(linkage, name, t)
+        t = t - np.clip((np.conj(second) * first).real / np.maximum(np.abs(second) ** 2, 1e-300), -0.01, 0.01)
+    still = np.abs(_jet(linkage, name, t)[1]) < _STILL * speed.max()
+    return sorted({round(float(x % math.tau if whole else x), 9) for x in t[still]})
 
 
 def _extremes(linkage: Linkage, signal: Signal, theta: Floats, value: Floats) -> tuple[float, float]:

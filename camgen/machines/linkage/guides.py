@@ -11,7 +11,6 @@ The rails stand on what guides, one level or more under the runner.
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -68,17 +67,17 @@ class Guide:
 
 def guide(
     joint: m.Slide, stroke: tuple[float, float], hubs: Sequence[tuple[complex, float]], slotted: bool, least: float,
-    clearance: float, sizes: Parts, stem: str, beyond: float = -math.inf,
+    clearance: float, sizes: Parts, stem: str, clear: tuple[float, float],
 ) -> Guide:  # fmt: skip
     """The bodies of a slide whose runner has these hubs, place in its axes and radius.
 
     stroke: least and greatest place along it, mm; least: half width that a bar has at least; stem: one of STEMS;
-    beyond: from where on rails ahead may stand, mm along the guide's line.
+    clear: between which places of the guide's line no rails may stand, mm.
     """
     own, along, (low, high) = cmath.exp(1j * (joint.angle - joint.turn)), cmath.exp(1j * joint.angle), stroke
     discs = [((z - joint.runner.at) / own, radius) for z, radius in hubs] or [(0j, least)]
     across = [z.imag for z, _ in discs]
-    wing = slotted or max(across) - min(across) > SAME_POINT
+    wing = slotted or max(across) - min(across) > SAME_POINT or any(radius == 0 for _, radius in hubs)
     aside = (min(across) + max(across)) / 2
     half = max([least, *(radius for _, radius in discs)])
     begin, end = min(z.real for z, _ in discs), max(z.real for z, _ in discs)
@@ -91,11 +90,11 @@ def guide(
     if stem == "along":
         stems, spans = [(begin - half, end + half)], [(low + begin - half, high + end + half)]
     if stem in ("ahead", "both"):
-        start = max(high + end + rim, beyond + _AIR) + sizes.rail_width / 2
+        start = max(high + end + rim, clear[1] + _AIR) + sizes.rail_width / 2
         stems.append((begin if stem == "ahead" and not wing else (begin + end) / 2, start + grip - low))
         spans.append((start, start + grip))
     if stem in ("behind", "both"):
-        start = low + begin - rim - sizes.rail_width / 2
+        start = min(low + begin - rim, clear[0] - _AIR) - sizes.rail_width / 2
         stems.append((end if stem == "behind" and not wing else (begin + end) / 2, start - grip - high))
         spans.append((start - grip, start))
     if not wing and stem == "both":

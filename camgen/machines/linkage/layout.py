@@ -17,12 +17,14 @@ from functools import cached_property
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.guides import Guide, guide
-from camgen.machines.linkage.tables import Cam, Parts
-from camgen.machines.linkage.wheels import Tip, Wheel, tips, with_seconds
+from camgen.machines.linkage.guides import STEMS, Guide, guide
+from camgen.machines.linkage.tables import Cam, Gear, Parts
+from camgen.machines.linkage.wheels import NOSE, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
 from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
+from camgen.parts.part import hull, with_bar
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -34,8 +36,9 @@ class Layout:
     """A machine and the sizes of its parts.
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
-    strokes: least and greatest place along each slot and slide, mm; cams: tables of the Cam joints; stems: how each slide's
-    runner reaches its rails.
+    strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
+    slide's runner reaches its rails; sunk: whether the pins of the ground have their heads under the plate, where they turn,
+    and are pressed into their highest link.
     """
 
     drawn: m.Machine
@@ -46,7 +49,9 @@ class Layout:
     given: Mapping[str, int]
     strokes: Mapping[str, tuple[float, float]]
     cams: Mapping[str, Cam] = field(default_factory=dict)
+    gears: Mapping[str, Gear] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)
+    sunk: bool = False
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -57,21 +62,21 @@ class Layout:
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made."""
-        others = [joint for joint in self.machine.joints if isinstance(joint, m.Gear)]
-        if others:
-            return DesignError(
-                "joints without bodies", len(others), 0, "", f"gear {others[0].name}",
-                "bodies are made of pins, slots, slides and cams so far: make this joint of such",
-            )  # fmt: skip
+        try:
+            self.toothed  # noqa: B018
+        except DesignError as error:
+            return error
         slid = next((tip for tip in self.tips if tip.hung and tip.joint.slide is not None), None)
         if slid is not None:
             return DesignError(
                 "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
                 'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
             )  # fmt: skip
-        flat = next((name for name, cam in self.cams.items() if cam.shape != "roller"), None)
-        if flat is not None:
-            return DesignError("joints without bodies", 1, 0, "", f"cam {flat}", 'use shape = "roller"')
+        held = next((tip for tip in self.tips if not tip.rolls and tip.closure != "force"), None)
+        if held is not None:
+            return DesignError(
+                f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
+            )
         return None
 
     @cached_property
@@ -96,15 +101,20 @@ class Layout:
         return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
 
     @cached_property
+    def toothed(self) -> list[Toothed]:
+        """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
+        return toothed(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
+
+    @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs."""
-        return [tip.wheel for tip in self.tips]
+        """Cam discs and gears' wheels."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed)]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         bodies, slots = self.machine.bodies, self.slots
-        rollers = {tip.point for tip in self.tips}
+        rollers = {tip.point for tip in self.tips if tip.rolls}
         carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
         return {
             name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
@@ -123,7 +133,7 @@ class Layout:
     def riders(self) -> dict[str, list[str]]:
         """Levels of what sits on a pin or shaft beside the links, by the point's name."""
         found: dict[str, list[str]] = {}
-        for tip in self.tips:
+        for tip in (tip for tip in self.tips if tip.rolls):
             found.setdefault(tip.point, []).append(tip.level)
         for wheel in self.wheels:
             found.setdefault(self.shaft_of(wheel.link), []).append(wheel.level)
@@ -131,8 +141,14 @@ class Layout:
 
     @cached_property
     def hung(self) -> set[str]:
-        """Points whose pin has its head below, under a roller that hangs from its follower."""
-        return {tip.point for tip in self.tips if tip.hung}
+        """Points whose pin has its head below: under a roller that hangs from its follower, or under the plate."""
+        return {tip.point for tip in self.tips if tip.hung} | self.under_plate
+
+    @cached_property
+    def under_plate(self) -> set[str]:
+        """Points whose pin has its head under the plate."""
+        grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
+        return {point for point in grounded if point not in self.slots} if self.sunk else set()
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
@@ -165,6 +181,8 @@ class Layout:
         if point in self.shafts:
             return self.shafts[point]
         links = self.pivots[point]  # never the last where that has a slot, for it lies over the others
+        if point in self.under_plate:
+            return max(links, key=lambda link: self.level[link])
         return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
 
     def hole(self, point: str, link: str) -> float:
@@ -200,7 +218,50 @@ class Layout:
     def round_hubs(self, link: str) -> list[tuple[complex, float]]:
         """Hubs of a link, those at the ends of its slots too: place in its axes and radius."""
         hubs = [(z, self.hub(point, link)) for point, z in self.points_of(link).items()]
-        return hubs + [(z, self.hub(point, link)) for point, ends in self.slots_of(link).items() for z in ends]
+        hubs += [(z, self.hub(point, link)) for point, ends in self.slots_of(link).items() for z in ends]
+        for tip in self.noses(link):
+            if tip.shape == "knife" or tip.joint.slide is not None:
+                nose = tip.nose(float(self.machine.start_of(link).angle), self._nose)
+                hubs += [(self.at(link, tip.point) + z, radius) for z, radius in nose]
+        return hubs
+
+    def stems_of(self, link: str) -> Sequence[str]:
+        """How a link that slides may reach its rails: away from a cam that its own end touches."""
+        sides = {tip.leaves for tip in self.noses(link)}
+        return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+
+    def noses(self, link: str) -> list[Tip]:
+        """Knives and faces of a link."""
+        return [tip for tip in self.tips if not tip.rolls and tip.joint.follower == link]
+
+    @property
+    def _nose(self) -> float:
+        """Radius of the discs of knives and faces, mm."""
+        return self.sizes.pin_diameter / 2 + self.sizes.wall
+
+    def arm(self, tip: Tip) -> tuple[complex, complex, float, float, bool] | None:
+        """The bar with the face or knife of a link that swings: begin and direction of its middle line in the link's axes, half
+        width and length, mm, and whether it is pointed.
+
+        None of what slides; DesignError where a face's hub would be in the way.
+        """
+        if tip.joint.slide is not None:
+            return None
+        start = float(self.machine.start_of(tip.joint.follower).angle)
+        if tip.shape == "knife":
+            away, reach = tip.away(start), NOSE * self._nose
+            return self.at(tip.joint.follower, tip.point) + reach * away, -away, 0.5 * self._nose, reach, True
+        link, (low, high) = tip.joint.follower, tip.touched()
+        hinge = pivot(self.machine, link)[0]
+        hub = self.hub(next(name for name, z in self.points_of(link).items() if z == hinge), link)
+        near, far = sorted((abs(low), abs(high)))
+        if low * high < 0 or near < hub or len(self.points_of(link)) > 1:
+            raise DesignError(
+                "place on the face where it is touched", near, hub, "mm from the hinge", f"cam {tip.joint.name}",
+                "draw the hinge further off, and no other pins on this link: its hub must stay clear of the cam",
+            )  # fmt: skip
+        facing, half = tip.away(start), 0.4 * hub
+        return hinge + half * facing, math.copysign(1, low + high) * 1j * facing, half, far, False
 
     def hubs(self, link: str) -> list[tuple[complex, float]]:
         """What a link's band is drawn round: hubs, and the feet of rails that stand on it."""
@@ -211,6 +272,16 @@ class Layout:
                 found += [(z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends]
         return found
 
+    def outline(self, link: str) -> Contour:
+        """A link's edge."""
+        if link in self.guides:
+            return self.guides[link].outline
+        edge = hull(self.hubs(link))
+        for tip in self.noses(link):
+            bar = self.arm(tip)
+            edge = edge if bar is None else with_bar(edge, *bar)
+        return edge
+
     @cached_property
     def guides(self) -> dict[str, Guide]:
         """What slides in what, by the link that slides."""
@@ -218,20 +289,21 @@ class Layout:
         return {
             link: guide(
                 joint, self.strokes[joint.name], self.round_hubs(link), bool(self.slots_of(link)), head,
-                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._beyond(link),
+                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link),
             )
             for link, joint in self.slides.items()
         }  # fmt: skip
 
-    def _beyond(self, link: str) -> float:
-        """How far ahead on the line of its slide the rails of a link must be clear of cams under it, mm."""
-        found = [-math.inf]
+    def _clear(self, link: str) -> tuple[float, float]:
+        """Between which places on the line of its slide no rails of a link may stand, for cams on their way up, mm."""
+        found = []
         for tip in self.tips:
-            if (tip.grooved or tip.hung) and tip.joint.follower == link:
+            if tip.joint.follower == link and (tip.grooved or tip.hung or not tip.rolls):
                 joint = self.slides[link]
                 away = self.at(GROUND, self.shaft_of(tip.joint.cam)) - joint.guide.at
-                found.append((away / cmath.exp(1j * joint.angle)).real + tip.wheel.radius)
-        return max(found)
+                middle = (away / cmath.exp(1j * joint.angle)).real
+                found.append((middle - tip.wheel.radius, middle + tip.wheel.radius))
+        return (min(low for low, _ in found), max(high for _, high in found)) if found else (math.inf, -math.inf)
 
     # ---- levels -----------------------------------------------------------------------------------------------------
 
@@ -247,8 +319,11 @@ class Layout:
         """What lies on a level: links, and what touches on shafts."""
         return list(dict.fromkeys([*(body.name for body in self.machine.moving), *(wheel.level for wheel in self.wheels)]))
 
-    def levels(self, run: Run) -> dict[str, int]:
-        """Level of all that lies on one, those given kept; run: samples over the whole motion."""
+    def levels(self, run: Run, explain: bool) -> dict[str, int] | None:
+        """Level of all that lies on one, those given kept; run: samples over the whole motion.
+
+        Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
+        """
         bands, axes, over = [], [], []
 
         def ways(link: str, places: Sequence[complex]) -> np.ndarray:
@@ -267,14 +342,19 @@ class Layout:
                 bands += [band(body.name, body.name, discs) for discs in self.guides[body.name].bands]
             else:
                 bands.append(band(body.name, body.name, self.hubs(body.name)))
+            for start, way, half, length, _ in (bar for tip in self.noses(body.name) if (bar := self.arm(tip)) is not None):
+                bands.append(band(f"face of {body.name}", body.name, [(start, half), (start + length * way, half)], body.name))
         for tip in self.tips:
             cam, follower = tip.wheel, tip.joint.follower
             at = self.at(GROUND, self.shaft_of(cam.link))
             disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level)
             roller = band(f"roller of {cam.about}", follower, [(self.at(follower, tip.point), tip.radius)], tip.level)
             # under a groove's roller there is the back plate, under one that hangs the head of its pin
-            bands += [replace(disc, below=int(tip.grooved)), replace(roller, below=int(tip.hung))]
-            over.append((follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower))
+            bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
+            over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
+        for wheel in (each.wheel for each in self.toothed):
+            at = self.at(GROUND, self.shaft_of(wheel.link))
+            bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level))
         for point, links in self.pivots.items():
             moving, shaft = tuple(link for link in links if link != GROUND), self.shafts.get(point)
             upper = shaft or moving[-1]
@@ -292,7 +372,7 @@ class Layout:
                 for ends in each.rails
             ]
             over += [(link, on)] if on != GROUND else []
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over)
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain)
 
     def levels_at(self, point: str) -> list[int]:
         """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""

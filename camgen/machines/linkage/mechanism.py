@@ -33,7 +33,7 @@ from camgen.machine.study import Study, together
 from camgen.machine.targets import stroke
 from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
-from camgen.machines.linkage import figures
+from camgen.machines.linkage import bridges, figures, wheels
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
@@ -94,7 +94,7 @@ class Linkage(Mechanism):
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
-    layers: t.Layers = Field({}, description="level of a link or of a cam, 1 is the lowest; what is left out is found")
+    layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
     def faults(self) -> Sequence[Fault]:
@@ -104,6 +104,9 @@ class Linkage(Mechanism):
         lying = [*moving, *self._drawing.levels_of_joints()]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle)
+        if self.includes and self.drive.segments:
+            right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
+            found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -238,9 +241,10 @@ class Linkage(Mechanism):
     @property
     def _layout(self) -> Layout:
         cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
-            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams
-        )
+            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears
+        )  # fmt: skip
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
@@ -319,7 +323,12 @@ class Linkage(Mechanism):
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
+        found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
         return [*found, *(finding for each in self.modules for finding in each.limits())]
+
+    def texts(self) -> Mapping[str, str]:
+        """The chain as drawn, as a picture and as PMKS lines."""
+        return {"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)}
 
     def study(self) -> Study:
         """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar; then those of

@@ -16,6 +16,7 @@ from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
+from camgen.parts.catalogue import DOWELS
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
 Name = Annotated[
@@ -100,6 +101,7 @@ class Gear(Record):
     a: Name = Field(description="link")
     b: Name = Field(description="link")
     ratio: Annotated[float, Field(ge=-1000, le=1000)] = Field(description="below 0: b turns the other way")
+    teeth: Annotated[int, Field(ge=5, le=400)] | None = Field(None, description="of the wheel of a; found unless given")
     name: Name | None = Field(None, description="of the joint; both links unless given")
 
 
@@ -195,6 +197,7 @@ class Parts(Record):
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
     thickness: Length = Field(4.0, description="mm, of a link")
+    pin: Literal["printed", "dowel"] = Field("printed", description="printed with a head, or bought, of steel, with a cap")
     pin_diameter: Length = Field(5.0, description="mm, of pins")
     wall: Length = Field(2.0, description="mm, round each hole")
     head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
@@ -217,6 +220,9 @@ class Parts(Record):
         known = [*type(self).model_fields, *links]
         found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
+        if self.pin == "dowel" and self.pin_diameter not in DOWELS:
+            right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
+            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))
@@ -235,6 +241,7 @@ class Limits(Record):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
+    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = Field(45.0, description="deg, greatest of each cam")
     lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
         None, description="mm, free play of an output by all joints' play; a quarter of its stroke unless given"
     )

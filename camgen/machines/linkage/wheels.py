@@ -17,15 +17,20 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams import DiscCam
+from camgen.machine.features import Teeth
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Cam, Parts
+from camgen.machines.linkage.tables import Cam, Gear, Parts
 from camgen.motion.program import Program
+from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
+NOSE = 3.0  # radii of a knife's disc, from there to its edge
+_BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
 @dataclass(frozen=True)
@@ -39,10 +44,37 @@ class Wheel:
 
 
 @dataclass(frozen=True)
+class Toothed:
+    """A gear's wheel: its level, joint, link, teeth, and the direction of a tooth as drawn, rad on the ground."""
+
+    level: str
+    joint: m.Gear
+    link: str
+    spur: Spur
+    tooth: float
+
+    @property
+    def part(self) -> str:
+        """Name of its part."""
+        return f"gear-{self.level}-{self.link}"
+
+    @property
+    def teeth(self) -> Teeth:
+        """On what it is measured."""
+        return Teeth(self.part, self.spur.teeth, self.spur.pitch, self.spur.thickness, self.tooth)
+
+    @property
+    def wheel(self) -> Wheel:
+        """Its disc."""
+        return Wheel(self.level, self.link, self.spur.tip, f"wheel of {self.link}")
+
+
+@dataclass(frozen=True)
 class Tip:
     """A cam that a follower's tip runs on; point: of the follower; leaves: the sense of the follower that takes it off.
 
-    rim: how much further a groove's plates reach than its follower's way, mm.
+    name: of its parts; rim: how much further a groove's plates reach than its follower's way, mm. A knife or a face is a part
+    of the follower's own band, so it has its level.
     """
 
     level: str
@@ -52,6 +84,8 @@ class Tip:
     radius: float
     leaves: Literal[1, -1]
     closure: str
+    name: str
+    shape: str
     rim: float = 0.0
 
     @property
@@ -62,7 +96,37 @@ class Tip:
     @property
     def hung(self) -> bool:
         """Whether its roller hangs under the follower: the second one of a pair, whose pin passes beside no cam."""
-        return self.level.endswith(SECOND) and self.closure == "conjugate"
+        return self.name.endswith(SECOND) and self.closure == "conjugate"
+
+    @property
+    def rolls(self) -> bool:
+        """Whether it has a roller."""
+        return self.shape == "roller"
+
+    def touched(self) -> tuple[float, float]:
+        """Between which places a face is touched, mm to the left of its normal from its point, or from the hinge."""
+        follower = self.cam.follower
+        place = follower.place(self.cam.program(_ROUND), self.cam.profile(_ROUND) * np.exp(1j * _ROUND))
+        return float(place.min()) - _BESIDE, float(place.max()) + _BESIDE
+
+    def away(self, start: float) -> complex:
+        """Unit direction off the cam at its point, in the follower's axes; start: angle of these as drawn, rad."""
+        follower = self.cam.follower
+        if self.joint.slide is not None:
+            found = self.leaves * follower.along
+        else:
+            found = follower.facing if self.shape == "flat" else complex(follower.trace(0.0))
+        return complex(found / abs(found) * cmath.exp(-1j * start))
+
+    def nose(self, start: float, size: float) -> list[tuple[complex, float]]:
+        """Discs whose hull is a knife or face that slides, or that carry a knife that swings, about its point.
+
+        start: angle of the follower's axes as drawn, rad; size: radius of the discs, mm.
+        """
+        away = self.away(start)
+        if self.shape == "flat":
+            return [((1j * place + size) * away, size) for place in self.touched()]
+        return [*([(0j, 0.0)] if self.joint.slide is not None else []), (NOSE * size * away, size)]
 
     @property
     def turn(self) -> complex:
@@ -153,14 +217,53 @@ def tips(machine: m.Machine, cams: Mapping[str, Cam], sizes: Parts, clearance: f
         both: Sequence[tuple[str, str, Literal[1, -1]]] = [(level_of(name), spec.at, 1 if joint.law.sign > 0 else -1)]
         if spec.closure == "conjugate" and spec.shape == "roller":
             both = [*both, (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1)]
-        for level, point, leaves in both:
+        for key, point, leaves in both:
             follower = _follower(machine, joint, spec, point, leaves)
             if isinstance(follower, FlatFace) and follower.leaves != leaves:
                 raise DesignError(
                     "side of the face", follower.leaves, leaves, "", f"cam {name}", "draw `at` on the cam's side of the hinge"
                 )
             cam, rim = DiscCam(_signed(joint.law), follower), groove_rim(sizes) + clearance
-            found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, rim))
+            level = key if spec.shape == "roller" else joint.follower
+            found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, key, spec.shape, rim))
+    return found
+
+
+def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, least: float) -> list[Toothed]:
+    """Both wheels of each gear, a's tooth in b's gap on the line of their axes; least: module that can be made, mm."""
+    found = []
+    for name, spec in gears.items():
+        joint = machine.joint(name)
+        assert isinstance(joint, m.Gear)
+        if joint.carrier != m.GROUND:
+            remedy = "wheels are made of links that turn on the ground: make this gear of such"
+            raise DesignError("carriers that move", 1, 0, "", f"gear {name}", remedy)
+        a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
+        first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, f"gear {name}")
+        line = cmath.phase(b - a)
+        found.append(Toothed(level_of(name), joint, joint.a, first, line))
+        found.append(Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth))
+    return found
+
+
+def limits(tips: Sequence[Tip], pressure_angle_deg: float) -> list[Finding]:
+    """PRESSURE_ANGLE and UNDERCUT of each cam as designed."""
+    found = []
+    for tip in tips:
+        outline(tip)
+        theta, steep = tip.cam.greatest(tip.cam.steepness)
+        where, further = f"cam {tip.joint.name}", "a follower drawn further from the shaft"
+        found.append(at_most(
+            "PRESSURE_ANGLE", math.degrees(steep), pressure_angle_deg, "deg", f"{where}, cam angle {math.degrees(theta):.2f} deg",
+            f"{further}, or a longer span, lowers it",
+        ))  # fmt: skip
+        unit, scale = ("deg", math.degrees(1)) if tip.joint.slide is None else ("mm", 1.0)
+        lost = scale * max((cut.shortfall for cut in tip.cam.undercuts), default=0.0)
+        spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in tip.cam.undercuts)
+        found.append(at_most(
+            "UNDERCUT", lost, 0.0, unit, f"{where}{', ' if spans else ''}{spans}",
+            f"the follower falls short there; {further}, or a smaller radius, lowers it" if lost else "the whole motion is made",
+        ))  # fmt: skip
     return found
 
 

@@ -17,21 +17,21 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
 from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
+from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import Assembly, Pose
-from camgen.machine.features import Asked, CamMeant, Eye, Feature, Mount, OwnTip
+from camgen.machine.contacts import StandIn
+from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
@@ -193,13 +193,9 @@ class UniformSwing(Mechanism):
             self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
         )  # fmt: skip
 
-    def assembly(self) -> Assembly | None:
-        """The whole machine, if it is to be made."""
-        return self._assembly
-
-    @cached_property
-    def _assembly(self) -> Assembly | None:
-        return self._machine.assembly(self.reachable) if self.making.make == "machine" else None
+    def stand_ins(self) -> Sequence[StandIn]:
+        """What is bought for the whole machine, if that is to be made; else the tips."""
+        return self._machine.stand_ins() if self.making.make == "machine" else super().stand_ins()
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws and other bought parts of the whole machine."""
@@ -306,20 +302,6 @@ class UniformSwing(Mechanism):
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
-        """The cam (and its turned twin above it) turning about O, the follower about A."""
-        theta = np.asarray(theta, float)
-        if assembly := self.assembly():
-            angles = {drive.name: drive.angle(theta) for drive in {m.drive.name: m.drive for m in assembly.mounts}.values()}
-            parts = dict.fromkeys(mount.part for mount in assembly.mounts)
-            return {part: [m.pose(angles[m.drive.name]) for m in assembly.mounts if m.part == part] for part in parts}
-        still: Points = np.zeros(theta.shape, complex)
-        return {
-            "cam": [Pose(theta, still, flipped=mount.flipped, z=mount.z) for mount in self.mounts()],
-            "follower": [Pose(self.reachable(theta), still + complex(self.geometry.pivot_distance))],
-            "ground": [Pose(np.zeros(theta.shape), still)],
-        }
-
     def features(self) -> Sequence[Feature]:
         """The cam's outline; with conjugate closure also that of the turned cam, for the second tip."""
         return self._features
@@ -327,26 +309,25 @@ class UniformSwing(Mechanism):
     @cached_property
     def _features(self) -> Sequence[Feature]:
         follower, p = self.cam.follower, self.making
-        lever = abs(follower.arm) * math.cos(math.radians(self._pressure[0]))
-        given = self.cam.reachable if self.cam.undercuts else None
-        meant = CamMeant(given, lever, self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg))
         own = None
         if p.make == "machine":
             seat = self._machine.tip_hole
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
             bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame"))
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
-        first = cam_outline(self.cam, "cam", p.bore, meant, own=own)
+        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
+        first = cam_outline(self.cam, "cam", p.bore, self._pressure[0], *accepted, own=own)
         if self.geometry.closure == "force":
             return (first,)
-        second = replace(follower, arm=follower.arm.conjugate(), leaves=-follower.leaves)
-        return (first, cam_outline(replace(self.cam, follower=second), "cam", p.bore, meant, copy=1))
+        tip = Eye(None, follower.arm.conjugate(), 2 * follower.tip_radius)
+        return (first, replace(first, tip=tip, leaves=-1, copy=1, own=None))
 
     def mounts(self) -> Sequence[Mount]:
-        """The cam and its turned twin above it; of a machine also the frame."""
+        """The cam and its turned twin above it, or all of the machine."""
+        if self.making.make == "machine":
+            return self._machine.mounts
         above = self.making.thickness + self.print.slide_clearance
-        cams = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self._cam_part.count]
-        return (*cams, Mount("frame", "follower")) if self.making.make == "machine" else cams
+        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self._cam_part.count]
 
     def asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne."""
@@ -355,48 +336,18 @@ class UniformSwing(Mechanism):
     @cached_property
     def _pressure(self) -> tuple[float, float, float]:
         """Largest pressure angle over the turn, and over each half turn less the undercut, deg."""
-        cuts = [c for u in self.cam.undercuts for c in (u.begin, u.end)]
-
-        def degrees(theta: Any) -> Floats:
-            return np.degrees(self.cam.pressure_angle(theta))
-
-        def half(begin: float) -> float:
-            # the angle jumps at a sharp reversal and at an undercut's ends: look from either side
-            marks = sorted({begin, begin + math.pi, *(c for c in cuts if begin < c < begin + math.pi)})
-            return max(
-                (greatest(degrees, a + 1e-9, b - 1e-9)[1] for a, b in pairwise(marks) if not self.cam.riding((a + b) / 2)),
-                default=0.0,
-            )
-
-        rise, back = half(0.0), half(math.pi)
-        corners = [greatest(degrees, u.begin, u.end)[1] for u in self.cam.undercuts]
-        return max(rise, back, *corners), rise, back
+        rise, back = (steepest(self.cam, begin, begin + math.pi, riding=False) for begin in (0.0, math.pi))
+        return steepest(self.cam), rise, back
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle and undercut of the exact cam against the spec's limits."""
-        limit, worst = self.allowed.pressure_angle_deg, self._pressure[0]
-        findings = [
-            at_most(
-                "PRESSURE_ANGLE", worst, limit, "deg", "exact profile",
-                f"rise {self._pressure[1]:.1f} deg, return {self._pressure[2]:.1f} deg; a smaller geometry.swing_deg "
-                "or a larger geometry.arm_offset lowers it",
-            )
-        ]  # fmt: skip
-        lost = max((math.degrees(u.shortfall) for u in self.cam.undercuts), default=0.0)
-        where = "; ".join(f"cam angle {math.degrees(u.begin):.3f} to {math.degrees(u.end):.3f} deg" for u in self.cam.undercuts)
-        depth = max((u.depth for u in self.cam.undercuts), default=0.0)
-        findings.append(
-            at_most(
-                "UNDERCUT", lost, self.allowed.undercut_deg, "deg", where or "exact profile",
-                f"the swing falls short there by {lost:.4g} deg ({depth:.4g} mm at the tip), as the spec implies; "
-                "a smaller geometry.tip_radius or a geometry.reversal_blend_deg lowers it" if lost else
-                "the tip follows the whole motion",
-            )
+        worst, rise, back = self._pressure
+        allowed = Allowed(
+            self.allowed.pressure_angle_deg, self.allowed.undercut_deg, None,
+            f"rise {rise:.1f} deg, return {back:.1f} deg; a smaller geometry.swing_deg or a larger geometry.arm_offset",
+            "a smaller geometry.tip_radius or a geometry.reversal_blend_deg",
         )  # fmt: skip
-        reach = float(np.max(np.abs(facet_contour(self.cam.outline, self.accuracy.chord_tolerance))))
-        pivot = self.geometry.pivot_distance
-        remark = f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle stands at {pivot:g} mm"
-        findings.append(at_least("INTERFERENCE", pivot - reach, 0.0, "mm", "exact profile and the follower's pivot", remark))
+        findings = cam_limits("exact profile", self.cam, worst, allowed, self.accuracy.chord_tolerance)
         if self.making.make == "machine":
             findings.append(screw_grip(self._machine))
         loaded = self._forces
@@ -448,8 +399,7 @@ class UniformSwing(Mechanism):
             "profile_area_mm2": cam.outline.area,
             "pressure_angle_rise_deg": self._pressure[1],
             "pressure_angle_return_deg": self._pressure[2],
-            "undercut_deg": max((math.degrees(u.shortfall) for u in cam.undercuts), default=0.0),
-            "undercut_mm": max((u.depth for u in cam.undercuts), default=0.0),
+            **lost([cam]),
         }
         if self.making.make == "machine":
             numbers["shaft_length_mm"] = self._machine.shaft_length
@@ -489,7 +439,7 @@ class UniformSwing(Mechanism):
             strokes.append(np.conj(strokes[0]))
             circles += [(z.conjugate(), r) for z, r in circles]
         pivots = [(0j, self.making.bore / 4), (complex(self.geometry.pivot_distance), self.making.bore / 4)]
-        return Sketch("follower", strokes, circles), Sketch("ground", (), pivots)
+        return Sketch("follower", strokes, circles, "follower"), Sketch("ground", (), pivots)
 
     def _notes(self) -> tuple[str, ...]:
         notes = [

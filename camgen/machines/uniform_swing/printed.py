@@ -10,7 +10,6 @@ The frame's own origin is the follower's pivot; the second plate is the first tu
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,9 +17,11 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Points
+from camgen.geometry.outlines import Points
 from camgen.machine.cams import DiscCam
-from camgen.machine.contacts import Assembly, Drive, Mount, StandIn
+from camgen.machine.contacts import StandIn
+from camgen.machine.features import Mount
+from camgen.machine.model import GROUND
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LAYOUT, LEAST_AXLE, Room, washer_wall
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable
@@ -314,31 +315,29 @@ class SwingMachine:
 
     # ---- mounting ---------------------------------------------------------------------------------------------------
 
-    def assembly(self, reachable: Callable[[Floats], Floats]) -> Assembly:
-        """Where every copy is and how it moves; reachable: follower angle over the cam angle, rad."""
-        shaft = Drive("cam", 0j, lambda theta: theta)
-        swing = Drive("follower", self.cam.follower.pivot, reachable)
-        still = Drive("ground", 0j, np.zeros_like)
+    @cached_property
+    def mounts(self) -> tuple[Mount, ...]:
+        """Every copy on cam, follower or ground."""
         f, t, low = self.frame, self.thickness, self.low
         beyond = complex(f.slide_at)
-        mounts = [Mount("base", still), Mount("cam", shaft, z=low), Mount("frame", swing, z=self.foot)]
+        mounts = [Mount("base", GROUND), Mount("cam", "cam", z=low), Mount("frame", "follower", z=self.foot)]
         if self.pair:
-            mounts.append(Mount("cam", shaft, z=self.top - t, flipped=True))
-            mounts.append(Mount("frame", swing, z=self.foot + t, flipped=True, turned=math.pi))
-            mounts.append(Mount("cam-spacer", shaft, z=low + t))
-            mounts += [Mount("frame-pin", swing, at=z, z=self.foot) for z in self._frame.pins]
+            mounts.append(Mount("cam", "cam", z=self.top - t, flipped=True))
+            mounts.append(Mount("frame", "follower", z=self.foot + t, flipped=True, turned=math.pi))
+            mounts.append(Mount("cam-spacer", "cam", z=low + t))
+            mounts += [Mount("frame-pin", "follower", at=z, z=self.foot) for z in self._frame.pins]
         for at in (0j, beyond):
-            mounts.append(Mount("axle", swing, at=at, z=-f.flange_thickness - self.slide))  # so much end float
-            mounts.append(Mount("axle-washer", swing, at=at, z=self.base.thickness))
+            mounts.append(Mount("axle", "follower", at=at, z=-f.flange_thickness - self.slide))  # so much end float
+            mounts.append(Mount("axle-washer", "follower", at=at, z=self.base.thickness))
         if self.plain:
-            mounts.append(Mount("collet", shaft, z=self.top))
-            mounts.append(Mount("clamp-ring", shaft, z=self.top + self.collet.flange + self._collet.travel))
+            mounts.append(Mount("collet", "cam", z=self.top))
+            mounts.append(Mount("clamp-ring", "cam", z=self.top + self.collet.flange + self._collet.travel))
         if self.cam_pin_length > t:
-            mounts += [Mount("cam-pin", shaft, at=z, z=low) for z in self.pins]
+            mounts += [Mount("cam-pin", "cam", at=z, z=low) for z in self.pins]
         made = {part.name for part in self._made}
-        return Assembly(tuple(mount for mount in mounts if mount.part in made), self._stand_ins(shaft, swing, still))
+        return tuple(mount for mount in mounts if mount.part in made)
 
-    def _stand_ins(self, shaft: Drive, swing: Drive, still: Drive) -> tuple[StandIn, ...]:
+    def stand_ins(self) -> tuple[StandIn, ...]:
         """Bought things as stacks of discs."""
         face, screw = self.base.face, SCREWS[self.nozzle.screw]
         floor = self.base.thickness - self.base_plate.pocket_depth
@@ -355,15 +354,15 @@ class SwingMachine:
             )
         ]
         bought = [
-            StandIn("screws of motor and base", still.course, tuple(heads)),
-            StandIn("nozzle screws", swing.course, tuple(nozzle)),
+            StandIn("screws of motor and base", GROUND, tuple(heads)),
+            StandIn("nozzle screws", "follower", tuple(nozzle)),
         ]
         boss = min(face.boss_height, self.base.thickness)
         if boss:
-            bought.append(StandIn("motor boss", still.course, ((0j, face.boss / 2, 0.0, boss),)))
+            bought.append(StandIn("motor boss", GROUND, ((0j, face.boss / 2, 0.0, boss),)))
         round_part = (-0.5j * self.flat, (self.bore - self.flat) / 2)  # the largest disc beside a flat
-        bought.append(StandIn("shaft", shaft.course, ((*round_part, boss, self.shaft_length),)))
-        return (*bought, *(StandIn(f"tip-{k + 1}", swing.course, discs, rolls=True) for k, discs in enumerate(self._tips())))
+        bought.append(StandIn("shaft", "cam", ((*round_part, boss, self.shaft_length),)))
+        return (*bought, *(StandIn(f"tip-{k + 1}", "follower", discs, rolls=True) for k, discs in enumerate(self._tips())))
 
     def _tips(self) -> list[tuple[tuple[complex, float, float, float], ...]]:
         """Pin, and bearing, of each tip that is not the plate itself, as discs on the follower."""

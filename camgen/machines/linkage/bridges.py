@@ -1,0 +1,294 @@
+"""Chains from and for other programs: PMKS lines and pylinkage's JSON in, a commented spec out; PMKS lines and SVG out.
+
+    PMKS line    one joint: J[R, P[x, y], L[ground, crank]], also within M[...]; further fields such as color[...] are passed
+                 over. R: a pin of all its links, of one link alone a place that is traced. RP, A[angle]: a pin of the links
+                 behind the first in a slot of the first; P: the second slides along the first
+    pylinkage    what mechanism_to_dict gives: joints with their places, links with their joints, the driver among them
+
+Of PMKS lines nothing says what drives; it is the first link that is pinned to the ground.
+"""
+
+from __future__ import annotations
+
+import cmath
+import json
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from html import escape
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from camgen.errors import Fault, SpecError
+from camgen.machine import model as m
+from camgen.spec import read_bytes
+
+_MOST_BYTES = 1_000_000  # of a file with a chain
+_JOINT = re.compile(r"J\[\s*(\w+)\s*((?:,\s*\w+\[[^\]]*\]\s*)*)\]")
+_FIELD = re.compile(r"(\w+)\[([^\]]*)\]")
+_SAME = 1e-9  # mm, places that are one
+_COLOURS = ("#0b62a8", "#b5541c", "#2c7a4b", "#7a3e9d", "#8a6d00", "#a8326e")
+
+
+@dataclass
+class Chain:
+    """A chain as it was read: places by name, links by their points, what slides and runs in slots, what drives."""
+
+    points: dict[str, complex] = field(default_factory=dict)
+    links: dict[str, list[str]] = field(default_factory=lambda: {m.GROUND: []})
+    slots: list[tuple[str, str, tuple[str, str]]] = field(default_factory=list)  # pin, link, along
+    slides: list[tuple[str, str, tuple[str, str]]] = field(default_factory=list)  # link, on, along
+    driven: str = ""
+    range_deg: tuple[float, float] | None = None
+    traced: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+    def point(self, name: str, at: complex, links: Iterable[str]) -> str:
+        """A new point on links; its name made one that a spec may have."""
+        fresh = _fresh(name, self.points)
+        self.points[fresh] = at
+        for link in links:
+            self.links.setdefault(link, []).append(fresh)
+        return fresh
+
+    def line(self, name: str, at: complex, angle: float, link: str) -> tuple[str, str]:
+        """Two points of a link on the line through a place at an angle, rad."""
+        reach = max((abs(z - at) for z in self.points.values()), default=0.0) / 2 or 10.0
+        ends = [at + sign * reach * cmath.exp(1j * angle) for sign in (-1, 1)]
+        return self.point(f"{name}1", ends[0], [link]), self.point(f"{name}2", ends[1], [link])
+
+
+def read_chain(path: Path) -> Chain:
+    """The chain in a file; FileError where it cannot be read, SpecError with every fault where it is none."""
+    try:
+        text = read_bytes(path, _MOST_BYTES, "a chain as PMKS lines or pylinkage's JSON").decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise SpecError([Fault(path.name, "", "text: PMKS lines or pylinkage's JSON")], str(path)) from None
+    faults: list[Fault] = []
+    chain = _pylinkage(text, faults) if text.lstrip().startswith("{") else _pmks(text, faults)
+    if not faults and not chain.driven:
+        faults.append(Fault("joints", "", "a link that is pinned to the ground: none can be driven"))
+    if faults:
+        raise SpecError(faults, str(path))
+    return chain
+
+
+def _pmks(text: str, faults: list[Fault]) -> Chain:
+    chain, names, links = Chain(), _letters(), _Names()
+    rows = []
+    for number, line in enumerate(text.splitlines(), 1):
+        rest = line.partition("#")[0]
+        found = list(_JOINT.finditer(rest))
+        left = re.sub(r"[\s,;\]]|M\[", "", _JOINT.sub("", rest))
+        if left:
+            faults.append(Fault(f"line {number}", left[:40], "joints such as J[R, P[0, 0], L[ground, crank]]"))
+        for joint in found:
+            fields = dict(_FIELD.findall(joint[2]))
+            try:
+                x, y = (float(value) for value in fields["P"].split(","))
+                angle = math.radians(float(fields.get("A", "0")))
+                on = [links(name.strip()) for name in fields["L"].split(",") if name.strip()]
+                if joint[1] not in ("R", "P", "RP") or not math.isfinite(x + y + angle) or len(on) < 1 + (joint[1] != "R"):
+                    raise ValueError
+            except (KeyError, ValueError):
+                faults.append(Fault(f"line {number}", joint[0][:60], "R, P or RP with P[x, y], L[links], and A[deg] of a slide"))
+                continue
+            rows.append((joint[1], complex(x, y), angle, on))
+    for kind, at, _, on in rows:
+        if kind == "R":
+            point = chain.point(next(names), at, on)
+            if len(on) == 1 and on[0] != m.GROUND:
+                chain.traced.append(point)
+            if m.GROUND in on and len(on) > 1 and not chain.driven:
+                chain.driven = next(link for link in on if link != m.GROUND)
+    for kind, at, angle, (base, *riders) in ((k, z, a, on) for k, z, a, on in rows if k != "R"):
+        shared = (p for rider in riders for p in chain.links.get(rider, ()) if abs(chain.points[p] - at) <= _SAME)
+        point = next(shared, "") or chain.point(next(names), at, [])
+        for rider in riders:
+            if point not in chain.links.setdefault(rider, []):
+                chain.links[rider].append(point)
+        along = chain.line(f"S{point}", at, angle, base)
+        if kind == "RP":
+            chain.slots.append((point, base, along))
+        else:
+            chain.slides.append((riders[0], base, along))
+    if not rows and not faults:
+        faults.append(Fault("joints", "", "PMKS lines such as J[R, P[0, 0], L[ground, crank]], or pylinkage's JSON"))
+    chain.remarks.append(f"PMKS lines do not say what drives: the first link on the ground is taken, {chain.driven}.")
+    return chain
+
+
+def _pylinkage(text: str, faults: list[Fault]) -> Chain:
+    chain, links = Chain(), _Names()
+    try:
+        data = json.loads(text)
+        rows, carried = list(data["joints"]), list(data["links"])
+        at = {row["id"]: complex(*map(float, row["position"])) for row in rows}
+        kinds = {row["id"]: row.get("type", "revolute") for row in rows}
+        ends = {str(each["id"]): [str(joint) for joint in each["joints"]] for each in carried}
+        lost = [joint for joints in ends.values() for joint in joints if joint not in at]
+        if lost or not all(map(cmath.isfinite, at.values())):
+            raise ValueError
+    except (ValueError, KeyError, TypeError, RecursionError):
+        faults.append(Fault("JSON", "", "what pylinkage's mechanism_to_dict writes: joints with positions, links with joints"))
+        return chain
+    ground = {str(each["id"]) for each in carried if each.get("type") == "ground"}
+    for row in rows:
+        joint = row["id"]
+        on = [m.GROUND if link in ground else links(link) for link, joints in ends.items() if joint in joints]
+        if kinds[joint] == "tracker":
+            held = {row.get("ref_joint1_id"), row.get("ref_joint2_id")}
+            on = on or [links(link) for link, joints in ends.items() if held <= set(joints)][:1]
+        if kinds[joint] == "ground" and m.GROUND not in on:
+            on.insert(0, m.GROUND)
+        name = chain.point(str(row.get("name", joint)), at[joint], on)
+        if kinds[joint] == "tracker" or (len(on) == 1 and kinds[joint] == "revolute"):
+            chain.traced.append(name)
+        if kinds[joint] == "prismatic":
+            axis, through = complex(*row.get("axis", (1, 0))), complex(*row.get("line_point", (0, 0)))
+            foot = through + axis * ((at[joint] - through) / axis).real
+            chain.slots.append((name, m.GROUND, chain.line(f"S{name}", foot, cmath.phase(axis), m.GROUND)))
+    for each in carried:
+        if each.get("type") in ("driver", "arc_driver") and not chain.driven:
+            chain.driven = links(str(each["id"]))
+            if each["type"] == "arc_driver":
+                first = float(each.get("initial_angle") or each.get("arc_start", 0.0))
+                low, high = sorted(math.degrees(float(each.get(key, 0.0)) - first) for key in ("arc_start", "arc_end"))
+                chain.range_deg = low, high
+    return chain
+
+
+def spec_text(chain: Chain, name: str, source: str) -> str:
+    """A spec of the chain with its remarks; drawn distances count, as no length is given."""
+    driven = chain.driven
+    fixed = set(chain.links[m.GROUND])
+    swung = [link for link, points in chain.links.items() if link not in (m.GROUND, driven) and set(points) & fixed]
+    rows = [f"# Read from {source}: places as they were there, in mm. Drawn distances count; give exact ones in [lengths]."]
+    rows += [f"# {remark}" for remark in chain.remarks]
+    rows += ["", 'mechanism = "linkage"', f'name = "{name}"', "", "[points]                            # mm, at theta = 0"]
+    rows += [f"{point} = [{_number(z.real)}, {_number(z.imag)}]" for point, z in chain.points.items()]
+    rows += ["", "[links]                             # bodies by their points; two that share a point are pinned there"]
+    rows += [f"{link} = {json.dumps(points)}" for link, points in chain.links.items() if points]
+    rows += ["", '# [lengths]                         # mm, exact, between two points of one link']
+    pairs = [(a, b) for points in chain.links.values() for k, a in enumerate(points) for b in points[k + 1 :]]
+    rows += [f'# "{a}-{b}" = {abs(chain.points[a] - chain.points[b]):.6g}' for a, b in pairs[:40]]
+    rows += ["", "[drive]", f'link = "{driven}"', "speed_rpm = 60                      # below 0: clockwise"]
+    rows += [f"range_deg = [{_number(chain.range_deg[0])}, {_number(chain.range_deg[1])}]"] if chain.range_deg else []
+    for link, on, along in chain.slides:
+        rows += ["", "[[slide]]", f'link = "{link}"', f'on = "{on}"', f"along = {json.dumps(along)}"]
+    for pin, link, along in chain.slots:
+        rows += ["", "[[slot]]", f'pin = "{pin}"', f'link = "{link}"', f"along = {json.dumps(along)}"]
+    wanted = [(point, "point") for point in chain.traced] or [(link, "link") for link in swung[:1] or [driven]]
+    for one, key in wanted:
+        rows += ["", "[[output]]                          # what is judged and shown", f'name = "{one}"', f'{key} = "{one}"']
+    return "\n".join(rows) + "\n"
+
+
+def pmks(machine: m.Machine) -> str:
+    """The chain as drawn in PMKS lines, the driven link's pin first; what they cannot say is named in lines after a #."""
+    at = _placed(machine)
+    driven = {drive.body for drive in machine.drives}
+    pins = [joint for joint in machine.joints if isinstance(joint, m.Pin)]
+    groups: list[tuple[complex, list[str]]] = []
+    for pin in sorted(pins, key=lambda pin: not ({pin.a.body, pin.b.body} & driven and m.GROUND in (pin.a.body, pin.b.body))):
+        z, both = at(pin.a), (pin.a.body, pin.b.body)
+        here = next((bodies for each, bodies in groups if abs(each - z) <= 1e-6 and set(bodies) & set(both)), None)
+        if here is None:
+            here = []
+            groups.append((z, here))
+        here += [body for body in both if body not in here]
+    rows = [_line("R", z, bodies) for z, bodies in groups]
+    for joint in machine.joints:
+        if isinstance(joint, m.Slot):
+            links = joint.guide.body, joint.runner.body
+            rows.append(_line("RP", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle))
+        elif isinstance(joint, m.Slide):
+            links = joint.guide.body, joint.runner.body
+            rows.append(_line("P", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle))
+        elif not isinstance(joint, m.Pin):
+            rows.append(f"# not said in PMKS: {type(joint).__name__.lower()} {joint.name}")
+    traced = [output.of.of for output in machine.outputs if isinstance(output.of, m.Path)]
+    rows += [_line("R", at(place), [place.body]) for place in traced if all(abs(at(place) - z) > 1e-6 for z, _ in groups)]
+    return "\n".join(rows) + "\n"
+
+
+def _line(kind: str, z: complex, links: Iterable[str], angle: float | None = None) -> str:
+    turned = "" if angle is None else f" A[{_number(math.degrees(angle))}],"
+    return f"J[{kind},{turned} P[{_number(z.real)}, {_number(z.imag)}], L[{', '.join(links)}]]"
+
+
+def svg(machine: m.Machine) -> str:
+    """The chain as drawn: each link as the shape between its points, pins as circles, with the names of both."""
+    placed = _placed(machine)
+
+    def at(place: m.Place) -> complex:  # y downwards, as in pictures, and to a nanometre
+        z = placed(place)
+        return complex(round(z.real, 6) + 0.0, round(-z.imag, 6) + 0.0)
+
+    shapes = {body.name: [at(body.at(point)) for point in body.points] for body in machine.bodies}
+    places = {point: at(body.at(point)) for body in machine.bodies for point in body.points}
+    every = list(places.values()) or [0j]
+    low, high = (complex(end(z.real for z in every), end(z.imag for z in every)) for end in (min, max))
+    size = max(abs(high - low), 1.0)
+    edge = 0.12 * size
+    corner, wide = low - edge * (1 + 1j), high - low + 2 * edge * (1 + 1j)
+    box = " ".join(f"{value:.6g}" for value in (corner.real, corner.imag, wide.real, wide.imag))
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="640" font-family="sans-serif"'
+    rows = [f'{head} font-size="{size / 40:.4g}">']
+    for k, (name, corners) in enumerate(shapes.items()):
+        if not corners:
+            continue
+        colour = "#39424e" if name == m.GROUND else _COLOURS[k % len(_COLOURS)]
+        path = " ".join(f"{z.real:.6g},{z.imag:.6g}" for z in corners)
+        dashed = f' stroke-dasharray="{size / 60:.4g}"' if name == m.GROUND else ""
+        stroke = f'stroke="{colour}" stroke-width="{size / 150:.4g}" stroke-linejoin="round"{dashed}'
+        rows.append(f'<polygon points="{path}" fill="{colour}" fill-opacity="0.12" {stroke}/>')
+        middle = sum(corners) / len(corners)
+        rows.append(f'<text x="{middle.real:.6g}" y="{middle.imag:.6g}" fill="{colour}">{escape(name)}</text>')
+    for point, z in places.items():
+        rows.append(f'<circle cx="{z.real:.6g}" cy="{z.imag:.6g}" r="{size / 90:.4g}" fill="#fff" stroke="#1d2530" '
+                    f'stroke-width="{size / 300:.4g}"/>')  # fmt: skip
+        rows.append(f'<text x="{z.real + size / 60:.6g}" y="{z.imag - size / 60:.6g}">{escape(point)}</text>')
+    return "\n".join([*rows, "</svg>"]) + "\n"
+
+
+def _placed(machine: m.Machine) -> Callable[[m.Place], complex]:
+    def at(place: m.Place) -> complex:
+        pose = machine.start_of(place.body)
+        return complex(pose.place + cmath.exp(1j * pose.angle) * place.at)
+
+    return at
+
+
+def _turned(machine: m.Machine, place: m.Place) -> float:
+    return float(machine.start_of(place.body).angle)
+
+
+def _number(value: float) -> str:
+    return f"{value + 0.0:.12g}" if abs(value) > 1e-12 else "0"
+
+
+class _Names:
+    """Names of links as a spec may have them, each the same whenever it is asked for again."""
+
+    def __init__(self) -> None:
+        self._given: dict[str, str] = {m.GROUND: m.GROUND}
+
+    def __call__(self, name: str) -> str:
+        if name not in self._given:
+            self._given[name] = _fresh(name, set(self._given.values()))
+        return self._given[name]
+
+
+def _fresh(name: str, taken: Iterable[str] | Mapping[str, Any]) -> str:
+    """The name with what no spec allows left out, and numbered where it is taken."""
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:30] or "P"
+    plain = plain if plain[0].isalpha() else f"P{plain}"
+    return plain if plain not in taken else next(f"{plain}_{k}" for k in count(2) if f"{plain}_{k}" not in taken)
+
+
+def _letters() -> Iterator[str]:
+    yield from "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+    yield from (f"P{k}" for k in count(27))

@@ -1,0 +1,134 @@
+"""Spur gears: pairs of whole teeth for a distance and a ratio, and involute outlines.
+
+    module      pitch diameter over teeth, mm; addendum 1, dedendum 1.25 of it; pressure angle 20 deg
+    backlash    along the pitch circle, mm: each tooth of a pair is thinner by half of it
+
+[Norton, Design of Machinery, ch. 9]
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Smooth
+
+PRESSURE = math.radians(20)
+_ADDENDUM, _DEDENDUM = 1.0, 1.25
+_LARGE = 2.0  # mm, module that is not passed where more teeth serve as well
+_MOST = 400  # teeth of a wheel
+_WHOLE = 1e-9  # of a ratio, that counts as one of whole numbers
+_ROLL = 0.05  # rad, at which a flank begins: at the base circle itself its curvature has no bound
+
+
+@dataclass(frozen=True)
+class Spur:
+    """One wheel: teeth, module and by how much each tooth is thinner at the pitch circle, mm. A tooth lies on Ox."""
+
+    teeth: int
+    module: float
+    thinner: float
+
+    @property
+    def pitch(self) -> float:
+        """Radius of the pitch circle, mm."""
+        return self.module * self.teeth / 2
+
+    @property
+    def base(self) -> float:
+        """Radius of the base circle, mm."""
+        return self.pitch * math.cos(PRESSURE)
+
+    @property
+    def tip(self) -> float:
+        """Radius of the tips, mm."""
+        return self.pitch + _ADDENDUM * self.module
+
+    @property
+    def root(self) -> float:
+        """Radius of the roots, mm."""
+        return self.pitch - _DEDENDUM * self.module
+
+    @property
+    def thickness(self) -> float:
+        """Of a tooth along the pitch circle, mm."""
+        return math.pi * self.module / 2 - self.thinner
+
+    def least_roll(self, mate: Spur) -> float:
+        """Roll angle at which a mate's tips begin to touch, rad; below 0 they would cut into the flanks' feet."""
+        way = (self.pitch + mate.pitch) * math.sin(PRESSURE)
+        return (way - math.sqrt(mate.tip**2 - mate.base**2)) / self.base
+
+    def outline(self) -> Contour:
+        """The edge, counter-clockwise about the axis."""
+        half = self.thickness / 2 / self.pitch + math.tan(PRESSURE) - PRESSURE  # of a tooth at the base circle
+        foot = math.sqrt(max(self.root / self.base, 1.0) ** 2 - 1) if self.root > self.base else 0.0
+        begin, end = max(foot, _ROLL), math.sqrt((self.tip / self.base) ** 2 - 1)
+        spread, top = half - (begin - math.atan(begin)), half - (end - math.atan(end))
+        if top <= 0:
+            raise DesignError("tooth's tip", 2 * top * self.tip, 0, "mm", f"{self.teeth} teeth", "use more teeth")
+        pieces: list[Piece] = []
+        for k in range(self.teeth):
+            middle = math.tau * k / self.teeth
+            up = Smooth(partial(_flank, self.base, middle - half, 1), begin, end)
+            down = Smooth(partial(_flank, self.base, middle + half, -1), end, begin)
+            low, high = complex(up.at(begin)), complex(down.at(begin))
+            feet = [self.root * z / abs(z) for z in (low, high)]
+            if foot < begin:
+                pieces.append(Line(feet[0], low))
+            pieces += [up, Arc(0j, self.tip, middle - top, 2 * top), down]
+            if foot < begin:
+                pieces.append(Line(high, feet[1]))
+            radius = self.root if foot < begin else abs(high)
+            pieces.append(Arc(0j, radius, middle + spread, math.tau / self.teeth - 2 * spread))
+        return Contour(tuple(pieces))
+
+
+def _flank(base: float, start: float, side: int, roll: Any, order: int) -> Points:
+    """Involute that leaves its base circle at the polar angle `start`, to the left (side 1) or right; order 0..2."""
+    t = np.asarray(roll, float)
+    spoke = base * np.exp(1j * (start + side * t))
+    return np.asarray((spoke * (1 - 1j * side * t), t * spoke, spoke * (1 + 1j * side * t))[order])
+
+
+def pair(distance: float, ratio: float, backlash: float, least: float, teeth: int | None, where: str) -> tuple[Spur, Spur]:
+    """Two wheels that mesh outside: angle of b = ratio * angle of a, ratio below 0; distance of their axes, mm.
+
+    least: module that can be made, mm; teeth: of a, None to find them. DesignError, with `where`, if there is no such pair.
+    """
+    share = Fraction(abs(ratio)).limit_denominator(_MOST)
+
+    def refused(quantity: str, value: float, limit: float, unit: str, remedy: str) -> DesignError:
+        return DesignError(quantity, value, limit, unit, where, remedy)
+
+    if ratio > 0:
+        remedy = "wheels side by side turn against each other: put a link with a wheel between, and two gears, each below 0"
+        raise refused("ratio of wheels", ratio, 0, "", remedy)
+    if abs(share - abs(ratio)) > _WHOLE * abs(ratio) or not share:
+        near = f"-{share.numerator}/{share.denominator}"
+        raise refused("ratio", ratio, -float(share), "", f"take one of whole teeth, such as {near} = {-float(share):.12g}")
+    if not distance > 0:
+        raise refused("distance of the axes", distance, 0, "mm", "pin both links to the ground at different points")
+    parts = share.numerator + share.denominator
+    if teeth is not None and teeth % share.numerator:
+        remedy = f"take a multiple of {share.numerator}, so that the other wheel has whole ones"
+        raise refused("teeth", teeth, share.numerator, "", remedy)
+    counts = [teeth // share.numerator] if teeth is not None else range(math.ceil(2 * distance / _LARGE / parts) or 1, _MOST)
+    module = 0.0
+    for k in counts:
+        module = 2 * distance / (k * parts)
+        a, b = (Spur(k * each, module, backlash / 2) for each in (share.numerator, share.denominator))
+        if min(a.least_roll(b), b.least_roll(a)) >= _ROLL:
+            break
+        if teeth is not None:
+            roll = math.degrees(min(a.least_roll(b), b.least_roll(a)))
+            raise refused("roll at which the tips begin to touch", roll, math.degrees(_ROLL), "deg", "use more teeth")
+    if module < least:
+        raise refused("module", module, least, "mm", "put the axes further apart, or take a ratio of smaller whole numbers")
+    return a, b
