@@ -199,7 +199,7 @@ def levels(
         rule = min(broken, key=lambda each: each.distance - each.needed)
         said = f"{rule.a.name} and {rule.b.name}, {math.degrees(theta[rule.k]):.1f} deg"
         cures = "use longer links, smaller parts.pin_diameter, parts.head or parts.wall"
-        cures += ", or leave [layers] out" if given else ": all orders of the levels were tried"
+        cures += (", or leave [layers] out" if given else "") + "; tried were all orders of the levels"
         raise DesignError("distance of what cannot pass on any level", rule.distance, rule.needed, "mm", said, cures)
     return found
 
