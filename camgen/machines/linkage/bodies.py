@@ -345,7 +345,7 @@ class Bodies:
         )  # fmt: skip
         yield driving
         if tip.grooved:
-            yield replace(driving, part=f"{name}-outer", inside=True)
+            yield replace(driving, part=f"{name}-outer", inside=True, free=self.fits.slide_clearance)
 
     def fitted(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm, its slides where their bars are."""

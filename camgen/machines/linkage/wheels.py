@@ -17,9 +17,10 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
+from camgen.machine.cam_limits import Allowed, cam_limits, steepest
 from camgen.machine.cams import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
@@ -247,23 +248,15 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
 
 
 def limits(tips: Sequence[Tip], pressure_angle_deg: float) -> list[Finding]:
-    """PRESSURE_ANGLE and UNDERCUT of each cam as designed."""
+    """PRESSURE_ANGLE and UNDERCUT of each cam as designed; DesignError names the cam where there is none."""
     found = []
     for tip in tips:
         outline(tip)
-        theta, steep = tip.cam.greatest(tip.cam.steepness)
-        where, further = f"cam {tip.joint.name}", "a follower drawn further from the shaft"
-        found.append(at_most(
-            "PRESSURE_ANGLE", math.degrees(steep), pressure_angle_deg, "deg", f"{where}, cam angle {math.degrees(theta):.2f} deg",
-            f"{further}, or a longer span, lowers it",
-        ))  # fmt: skip
-        unit, scale = ("deg", math.degrees(1)) if tip.joint.slide is None else ("mm", 1.0)
-        lost = scale * max((cut.shortfall for cut in tip.cam.undercuts), default=0.0)
-        spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in tip.cam.undercuts)
-        found.append(at_most(
-            "UNDERCUT", lost, 0.0, unit, f"{where}{', ' if spans else ''}{spans}",
-            f"the follower falls short there; {further}, or a smaller radius, lowers it" if lost else "the whole motion is made",
-        ))  # fmt: skip
+        worst, _ = tip.cam.greatest(tip.cam.pressure_angle)
+        further = "a follower drawn further from the shaft"
+        flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
+        allowed = Allowed(pressure_angle_deg, 0.0, None, flatter, f"{further}, or a smaller radius,")
+        found += cam_limits(f"cam {tip.joint.name}", tip.cam, steepest(tip.cam), allowed)
     return found
 
 
