@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any
 
@@ -63,6 +64,7 @@ class Included:
         held = (each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost)
         return [self.module.renamed(each) for each in held]
 
+    @cached_property
     def mounts(self) -> Sequence[Mount]:
         """Its parts on its bodies."""
         return [self.module.mount(mount) for mount in self.mechanism.mounts()]
@@ -74,6 +76,7 @@ class Included:
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
+    @cached_property
     def parts(self) -> Sequence[Part]:
         """Its parts."""
         return [replace(part, name=self.module.part(part.name)) for part in self.mechanism.parts()]
@@ -128,13 +131,17 @@ class Included:
             [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots],
             [replace(table, title=f"{prefix}: {table.title}") for table in found.tables],
             [self._sketch(sketch) for sketch in found.sketches],
-            [*self._told(), *(f"{prefix}: {note}" for note in found.notes)],
+            [*self._told(), *self._fastened(), *(f"{prefix}: {note}" for note in found.notes)],
         )
 
     def _sketch(self, sketch: Sketch) -> Sketch:
         shift, (name, body) = self.module.at if sketch.body == GROUND else 0j, (sketch.name, sketch.body)
         strokes, circles = [z + shift for z in sketch.strokes], [(z + shift, r) for z, r in sketch.circles]
         return Sketch(self.module.part(name), strokes, circles, self.module.body(body))
+
+    def _fastened(self) -> list[str]:
+        """What a builder joins: a body that rides has no hole or post of its own for it."""
+        return [f"{self.module.prefix}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
 
     def _told(self) -> list[str]:
         """Where it was read, if not beside the spec."""
