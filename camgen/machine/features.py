@@ -269,15 +269,19 @@ class Apart:
 Poses = Callable[[Floats], Mapping[str, Sequence[PartPose]]]
 
 
+# Poses of the model's bodies at theta, (n,) rad, as exact parts move it: each is worked out when asked for.
+Courses = Callable[[Floats], Mapping[str, Pose]]
+
+
 @dataclass(frozen=True)
 class Moved:
-    """A machine as the sweep needs it: its parts' names, contacts and features, what else is in the way, the poses of all.
+    """A machine as the sweep needs it: its parts' mounts, contacts and features, what else is in the way, courses of its bodies.
 
     gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm; angle: what theta is.
     """
 
-    parts: Sequence[str]
-    poses: Poses
+    mounts: Sequence[Mount]
+    courses: Courses
     contacts: Sequence[Apart | Feature]
     stand_ins: Sequence[StandIn]
     gap: float

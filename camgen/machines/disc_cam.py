@@ -30,14 +30,16 @@ from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
-from camgen.machine.features import Asked, CamOutline, Feature, Mount
+from camgen.machine.features import Asked, CamOutline, Feature, Mount, StandIn
 from camgen.machine.model import Machine
+from camgen.machines.bench import Bench, Tip
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
-from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
+from camgen.machines.disc_cam_tables import Bodies, Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
+from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.study import Plot, Sketch, Study, Table
@@ -56,6 +58,7 @@ class DiscCamDrive(Mechanism):
     load: LoadTable | None = None
     spring: SpringTable | None = None
     making: Annotated[Parts, Field(alias="parts")] = Parts()
+    bodies: Bodies | None = Field(None, description="sizes of the parts of a machine, as [parts] of a linkage")
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
     def faults(self) -> Sequence[Fault]:
@@ -79,9 +82,10 @@ class DiscCamDrive(Mechanism):
                 found.append(Fault(f"geometry.follower.{key}", f"{value:g}", f"nothing here: {what}"))
         checks = [
             (g.closure != "groove" or roller, "geometry.closure", g.closure, "force or conjugate: only rollers run in grooves"),
-            (not p.hub_height or p.hub_diameter >= round_hub, "parts.hub_diameter", p.hub_diameter,
+            (self.standing or not p.hub_height or p.hub_diameter >= round_hub, "parts.hub_diameter", p.hub_diameter,
              f"at least {round_hub:g} mm: the bore and limits.min_wall round it"),
-            (not p.hub_height or g.closure != "groove", "parts.hub_height", p.hub_height, "0: a groove's plates have no hub"),
+            (self.standing or not p.hub_height or g.closure != "groove", "parts.hub_height", p.hub_height,
+             "0: a groove's plates have no hub"),
             (p.pin_diameter < p.rim, "parts.pin_diameter", p.pin_diameter, f"less than the rim, {p.rim:g} mm"),
             (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
              f"at least the nozzle, {self.print.nozzle:g} mm"),
@@ -90,6 +94,9 @@ class DiscCamDrive(Mechanism):
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
+        if self.bodies is not None:
+            found += [replace(fault, path=fault.path.replace("parts", "bodies", 1))
+                      for fault in self.bodies.faults(("ground", "follower"), self.print.nozzle)]  # fmt: skip
         found += load_faults(self.load, self.spring, slides, g.closure == "force")
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
@@ -196,8 +203,9 @@ class DiscCamDrive(Mechanism):
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
 
     def found(self) -> Mapping[str, object]:
-        """The base radius, and what every mechanism fills in."""
-        return {**super().found(), "geometry.base_radius": self.base_radius}
+        """The base radius, sizes of a machine's bodies, and what every mechanism fills in."""
+        sizes = {"bodies": (self.bodies or Bodies.model_validate({})).model_dump()} if self.standing else {}
+        return {**super().found(), "geometry.base_radius": self.base_radius, **sizes}
 
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
@@ -211,9 +219,27 @@ class DiscCamDrive(Mechanism):
 
     def machine(self) -> Machine:
         """Cam and follower; output "lift", mm, or "swing", rad."""
+        return self._bench.machine if self.standing else self._drawn(self._load)
+
+    @property
+    def standing(self) -> bool:
+        """Whether the whole machine is made."""
+        return self.making.make == "machine"
+
+    @cached_property
+    def _bench(self) -> Bench:
+        f, load = self.geometry.follower, self._load or FollowerLoad()
+        drawn = self._drawn(replace(load, rate=0.0, preload=0.0))
+        density = 1e3 * (self.material.density or DENSITY[self.material.name])
+        return Bench(
+            drawn, self.cam, Tip(f.shape, f.radius, self.geometry.closure), self.bodies or Bodies.model_validate({}), self.print,
+            self.allowed.min_wall, density, load, ["follower"] if load.inertia else [],
+        )  # fmt: skip
+
+    def _drawn(self, load: FollowerLoad | None) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         groove = (ProfileTouch(self.cam), OuterWallTouch(self.cam)) if self.geometry.closure == "groove" else ()
-        return cam_machine(self.cams, self.speed, self._load, closed, groove)
+        return cam_machine(self.cams, self.speed, load, closed, groove)
 
     @cached_property
     def _load(self) -> FollowerLoad | None:
@@ -221,18 +247,18 @@ class DiscCamDrive(Mechanism):
 
     @cached_property
     def _loaded(self) -> Loaded | None:
-        """Forces over the turn, to either side of the program's breaks; None without [load]."""
-        if self._load is None:
+        """Forces over the turn, to either side of the program's breaks; None of a cam alone without [load]."""
+        if self._load is None and not self.standing:
             return None
         breaks = self.program.breaks[(self.program.breaks > 0) & (self.program.breaks < math.tau)]
         theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
-        return loaded(self.model, self.cam, self._load, theta)
+        return loaded(self.model, self.cam, self._load or FollowerLoad(), theta)
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
     def parts(self) -> Sequence[Part]:
-        """The cam; both cams of a conjugate pair; or inner cam, outer ring and back plate of a groove."""
-        return self._parts
+        """The cam; both cams of a conjugate pair; inner cam, outer ring and back plate of a groove; or the whole machine."""
+        return self._bench.bodies.parts if self.standing else self._parts
 
     @cached_property
     def _parts(self) -> tuple[Part, ...]:
@@ -243,12 +269,16 @@ class DiscCamDrive(Mechanism):
         return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
 
     def features(self) -> Sequence[Feature]:
-        """The outline of the cam; of both cams of a pair, and both walls of a groove."""
-        return self._features
+        """The outline of the cam; of both cams of a pair, and both walls of a groove; of a machine all joints."""
+        if not self.standing:
+            return self._features
+        meant = iter(self._features)
+        made = self._bench.bodies.features()
+        return [replace(each, meant=next(meant).meant) if isinstance(each, CamOutline) else each for each in made]
 
     @cached_property
-    def _features(self) -> Sequence[Feature]:
-        names = [part.name for part in self.parts()]
+    def _features(self) -> Sequence[CamOutline]:
+        names = ["cam"] * 2 if self.standing else [part.name for part in self._parts]
         found = [self._outline(k, name, cam) for k, (name, cam) in enumerate(zip(names, self.cams, strict=False))]
         if self.geometry.closure == "groove":
             found.append(self._outline(0, "outer", self.cam, self.print.slide_clearance))
@@ -262,10 +292,20 @@ class DiscCamDrive(Mechanism):
         )  # fmt: skip
 
     def mounts(self) -> Sequence[Mount]:
-        """All plates on the cam's body, one above the other."""
+        """All plates on the cam's body, one above the other; of a machine all parts."""
+        if self.standing:
+            return self._bench.bodies.mounts
         p = self.making
         heights = {"inner": p.back, "outer": p.back, "cam-2": p.thickness + p.hub_height + self.print.slide_clearance}
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self.parts()]
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """The follower's tip, where it is not made."""
+        return () if self.standing else super().stand_ins()
+
+    def bought(self) -> Sequence[Bought]:
+        """Drive, screws and spring of a machine."""
+        return self._bench.bought() if self.standing else ()
 
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""
@@ -309,8 +349,8 @@ class DiscCamDrive(Mechanism):
             findings.append(
                 at_most("FACE_WIDTH", needed, f.face_width, "mm", "exact profile", "width over which the face is touched")
             )
-        if self._load and self._loaded and self.geometry.closure == "force":
-            findings.append(lift_off(self._loaded, self._load, f.motion == "translating"))
+        if self._loaded and self.geometry.closure == "force":
+            findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
         return [*findings, *self._jumps()]
 
     def _jumps(self) -> list[Finding]:
@@ -330,7 +370,9 @@ class DiscCamDrive(Mechanism):
 
     @property
     def _names(self) -> list[str]:
-        return [""] if len(self.cams) == 1 else [f" of {part.name}" for part in self.parts()]
+        if len(self.cams) == 1:
+            return [""]
+        return [f" of {each.part}" for each in self.features() if isinstance(each, CamOutline)]
 
     def study(self) -> Study:
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
@@ -355,12 +397,13 @@ class DiscCamDrive(Mechanism):
         else:
             numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
         forces = Study()
-        if self._load and self._loaded:
+        if self._loaded:
             pushed = self.geometry.closure == "force"
-            forces = force_study(self._loaded, self._load, f.motion == "translating", pushed)
+            forces = force_study(self._loaded, self._load or FollowerLoad(), f.motion == "translating", pushed)
         return Study(
             numbers | dict(forces.numbers), (*self._plots(speed), *forces.plots), (self._table(),),
-            (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))), (*self._notes(), *forces.notes),
+            () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
+            (*self._notes(), *forces.notes),
         )  # fmt: skip
 
     def _notes(self) -> list[str]:

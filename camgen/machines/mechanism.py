@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
@@ -33,6 +33,24 @@ from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
+
+
+class _Courses(Mapping[str, Pose]):
+    """Poses of a machine's bodies over its run, by name, each worked out once."""
+
+    def __init__(self, run: Run) -> None:
+        self._run, self._poses = run, dict[str, Pose]()
+
+    def __getitem__(self, name: str) -> Pose:
+        if name not in self._poses:
+            self._poses[name] = self._run.pose(name)
+        return self._poses[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter((GROUND, *(body.name for body in self._run.machine.moving)))
+
+    def __len__(self) -> int:
+        return 1 + len(self._run.machine.moving)
 
 
 class Mechanism(Spec, ABC):
@@ -79,9 +97,8 @@ class Mechanism(Spec, ABC):
         return replace(self.model, joints=tuple(joints)) if laws else self.model
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
-        """PartPose of each body of the model at theta, (n,) rad, as exact parts move it."""
-        run = solve(self._exact, self.course(np.asarray(theta, float)), 0)
-        return {name: run.pose(name) for name in (GROUND, *(body.name for body in self._exact.moving))}
+        """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
+        return _Courses(solve(self._exact, self.course(np.asarray(theta, float)), 0))
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
@@ -173,15 +190,8 @@ class Mechanism(Spec, ABC):
 
     def moved(self) -> Moved:
         """What the sweep needs."""
-        names, tolerance, things = [part.name for part in self.parts()], self.accuracy.chord_tolerance, self.stand_ins()
-
-        def poses(theta: Floats) -> Mapping[str, Sequence[PartPose]]:
-            courses = self.courses(theta)
-            beside = {thing.name: [PartPose(courses[thing.body].place, courses[thing.body].angle)] for thing in things}
-            return {**self._placed(courses), **beside}
-
-        pairs = (*self.contacts(), *self.features())
-        return Moved(names, poses, pairs, things, self.running_gap, tolerance, self.angle_name)
+        pairs, tolerance = (*self.contacts(), *self.features()), self.accuracy.chord_tolerance
+        return Moved(self.mounts(), self.courses, pairs, self.stand_ins(), self.running_gap, tolerance, self.angle_name)
 
     @property
     def running_gap(self) -> float:

@@ -62,8 +62,9 @@ class ShaftHole(Record):
 
 
 class Parts(ShaftHole):
-    """The cam as a body; pins, rim and back belong to a groove."""
+    """The cam as a body; pins, rim and back belong to a groove. make: "machine" makes all of it, by the sizes of [bodies]."""
 
+    make: Literal["machine", "cams"] = "cams"
     hub_diameter: Length = 16.0
     hub_height: Annotated[float, Field(ge=0, le=1000)] = 0.0
     pin_diameter: Length = 3.0

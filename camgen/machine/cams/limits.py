@@ -64,8 +64,13 @@ def unit_of(cam: DiscCam[Any]) -> tuple[str, float]:
     return ("deg", math.degrees(1)) if swings else ("mm", 1.0)
 
 
-def cam_limits(where: str, cam: DiscCam[Any], pressure_angle: float, allowed: Allowed, chord_tolerance: float) -> list[Finding]:
-    """PRESSURE_ANGLE (the given one, deg), UNDERCUT, CURVATURE, and INTERFERENCE with the axle of a follower that swings."""
+def cam_limits(
+    where: str, cam: DiscCam[Any], pressure_angle: float, allowed: Allowed, chord_tolerance: float | None = None
+) -> list[Finding]:
+    """PRESSURE_ANGLE (the given one, deg), UNDERCUT, CURVATURE, and INTERFERENCE with the axle of a follower that swings.
+
+    chord_tolerance: mm, of the facets that must clear the axle; None where that is a body like all others, or on another level.
+    """
     unit, scale = unit_of(cam)
     findings = [at_most("PRESSURE_ANGLE", pressure_angle, allowed.pressure_angle, "deg", where, f"{allowed.flatter} lowers it")]
     shortfall = scale * max((cut.shortfall for cut in cam.undercuts), default=0.0)
@@ -82,7 +87,7 @@ def cam_limits(where: str, cam: DiscCam[Any], pressure_angle: float, allowed: Al
                      "least radius of curvature of the convex profile; below 0 it is undercut, "
                      "which a limits.least_radius below 0 accepts")
         )  # fmt: skip
-    if isinstance(cam.follower, SwingingArm | SwingingFace):
+    if chord_tolerance is not None and isinstance(cam.follower, SwingingArm | SwingingFace):
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
         findings.append(

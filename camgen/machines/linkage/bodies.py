@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from camgen.machine import model as m
 from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, dowel
+from camgen.parts.catalogue import STEEL, Bought, dowel
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -62,7 +63,8 @@ class Bodies:
 
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
-        layout, moving = self.layout, [body.name for body in self.layout.machine.moving]
+        layout = self.layout
+        moving = [body.name for body in layout.machine.moving if body.name not in layout.alone]
         parts = [self._plate(), *(self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [Mount(part_name(name), name, z=layout.floor(layout.level[name])) for name in moving]
@@ -90,6 +92,13 @@ class Bodies:
         """Every copy of every part on its body."""
         return self._made[1]
 
+    def bought(self, turning: str) -> list[Bought]:
+        """Drive, of a speed for people, and screws."""
+        p = self.sizes
+        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
+        drive = f"{turning}, for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
+        return [Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2)]
+
     # ---- links and plate --------------------------------------------------------------------------------------------
 
     def _link(self, link: str) -> Part:
@@ -111,13 +120,15 @@ class Bodies:
         )  # fmt: skip
 
     def _rails(self, link: str, floor: float) -> list[Layer]:
-        """The rails that stand on a link or the plate, from a height of it, mm."""
+        """The rails that stand on a link or the plate, from a height of it, mm; in steps, as some are higher than others."""
         layout = self.layout
-        return [
-            Layer(Region(hull([(z, self.sizes.rail_width / 2) for z in ends])), floor,
-                  layout.top(layout.level[runner]) - layout.floor(layout.level[link]))
+        rails = [
+            (round(layout.top(layout.level[runner]) - layout.floor(layout.level[link]), 9),
+             Region(hull([(z, self.sizes.rail_width / 2) for z in ends])))
             for runner, guide in layout.guides.items() if guide.joint.guide.body == link for ends in guide.rails
         ]  # fmt: skip
+        steps = [floor, *sorted({top for top, _ in rails})]
+        return [Layer(rail, low, high) for low, high in pairwise(steps) for top, rail in rails if top >= high]
 
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
@@ -286,8 +297,15 @@ class Bodies:
         point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in self.layout.pivots.get(n, ()))
         return point, joint.a.body, joint.b.body
 
+    def _part_of(self, link: str) -> str:
+        """Name of the part that a link is; of one that is a wheel alone, that wheel's."""
+        level = self.layout.alone.get(link)
+        parts = {tip.level: f"cam-{tip.name}{'-inner' * tip.grooved}" for tip in self.layout.tips}
+        parts |= {each.level: each.part for each in self.layout.toothed if each.link == link}
+        return part_name(link) if level is None else parts[level]
+
     def _eye(self, point: str, link: str) -> Eye:
-        return Eye(part_name(link), self.layout.at(link, point), self.layout.hole(point, link))
+        return Eye(self._part_of(link), self.layout.at(link, point), self.layout.hole(point, link))
 
     def features(self) -> Sequence[Feature]:
         """Holes, slots, rails, outlines and pins of every joint, and pens."""
@@ -342,7 +360,7 @@ class Bodies:
         )  # fmt: skip
         yield driving
         if tip.grooved:
-            yield replace(driving, part=f"{name}-outer", inside=True)
+            yield replace(driving, part=f"{name}-outer", inside=True, free=self.fits.slide_clearance)
 
     def fitted(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm, its slides where their bars are."""

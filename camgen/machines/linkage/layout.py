@@ -21,8 +21,8 @@ from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.guides import STEMS, Guide, guide
-from camgen.machines.linkage.tables import Cam, Gear, Parts
-from camgen.machines.linkage.wheels import NOSE, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
+from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
 from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
 from camgen.parts.part import hull, with_bar
 from camgen.spec import Print
@@ -32,13 +32,22 @@ _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
 @dataclass(frozen=True)
+class Stretched:
+    """A spring between a body's point and another's, body and point each; diameter: outside, mm. Pins hold its eyes."""
+
+    a: tuple[str, str]
+    b: tuple[str, str]
+    diameter: float
+
+
+@dataclass(frozen=True)
 class Layout:
     """A machine and the sizes of its parts.
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
-    slide's runner reaches its rails; sunk: whether the pins of the ground have their heads under the plate, where they turn,
-    and are pressed into their highest link.
+    slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
+    the plate, where they turn, and are pressed into their highest link.
     """
 
     drawn: m.Machine
@@ -48,10 +57,11 @@ class Layout:
     min_wall: float
     given: Mapping[str, int]
     strokes: Mapping[str, tuple[float, float]]
-    cams: Mapping[str, Cam] = field(default_factory=dict)
+    cams: Mapping[str, Ridden] = field(default_factory=dict)
     gears: Mapping[str, Gear] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)
     sunk: bool = False
+    springs: Mapping[str, Stretched] = field(default_factory=dict)
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -114,12 +124,27 @@ class Layout:
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         bodies, slots = self.machine.bodies, self.slots
-        rollers = {tip.point for tip in self.tips if tip.rolls}
+        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked
         carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
         return {
             name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
-            for name, links in carriers.items() if len(links) > 1 or name in slots or name in rollers
+            for name, links in carriers.items() if len(links) > 1 or name in slots or name in ridden
         }  # fmt: skip
+
+    @cached_property
+    def hooked(self) -> set[str]:
+        """Points on whose pin a spring's eye sits."""
+        return {point for each in self.springs.values() for _, point in (each.a, each.b)}
+
+    def below(self, spring: Stretched) -> int:
+        """How many levels a spring takes under its own."""
+        return max(0, math.ceil((spring.diameter - self.sizes.thickness) / (self.sizes.thickness + self.fits.slide_clearance)))
+
+    @cached_property
+    def alone(self) -> dict[str, str]:
+        """Links that are no more than a wheel on their shaft, and the level of that wheel."""
+        carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
+        return {link: level for link, level in carried.items() if len(self.machine.body(link).points) == 1}
 
     @cached_property
     def shafts(self) -> dict[str, str]:
@@ -137,6 +162,9 @@ class Layout:
             found.setdefault(tip.point, []).append(tip.level)
         for wheel in self.wheels:
             found.setdefault(self.shaft_of(wheel.link), []).append(wheel.level)
+        for name, each in self.springs.items():
+            for _, point in (each.a, each.b):
+                found.setdefault(point, []).append(name)
         return found
 
     @cached_property
@@ -148,7 +176,7 @@ class Layout:
     def under_plate(self) -> set[str]:
         """Points whose pin has its head under the plate."""
         grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
-        return {point for point in grounded if point not in self.slots} if self.sunk else set()
+        return {point for point in grounded - self.hooked if point not in self.slots} if self.sunk else set()
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
@@ -311,13 +339,14 @@ class Layout:
     def level(self) -> dict[str, int]:
         """Level of each link, 0 the ground's plate, and of what touches on shafts."""
         if all(name in self.given for name in self.lying):
-            return {GROUND: 0, **self.given}
+            return {GROUND: 0, **self.given, **{link: self.given[level] for link, level in self.alone.items()}}
         raise ValueError("levels are found before bodies are made")
 
     @property
     def lying(self) -> list[str]:
-        """What lies on a level: links, and what touches on shafts."""
-        return list(dict.fromkeys([*(body.name for body in self.machine.moving), *(wheel.level for wheel in self.wheels)]))
+        """What lies on a level: links, what touches on shafts, springs."""
+        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        return list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels), *self.springs]))
 
     def levels(self, run: Run, explain: bool) -> dict[str, int] | None:
         """Level of all that lies on one, those given kept; run: samples over the whole motion.
@@ -337,7 +366,7 @@ class Layout:
             corners = hull_corners([z for z, _ in discs])
             return Band(name, ways(link, [discs[k][0] for k in corners]), max(radius for _, radius in discs), on)
 
-        for body in self.machine.moving:
+        for body in (body for body in self.machine.moving if body.name not in self.alone):
             if body.name in self.guides:
                 bands += [band(body.name, body.name, discs) for discs in self.guides[body.name].bands]
             else:
@@ -355,9 +384,15 @@ class Layout:
         for wheel in (each.wheel for each in self.toothed):
             at = self.at(GROUND, self.shaft_of(wheel.link))
             bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level))
+        for name, spring in self.springs.items():
+            ends = [ways(body, [self.at(body, point)])[0] for body, point in (spring.a, spring.b)]
+            bands.append(Band(name, np.array(ends), spring.diameter / 2, below=self.below(spring)))
+            beside = [(*self.pivots[point], *self.riders[point]) for _, point in (spring.a, spring.b)]
+            over += [(name, other) for others in beside for other in others if other not in (GROUND, name)]
         for point, links in self.pivots.items():
             moving, shaft = tuple(link for link in links if link != GROUND), self.shafts.get(point)
-            upper = shaft or moving[-1]
+            moving = tuple(dict.fromkeys(self.alone.get(link, link) for link in moving))
+            upper = self.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
             if shaft is not None or point in self.slots:
                 over += [(upper, link) for link in moving if link != upper]
             held = (*moving, *self.riders.get(point, ()))
@@ -376,8 +411,11 @@ class Layout:
 
     def levels_at(self, point: str) -> list[int]:
         """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""
-        backs = [self.level[tip.level] - 1 for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
-        return [*(self.level[name] for name in (*self.pivots[point], *self.riders.get(point, ()))), *backs]
+        riders = self.riders.get(point, ())
+        more = [self.level[tip.level] - 1 for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
+        for name in (name for name in riders if name in self.springs):
+            more += [self.level[name] - 1 - k for k in range(self.below(self.springs[name]))]
+        return [*(self.level[name] for name in (*self.pivots[point], *riders)), *more]
 
     def floor(self, level: int) -> float:
         """Height of a level's floor over the plate's underside, mm."""

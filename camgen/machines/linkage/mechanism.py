@@ -129,7 +129,7 @@ class Linkage(Mechanism):
             return ()
         host = self.model_dump(by_alias=True, exclude_none=True)
         top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        return inc.stacked(self.includes, host, self.drive.speed_rpm, top, self.print.slide_clearance)
+        return inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
 
     @cached_property
     def _fitted(self) -> m.Machine:
@@ -258,13 +258,14 @@ class Linkage(Mechanism):
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
         found = super().resolved()
-        found.__dict__["chain"] = self.chain  # cached: nothing that it depends on was filled in
+        same = vars(self).keys() & {"chain", "bodies", "modules"}  # cached: nothing that they depend on was filled in
+        found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
     def parts(self) -> Sequence[Part]:
         """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
         which no bodies are made."""
-        return (*self.bodies.parts, *(part for each in self.modules for part in each.parts()))
+        return (*self.bodies.parts, *(part for each in self.modules for part in each.parts))
 
     def features(self) -> Sequence[Feature]:
         """Holes and pins of the joints."""
@@ -284,7 +285,7 @@ class Linkage(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Every copy of every part on its body."""
-        return (*self.bodies.mounts, *(mount for each in self.modules for mount in each.mounts()))
+        return (*self.bodies.mounts, *(mount for each in self.modules for mount in each.mounts))
 
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""
@@ -305,10 +306,7 @@ class Linkage(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Drive and screws."""
-        p = self.making
-        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
-        drive = f"{turning_text(self.drive.speed_rpm)}, for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
-        own = (Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2))
+        own = self.bodies.bought(turning_text(self.drive.speed_rpm))
         return (*own, *(thing for each in self.modules for thing in each.bought()))
 
     def limits(self) -> Sequence[Finding]:

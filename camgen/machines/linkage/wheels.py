@@ -12,25 +12,46 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.limits import Allowed, cam_limits, steepest
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Cam, Gear, Parts
+from camgen.machines.linkage.tables import Gear, Parts
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
 _BESIDE = 0.5  # mm, of a face beside where it is touched
+
+
+class Ridden(Protocol):
+    """What of a follower touches a cam, as in [[cam]]: the point `at` is a roller's centre, an edge, a place on a face."""
+
+    @property
+    def shape(self) -> str:
+        """"roller", "knife" or "flat"."""
+
+    @property
+    def at(self) -> str:
+        """A point of the follower."""
+
+    @property
+    def radius(self) -> float | None:
+        """Of a roller, mm."""
+
+    @property
+    def closure(self) -> str:
+        """"force", "groove" or "conjugate"."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +169,7 @@ def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
     raise DesignError("pivots on the ground", 0, 1, "", f"link {link}", "what carries a cam or gear turns on the ground")
 
 
-def with_seconds(machine: m.Machine, cams: Mapping[str, Cam]) -> m.Machine:
+def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
     """The machine with a further point on each follower of a conjugate pair, where its second roller sits."""
     bodies = {body.name: body for body in machine.bodies}
     for name, spec in cams.items():
@@ -166,7 +187,7 @@ def _highest(program: Program) -> float:
     return max(max(each.start, each.end) for each in program.segments)
 
 
-def _second(machine: m.Machine, joint: m.Cam, spec: Cam) -> complex:
+def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law, body = joint.law, machine.body(joint.follower)
     assert isinstance(law, Scaled)
@@ -190,7 +211,7 @@ def _signed(law: Scaled) -> Program:
     return replace(law.program, segments=tuple(segments))
 
 
-def _follower(machine: m.Machine, joint: m.Cam, spec: Cam, point: str, leaves: Literal[1, -1]) -> Follower:
+def _follower(machine: m.Machine, joint: m.Cam, spec: Ridden, point: str, leaves: Literal[1, -1]) -> Follower:
     """What touches the cam, about the cam's axis, as drawn."""
     at = complex(machine.body(joint.follower).points[point])
     centre, radius = pivot(machine, joint.cam)[1], spec.radius or 0.0
@@ -208,7 +229,7 @@ def _follower(machine: m.Machine, joint: m.Cam, spec: Cam, point: str, leaves: L
     return SwingingArm(far, arm, radius, leaves)
 
 
-def tips(machine: m.Machine, cams: Mapping[str, Cam], sizes: Parts, clearance: float) -> list[Tip]:
+def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance: float) -> list[Tip]:
     """What runs on each cam; of a conjugate pair both. clearance: of a groove, mm."""
     found = []
     for name, spec in cams.items():
@@ -247,23 +268,15 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
 
 
 def limits(tips: Sequence[Tip], pressure_angle_deg: float) -> list[Finding]:
-    """PRESSURE_ANGLE and UNDERCUT of each cam as designed."""
+    """PRESSURE_ANGLE and UNDERCUT of each cam as designed; DesignError names the cam where there is none."""
     found = []
     for tip in tips:
         outline(tip)
-        theta, steep = tip.cam.greatest(tip.cam.steepness)
-        where, further = f"cam {tip.joint.name}", "a follower drawn further from the shaft"
-        found.append(at_most(
-            "PRESSURE_ANGLE", math.degrees(steep), pressure_angle_deg, "deg", f"{where}, cam angle {math.degrees(theta):.2f} deg",
-            f"{further}, or a longer span, lowers it",
-        ))  # fmt: skip
-        unit, scale = ("deg", math.degrees(1)) if tip.joint.slide is None else ("mm", 1.0)
-        lost = scale * max((cut.shortfall for cut in tip.cam.undercuts), default=0.0)
-        spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in tip.cam.undercuts)
-        found.append(at_most(
-            "UNDERCUT", lost, 0.0, unit, f"{where}{', ' if spans else ''}{spans}",
-            f"the follower falls short there; {further}, or a smaller radius, lowers it" if lost else "the whole motion is made",
-        ))  # fmt: skip
+        worst, _ = tip.cam.greatest(tip.cam.pressure_angle)
+        further = "a follower drawn further from the shaft"
+        flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
+        allowed = Allowed(pressure_angle_deg, 0.0, None, flatter, f"{further}, or a smaller radius,")
+        found += cam_limits(f"cam {tip.joint.name}", tip.cam, steepest(tip.cam), allowed)
     return found
 
 

@@ -1,0 +1,246 @@
+"""A cam machine that stands on a bench: cam, follower and what holds them, as the parts of a linkage.
+
+    tip    where the follower touches, as a point of it: a roller's centre, an edge, a place on a face
+    post   of the return spring on the plate, in line with the pull, beyond the cam
+    hook   the spring's other end: the roller's own pin, or a pin of the follower
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NoReturn
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.machine.cams.followers import FlatFace, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.machine import FollowerLoad
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.model import GROUND, Cam, Machine, Place, Spring
+from camgen.machine.run import Run, solve
+from camgen.machines.linkage.bodies import Bodies
+from camgen.machines.linkage.drawing import Scaled
+from camgen.machines.linkage.layout import Layout, Stretched
+from camgen.machines.linkage.stacking import laid
+from camgen.machines.linkage.tables import Gear, Parts
+from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
+from camgen.spec import Print
+
+_SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)
+_LEAST = 1.0  # N, that a spring pulls with at least: guides rub
+_OVER = 1.5  # of what keeps contact
+_STRETCHED = (0.4, 0.3, 0.5, 0.2, 0.6, 0.1)  # of a spring's length, where it is shortest
+_AIR = 1.0  # mm, between cam and post
+_EYE = 1.1  # of a spring, to its pin
+_BACK = 3.0  # radii of a hub, from an edge or face to the pin of the spring
+
+
+@dataclass(frozen=True)
+class Tip:
+    """What of the follower touches, as [[cam]] of a linkage has it."""
+
+    shape: str
+    radius: float | None
+    closure: str
+    at: str = "tip"
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """The machine of `cams.machine` as one that is made.
+
+    drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
+    is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints.
+    """
+
+    drawn: Machine
+    cam: DiscCam[Any]
+    tip: Tip
+    sizes: Parts
+    fits: Print
+    min_wall: float
+    density: float
+    load: FollowerLoad = FollowerLoad()
+    heavy: Sequence[str] = ()
+    gears: Mapping[str, Gear] = field(default_factory=dict)
+
+    @cached_property
+    def machine(self) -> Machine:
+        """The machine with fits, masses of its solids and its spring."""
+        machine = self.bodies.weighed(self.density, self.heavy)
+        return machine if self.spring is None else replace(machine, loads=(*machine.loads, self._pull(self.spring)))
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        """What is made."""
+        if self.spring is None:
+            return self._bare
+        springs = {"spring": Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside)}
+        return Bodies(laid(replace(self._layout(self._named(True)), springs=springs), self._run))
+
+    def bought(self) -> list[Bought]:
+        """Drive, screws, spring."""
+        found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
+        return found if self.spring is None else [*found, self.spring.bought(*self.way)]
+
+    # ---- layout -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _bare(self) -> Bodies:
+        """What is made, without a spring."""
+        layout = self._layout(self._named(False))
+        lacking = layout.lacking()
+        if lacking is not None:
+            raise lacking
+        return Bodies(laid(layout, self._run))
+
+    def _layout(self, machine: Machine) -> Layout:
+        return Layout(machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears)
+
+    @cached_property
+    def _run(self) -> Run:
+        return solve(self._named(False), _SAMPLES, 1)
+
+    def _named(self, sprung: bool) -> Machine:
+        """The machine with points where its joints are, those of the spring too."""
+        places = self._places(sprung)
+        bodies = tuple(replace(body, points={**body.points, **places.get(body.name, {})}) for body in self.drawn.bodies)
+        joints = tuple(
+            replace(joint, law=Scaled(self.cam.program, 1)) if isinstance(joint, Cam) else joint for joint in self.drawn.joints
+        )
+        return replace(self.drawn, bodies=bodies, joints=joints)
+
+    def _places(self, sprung: bool) -> dict[str, dict[str, complex]]:
+        found: dict[str, dict[str, complex]] = {GROUND: {"shaft": 0j}, "cam": {"shaft": 0j}, "follower": {}}
+        tip, follower = self._touching, self.cam.follower
+        if isinstance(follower, SwingingArm | SwingingFace):
+            found[GROUND]["pivot"], found["follower"]["pivot"] = follower.pivot, 0j
+        found["follower"]["tip"] = tip
+        if sprung:
+            found[GROUND]["post"] = self.post
+            found["follower"][self._hook] = self._hooked
+        return found
+
+    @cached_property
+    def _touching(self) -> complex:
+        """The tip in the follower's frame."""
+        match self.cam.follower:
+            case SwingingArm(_, arm):
+                return arm
+            case SlidingTip(start) | SlidingFace(start):
+                return start
+            case SwingingFace(_, facing, ahead) as follower:
+                if ahead:
+                    raise DesignError(
+                        "geometry.follower.face_offset", ahead, 0, "mm", "the arm of a face",
+                        'its line goes through its pivot: use 0, or make the cams alone (parts.make = "cams")',
+                    )  # fmt: skip
+                theta = np.linspace(0, math.tau, 721)
+                place = follower.place(self.cam.program(theta), self.cam.profile(theta) * np.exp(1j * theta))
+                return complex(facing * 1j * float(np.ptp(place) / 2 + np.min(place)))
+        raise TypeError(f"no machine for {type(self.cam.follower).__name__}")
+
+    # ---- spring -----------------------------------------------------------------------------------------------------
+
+    @property
+    def _hook(self) -> str:
+        return "tip" if self.tip.shape == "roller" else "hook"
+
+    @cached_property
+    def _hooked(self) -> complex:
+        """The spring's end in the follower's frame."""
+        follower, tip = self.cam.follower, self._touching
+        if self.tip.shape == "roller":
+            return tip
+        back = _BACK * (self.sizes.pin_diameter / 2 + self.sizes.wall)
+        if isinstance(follower, SlidingTip | SlidingFace):
+            return complex(tip + follower.leaves * follower.along * back)
+        if isinstance(follower, FlatFace):
+            raise DesignError(
+                "pins of a spring on the arm of a face", 1, 0, "", "the follower",
+                'give it a roller, or make the cams alone (parts.make = "cams")',
+            )  # fmt: skip
+        away = follower.trace(0.0)
+        return complex(tip + away / abs(away) * back)
+
+    @cached_property
+    def _middle(self) -> tuple[complex, complex]:
+        """The hook on the ground at mid stroke, and the unit way of it onto the cam."""
+        follower, s = self.cam.follower, self.cam.program(_SAMPLES)
+        middle = float(np.ptp(s) / 2 + np.min(s))
+        if isinstance(follower, SlidingTip | SlidingFace):
+            return self._hooked + middle * follower.along, -follower.leaves * follower.along
+        arm = self._hooked * cmath.exp(1j * middle)
+        return follower.pivot + arm, -follower.leaves * 1j * arm / abs(arm)
+
+    @cached_property
+    def post(self) -> complex:
+        """The spring's end on the plate: beyond the cam, in line with the pull."""
+        at, way = self._middle
+        rim = float(np.abs(self.cam.profile(_SAMPLES)).max())
+        clear = rim + self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance + _AIR
+        beside = (at * way.conjugate()).imag
+        length = math.sqrt(max(0.0, clear**2 - beside**2)) - (at * way.conjugate()).real
+        return at + max(length, clear) * way
+
+    @cached_property
+    def _lengths(self) -> tuple[Any, Any]:
+        """Distance of the spring's eyes over the turn, mm, and its derivative to s, mm or mm/rad, (n,) each."""
+        follower, s = self.cam.follower, self.cam.program(_SAMPLES)
+        if isinstance(follower, SlidingTip | SlidingFace):
+            z, slope = self._hooked + s * follower.along - self.post, np.full(s.shape, follower.along)
+        else:
+            arm = self._hooked * np.exp(1j * s)
+            z, slope = follower.pivot + arm - self.post, 1j * arm
+        return np.abs(z), (z.conj() * slope).real / np.abs(z)
+
+    @property
+    def way(self) -> tuple[float, float]:
+        """Its shortest and longest, inside its eyes, mm."""
+        length, pin = self._lengths[0], self.sizes.pin_diameter
+        return float(length.min()) + pin, float(length.max()) + pin
+
+    @cached_property
+    def spring(self) -> ExtensionSpring | None:
+        """The return spring; None where the closure needs none. DesignError where there is none such."""
+        if self.tip.closure != "force":
+            return None
+        eye = _EYE * self.sizes.pin_diameter
+        shortest, longest = self.way
+        length, slope = self._lengths
+        lever = np.abs(slope) * (1.0 if "guide" in [joint.name for joint in self.drawn.joints] else 1e-3)
+        first, last = lever[np.argmin(length)], lever[np.argmax(length)]
+        if not self.load.rate:
+            low = self.load.preload / first or self._least(lever)
+            return pulling(low, shortest, longest, eye, _STRETCHED) or self._none_such(low, "N at its shortest")
+        stroke = float(np.ptp(self.cam.program(_SAMPLES)))
+        low, high = self.load.preload / first, (self.load.preload + self.load.rate * stroke) / last
+        rate = (high - low) / (longest - shortest)
+        free = shortest - low / rate if rate > 0 else 0.0
+        found = extension_spring(rate, free, longest, eye) if free > 0 else None
+        return found or self._none_such(rate, f"N/mm with a free length of {free:.4g} mm")
+
+    def _none_such(self, value: float, unit: str) -> NoReturn:
+        shortest, longest = self.way
+        raise DesignError(
+            "return spring", value, 0, unit, f"from {shortest:.4g} to {longest:.4g} mm",
+            "no extension spring of round wire does that: change spring.rate or spring.preload, leave [spring] out, or let the "
+            "cam turn slower",
+        )  # fmt: skip
+
+    def _least(self, lever: Any) -> float:
+        """Force, N, of a spring that keeps contact, with something over; lever: N or N m of s per N, (n,)."""
+        leaves = self.cam.follower.leaves
+        effort = leaves * solve(self._bare.weighed(self.density, self.heavy), _SAMPLES).forces().contacts["contact"]
+        missing = float(np.nanmax(np.where(np.isfinite(effort), -effort, 0.0) / lever))
+        return max(_LEAST, _OVER * missing)
+
+    def _pull(self, spring: ExtensionSpring) -> Spring:
+        """It between the middles of its pins."""
+        ends = Place(GROUND, self.post), Place("follower", self._hooked)
+        return Spring("return spring", *ends, spring.rate, spring.free - self.sizes.pin_diameter)

@@ -1,0 +1,83 @@
+"""Extension springs of round wire, cold coiled: EN 13906-2; patented drawn wire EN 10270-1 SH.
+
+    rate     G d^4 / (8 D^3 n)
+    stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75), w = D / d; at most 0.45 of the wire's tensile strength
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from camgen.parts.catalogue import Bought
+
+WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
+_SHEAR = 81500.0  # N/mm^2
+_SHARE = 0.45  # of the tensile strength
+_LEAST_COILS = 3.0
+_INDEX = (4.0, 20.0)  # of D / d
+_WIDER = (1.0, 1.25, 1.6, 2.0, 2.5)  # than its eyes need
+
+
+@dataclass(frozen=True)
+class ExtensionSpring:
+    """Wire, outside diameter and free length between the insides of its eyes, mm; coils; rate N/mm; no initial tension."""
+
+    wire: float
+    outside: float
+    coils: float
+    free: float
+    rate: float
+
+    def force(self, length: float) -> float:
+        """N at a length between the insides of its eyes, mm."""
+        return self.rate * (length - self.free)
+
+    def stress(self, length: float) -> float:
+        """Of the wire, N/mm^2."""
+        mean = self.outside - self.wire
+        index = mean / self.wire
+        return (index + 0.5) / (index - 0.75) * 8 * self.force(length) * mean / (math.pi * self.wire**3)
+
+    @property
+    def strength(self) -> float:
+        """Stress that the wire bears, N/mm^2."""
+        return _SHARE * (1980 - 740 * math.log10(self.wire))
+
+    @property
+    def least_free(self) -> float:
+        """Free length of its closed coils and two round eyes, mm."""
+        return (self.coils + 1) * self.wire + 2 * (self.outside - 2 * self.wire)
+
+    def bought(self, shortest: float, longest: float) -> Bought:
+        """Its line in the list of parts, with its forces at both ends of its way, mm."""
+        size = (
+            f"wire {self.wire:g}, outside diameter {self.outside:.3g}, {self.coils:.3g} coils, free length {self.free:.4g} "
+            f"inside the eyes, {self.rate:.4g} N/mm, {self.force(shortest):.4g} N at {shortest:.4g} "
+            f"and {self.force(longest):.4g} N at {longest:.4g}"
+        )
+        return Bought("extension spring", "EN 13906-2", size, 1)
+
+
+def extension_spring(rate: float, free: float, longest: float, eye: float) -> ExtensionSpring | None:
+    """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside; mm; None where none can be."""
+    for wider in _WIDER:
+        for wire in WIRES:
+            mean = wider * eye + wire
+            coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
+            found = ExtensionSpring(wire, mean + wire, coils, free, rate)
+            wound = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1] and found.least_free <= free
+            if wound and found.stress(longest) <= found.strength:
+                return found
+    return None
+
+
+def pulling(force: float, shortest: float, longest: float, eye: float, shares: Iterable[float]) -> ExtensionSpring | None:
+    """A spring that pulls with a force, N, at its shortest, where it is stretched by the first of these shares of its length
+    for which there is one."""
+    for share in shares:
+        found = extension_spring(force / (share * shortest), (1 - share) * shortest, longest, eye)
+        if found is not None:
+            return found
+    return None

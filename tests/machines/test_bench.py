@@ -1,0 +1,165 @@
+"""Cam machines that stand on a bench: built to files and green, damaged files found out, springs against hand calculation."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError, SpecError
+from camgen.machines.disc_cam import DiscCamDrive
+from camgen.parts.springs import extension_spring
+from camgen.pipeline.build import build, check
+from camgen.spec import read, validate
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+MACHINE = "parts.make='machine'"
+ARM = 'geometry.follower={motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm=50}'
+KNIFE = 'geometry.follower={motion="translating",shape="knife"}'
+FLAT = 'geometry.follower={motion="translating",shape="flat"}'
+
+
+def made(out: Path, *settings: str, kinds: tuple[str, ...] = ("3mf",)) -> Path:
+    """The folder of a green build of the starter spec as a machine."""
+    report = build(SPECS / "disc-cam.toml", out, frozenset({*kinds, "report"}), [MACHINE, *settings])
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    return out / "disc-cam"
+
+
+def drive(**tables: Any) -> DiscCamDrive:
+    """The starter spec as a machine, with keys of its tables changed."""
+    data = read(SPECS / "disc-cam.toml")
+    data["parts"]["make"] = "machine"
+    for name, table in tables.items():
+        data[name] = {**data.get(name, {}), **table}
+    return validate(DiscCamDrive, data)
+
+
+def bought(folder: Path) -> str:
+    return (folder / "disc-cam-parts.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("settings", "sprung"),
+    [
+        ((ARM,), True),
+        ((FLAT, "limits.least_radius=1", "motor.speed_rpm=-60"), True),
+        ((KNIFE, "limits.least_radius=0"), True),
+        (("geometry.closure='groove'",), False),
+        ((ARM, "geometry.closure='conjugate'"), False),
+    ],
+)
+def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[str, ...], sprung: bool) -> None:
+    """The starter's return: 12 mm, or degrees, over 120 deg from 160 on; a clockwise cam has its program mirrored."""
+    folder = made(tmp_path, *settings)
+    head = (folder / "motion.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
+    rows = dict(zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True))
+    column = next(name for name in rows if name.endswith("_3mf") and name.startswith(("lift", "swing")) and "speed" not in name)
+    angle = rows["theta_deg"] if "motor.speed_rpm=-60" not in settings else 360 - rows["theta_deg"]
+    u = (angle[(angle >= 160) & (angle <= 280)] - 160) / 120
+    off = rows[column][(angle >= 160) & (angle <= 280)] - 12 * (1 - u + np.sin(math.tau * u) / math.tau)
+    assert np.max(np.abs(off - (0 if "lift" in column else off[-1]))) < 2.5e-3
+    assert ("extension spring" in bought(folder)) == sprung
+
+
+# ---- springs ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_spring_by_hand() -> None:
+    """EN 13906-2 by hand: wire 1 on a mean diameter of 10 with 10 coils is 1.01875 N/mm; 10 N stress it with 289 N/mm^2."""
+    spring = extension_spring(1.01875, 60.0, 60.0 + 10 / 1.01875, 9.0)
+    assert spring is not None
+    mean = spring.outside - spring.wire
+    assert spring.rate == pytest.approx(81500 * spring.wire**4 / (8 * mean**3 * spring.coils))
+    assert spring.stress(60.0 + 10 / 1.01875) <= spring.strength
+    one = type(spring)(1.0, 11.0, 10.0, 60.0, 1.01875)
+    assert one.stress(60.0 + 10 / 1.01875) == pytest.approx(289.0, rel=1e-3)
+    assert one.strength == pytest.approx(0.45 * 1980)
+    assert extension_spring(50.0, 60.0, 100.0, 5.0) is None  # 2 kN
+
+
+def test_the_roller_at_rest_bears_the_springs_force() -> None:
+    """In the inner dwell nothing moves: the contact bears what the spring pulls with at its shortest, rate * stretch."""
+    machine = drive(load={"mass_kg": 0.5}, spring={"rate": 0.5, "preload": 5.0})
+    theta = np.radians([130.0, 320.0])
+    assert machine.solve(theta).forces().pressing["contact"] == pytest.approx([5.0 + 12 * 0.5, 5.0])
+
+
+def test_an_arm_bears_the_torque_that_the_spec_gives_its_spring() -> None:
+    """N m about the pivot at both ends of the swing, as [spring] says."""
+    arm = {"motion": "oscillating", "shape": "roller", "radius": 5.0, "pivot_distance": 60.0, "arm": 50.0}
+    machine = drive(geometry={"follower": arm}, load={"inertia_kg_m2": 1e-4}, spring={"rate": 0.3, "preload": 0.1})
+    torque = machine.solve(np.radians([320.0, 130.0])).forces().contacts["contact"]
+    assert torque == pytest.approx([0.1, 0.1 + 0.3 * math.radians(12)])
+
+
+def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_told() -> None:
+    fast = {"motor": {"speed_rpm": 300.0}, "load": {"mass_kg": 0.5}}
+    assert all(finding.ok for finding in drive(**fast).limits())
+    weak = drive(**fast, spring={"rate": 0.05, "preload": 1.0})
+    assert {finding.code for finding in weak.limits() if not finding.ok} == {"LIFT_OFF"}
+
+
+@pytest.mark.parametrize(
+    ("tables", "error", "said"),
+    [
+        ({"geometry": {"closure": "conjugate"}}, DesignError, "meets the shaft"),
+        ({"geometry": {"follower": {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0}},
+          "limits": {"least_radius": 1}}, DesignError, "arm of a face.*give it a roller"),
+        ({"geometry": {"follower": {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0, "face_offset": 2.0}}},
+         DesignError, "face_offset"),
+        ({"load": {"mass_kg": 1.0}, "spring": {"rate": 100.0, "preload": 5.0}}, DesignError, "return spring.*spring.rate"),
+        ({"bodies": {"thickness": 0.1}}, SpecError, r"bodies.thickness.*nozzle"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_made_is_told(tables: dict[str, Any], error: type[Exception], said: str) -> None:
+    with pytest.raises(error, match=said):
+        drive(**tables).parts()
+
+
+# ---- damage ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A green build's drawings, never changed."""
+    return made(tmp_path_factory.mktemp("bench"), kinds=("dxf",))
+
+
+def failing(folder: Path) -> set[str]:
+    return {finding.code for finding in check(folder).findings if not finding.ok}
+
+
+def mirror(drawing: ezdxf.document.Drawing) -> None:
+    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
+    line.set_points([(-x, y, -b) for x, y, b in line.get_points("xyb")], format="xyb")
+
+
+def shift_seat(drawing: ezdxf.document.Drawing) -> None:
+    seat = min(drawing.modelspace().query("CIRCLE"), key=lambda c: abs(complex(*c.dxf.center.vec2) - 30j))
+    seat.dxf.center = (0.0, 30.03)
+
+
+@pytest.mark.parametrize(("part", "edit"), [("cam-contact", mirror), ("follower", shift_seat)])
+def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
+    sound: Path, tmp_path: Path, part: str, edit: Callable[[ezdxf.document.Drawing], None]
+) -> None:
+    folder = Path(shutil.copytree(sound, tmp_path / "disc-cam"))
+    assert failing(folder) == set()
+    path = folder / f"disc-cam-{part}.dxf"
+    drawing = ezdxf.readfile(path)
+    edit(drawing)
+    drawing.saveas(path)
+    assert "MOTION_ERROR" in failing(folder)
+
+
+def test_the_report_names_the_spring(sound: Path) -> None:
+    report = json.loads((sound / "report.json").read_text(encoding="utf-8"))
+    assert report["numbers"]["least_contact_force_n"] > 0
