@@ -17,13 +17,13 @@ from camgen.machine.model import (
     Body,
     Function,
     Gravity,
-    Joint,
     Law,
     Machine,
     Path,
     Pin,
     Place,
     Pose,
+    bodies_of,
 )  # fmt: skip
 from camgen.machine.run import solve
 from camgen.numerics import Floats
@@ -31,7 +31,6 @@ from camgen.numerics import Floats
 T = TypeVar("T")
 
 _RECORDS = Angle | Along | Path | Eye | Faces | Flat | OwnTip | Teeth  # that stand in others
-_BODIES = {"a", "b", "cam", "follower", "body", "on", "by", "carrier"}  # keys whose text is a body's name
 
 
 @dataclass(frozen=True)
@@ -122,7 +121,7 @@ class Module:
         if not riding:
             return set()
         held = riding | {GROUND, *(drive.body for drive in machine.drives)}
-        joints = {each.name for each in machine.joints if riding & (bodies := _bodies(each)) and bodies <= held}
+        joints = {each.name for each in machine.joints if riding & (bodies := set(bodies_of(each))) and bodies <= held}
         drives = {drive.name for drive in machine.drives if drive.body in riding or drive.slide in joints}
         outputs = {
             each.name for each in machine.outputs
@@ -135,7 +134,7 @@ class Module:
         riding, lost = {ride.body for ride in self.rides}, self.lost(machine)
         return [
             each.name for each in machine.joints
-            if each.name not in lost and riding & _bodies(each) and not isinstance(each, Pin)
+            if each.name not in lost and riding & set(bodies_of(each)) and not isinstance(each, Pin)
         ]  # fmt: skip
 
     def renamed(self, record: T) -> T:
@@ -176,17 +175,10 @@ class Module:
 
 # What a text is, by its key.
 _NAMES: dict[str, Callable[[Module, str], str]] = {
-    **dict.fromkeys(_BODIES, Module.body),
+    **dict.fromkeys(("a", "b", "cam", "follower", "body", "on", "by", "carrier"), Module.body),
     **dict.fromkeys(("name", "slide", "joint", "turns", "swings"), Module.name),
     **dict.fromkeys(("part", "roller"), Module.part),
 }
-
-
-def _bodies(joint: Joint) -> set[str]:
-    """The bodies that a joint joins."""
-    values = [getattr(joint, each.name) for each in fields(joint) if each.name != "name"]
-    named = {getattr(joint, each.name) for each in fields(joint) if each.name in _BODIES}
-    return {value.body for value in values if isinstance(value, Place)} | {name for name in named if isinstance(name, str)}
 
 
 def ride(body: str, link: str, own: Pose, host: Pose) -> Ride:

@@ -148,10 +148,10 @@ def test_stitch_head_moves_as_the_stitch_asks(root: Path, head: Any) -> None:
     assert off["needle-1"] == pytest.approx(rod - math.sqrt(rod**2 - crank**2), rel=1e-6)  # at half stroke
     poses = head.poses(THETA)
     (spreader,) = poses["chain-stitch-looper-lower-spreader"]
-    assert np.allclose(spreader.position - spreader.position[0], stitch.motion(THETA), rtol=0, atol=1e-9)
+    assert np.allclose(spreader.place - spreader.place[0], stitch.motion(THETA), rtol=0, atol=1e-9)
     (needle,) = poses["chain-stitch-looper-needle-2"]
     lift = rod * np.sqrt(1 - (crank / rod * np.sin(THETA)) ** 2) - rod + crank * (1 - np.cos(THETA))
-    assert np.allclose((needle.position - needle.position[0]).imag, lift, rtol=0, atol=1e-8)
+    assert np.allclose((needle.place - needle.place[0]).imag, lift, rtol=0, atol=1e-8)
 
 
 def test_stitch_head_keeps_each_module_s_figures(root: Path, head: Any) -> None:
