@@ -188,7 +188,7 @@ def _joined(parts: Sequence[Moved]) -> Moved:
 
 def _outcome(system: Constraints, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
     """An output, its slope to theta, and where it is lost, (n,)."""
-    value, gradient = system.output(output, closed.q, closed.theta)
+    value, gradient = system.output(output, closed.q)
     slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
     slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
     lost = np.asarray(np.isnan(closed.q).any(axis=1))

@@ -335,7 +335,7 @@ class Constraints:
 
     # ---- outputs ----
 
-    def output(self, name: str, q: Floats, theta: Floats) -> tuple[Any, Floats]:
+    def output(self, name: str, q: Floats) -> tuple[Any, Floats]:
         """An output's value, (n,), complex mm for a path, and its slopes to the poses, (n, 1 or 2, 3 bodies)."""
         return self.measured(self.machine.output(name).of, q)
 
@@ -387,7 +387,7 @@ class Constraints:
         """
         self._square()
         slopes = self.evaluate(q, theta)[1]
-        gradients = [self.output(name, q, theta)[1] for name in names]
+        gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
         found = np.swapaxes(solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2)), 1, 2)
         shares, first = [], 0

@@ -123,8 +123,8 @@ def _touched(
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     force, acts = np.full(len(q), np.nan), np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
-        side = cam.push * (1 - 2 * k)  # the sense of s in which this one pushes
-        bears = np.ones(len(q), bool) if len(cam.touches) == 1 else (effort * cam.push >= 0) == (k == 0)
+        side = cam.leaves * (1 - 2 * k)  # the sense of s in which this one pushes
+        bears = np.ones(len(q), bool) if len(cam.touches) == 1 else (effort * cam.leaves >= 0) == (k == 0)
         place, normal = touch(angle - cam.phase)
         turn = np.exp(1j * angle)
         where = q[:, column] + 1j * q[:, column + 1] + place * turn

@@ -120,9 +120,9 @@ class Gear:
 class Cam:
     """A cam contact: the follower's angle (rad), or its place along `slide` (mm), = rest + law(cam's angle - phase).
 
-    Both angles are those to the ground. closure "force": the cam can only push, towards larger s (push 1) or smaller
-    (push -1). clearance: lash of the follower, in the unit of s. touches: where known, how it is touched; the first pushes
-    as `push` says, a second one pushes back. friction: coefficient of what slides there.
+    Both angles are those to the ground. leaves: +1 or -1, the sense of s that takes it off the cam; with closure "force"
+    the cam can only push that way. clearance: lash of the follower, in the unit of s. touches: where known, how it is touched;
+    the first pushes that way, a second one back. friction: coefficient of what slides there.
     """
 
     name: str
@@ -133,7 +133,7 @@ class Cam:
     phase: float = 0.0
     rest: float = 0.0
     closure: Literal["form", "force"] = "form"
-    push: int = 1
+    leaves: int = 1
     clearance: float = 0.0
     touches: tuple[Touch, ...] = ()
     friction: float = 0.0

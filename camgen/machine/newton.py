@@ -42,8 +42,8 @@ STRAY = 0.05
 
 
 @dataclass(frozen=True)
-class Loop:
-    """A vector equation: signed origins of bodies, levers by group, lengths along ways that turn with a group; sum 0."""
+class Vectors:
+    """A sum of vectors: signed origins of bodies, levers by group, lengths along ways that turn with a group; of a loop 0."""
 
     roots: tuple[tuple[int, str], ...]
     levers: dict[str, complex]
@@ -126,7 +126,7 @@ class Block:
 
     angles: tuple[str, ...]
     lengths: tuple[str, ...]
-    loops: tuple[Loop, ...]
+    loops: tuple[Vectors, ...]
     relations: tuple[Relation, ...]
     joints: tuple[str, ...]
     start: Floats

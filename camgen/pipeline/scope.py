@@ -86,7 +86,7 @@ def not_judged(
 def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     """Sentences on keys that were set and cannot act on a kind of file that is there."""
     found = []
-    drawn, solid = (" and ".join(each).upper() for each in (DRAWN, SOLID))
+    drawn, solid = (" and ".join(map(str.upper, each)) for each in (DRAWN, SOLID))
     for key in _FITS if any(kind in kinds for kind in DRAWN) else ():
         value = getattr(mechanism.print, key)
         if value:

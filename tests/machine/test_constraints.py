@@ -86,12 +86,12 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
         system = Constraints(machine)
         q = system.close(THETA).q
         (shares,) = system.shares([output], q, THETA)
-        value = system.output(output, q, THETA)[0]
+        value = system.output(output, q)[0]
         for joint in machine.joints:
             moved = 0.0
             for h in (1e-7, 1e-7j) if isinstance(joint, Pin) else (1e-7,):
                 again = Constraints(replace(machine, joints=tuple(displaced(j, h) if j is joint else j for j in machine.joints)))
-                change = np.abs(again.output(output, again.close(THETA, q).q, THETA)[0] - value) / 1e-7
+                change = np.abs(again.output(output, again.close(THETA, q).q)[0] - value) / 1e-7
                 assert (change <= shares[joint.name] * (1 + 1e-4) + 1e-5).all(), joint.name
                 moved = moved + change**2
             if not isinstance(joint, Pin) or output != "foot":
@@ -117,7 +117,7 @@ def test_a_wrong_hole_is_seen_at_the_output() -> None:
     wanted = solve(machine, THETA)["thread"]
     joints = tuple(displaced(j, 0.03 + 0j) if j.name == "B" else j for j in machine.joints)
     system = Constraints(replace(machine, joints=joints))  # type: ignore[arg-type]
-    found = system.output("thread", system.close(THETA).q, THETA)[0]
+    found = system.output("thread", system.close(THETA).q)[0]
     assert np.abs(found - wanted).max() > 0.02
 
 

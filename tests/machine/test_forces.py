@@ -125,7 +125,7 @@ def follower(spring: float, preload: float) -> Machine:
     joints = (
         Pin("O", Place("cam"), Place(GROUND)),
         Slide("guide", Place(GROUND), Place("tappet"), angle=math.pi / 2, turn=0.0),
-        Cam("contact", "cam", "tappet", Wave(5.0, -5.0), "guide", rest=30.0, closure="force", push=1),
+        Cam("contact", "cam", "tappet", Wave(5.0, -5.0), "guide", rest=30.0, closure="force", leaves=1),
     )
     start = {"cam": Pose(0j, 0.0), "tappet": Pose(30j, 0.0)}
     free = 70 + preload / spring

@@ -126,7 +126,7 @@ def test_judged_and_made_outputs_agree() -> None:
         system = Constraints(machine)
         q = system.close(theta).q
         for output in machine.outputs:
-            value = system.output(output.name, q, theta)[0]
+            value = system.output(output.name, q)[0]
             np.testing.assert_allclose(value, solve(machine, theta)[output.name], atol=1e-11, err_msg=name)
 
 

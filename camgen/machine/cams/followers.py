@@ -70,6 +70,13 @@ class Follower(ABC):
     def resting_on(self, point: Any) -> Floats:
         """Displacement s at which the follower, coming in, first touches a point of the ground, (n,); nan out of reach."""
 
+    def pressure_angle(self, s: Any, point: Any, normal: Any) -> Floats:
+        """Angle between the contact's normal and the follower's motion where it touches `point`, rad, (n,), 0 or more.
+
+        point, normal: (n,) complex in the ground, the normal away from the cam. [Norton, ch. 7]
+        """
+        return np.asarray(np.abs(np.angle(self.leaves * self.velocity(s, point) * np.conj(normal))))
+
 
 # ---- round tips ------------------------------------------------------------------------------------------------------
 

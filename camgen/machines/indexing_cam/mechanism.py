@@ -27,8 +27,7 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import Load as CamLoad
-from camgen.machine.cams.machine import cam_machine, cam_outline
+from camgen.machine.cams.machine import FollowerLoad, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
@@ -309,7 +308,7 @@ class IndexingCam(Mechanism):
     def machine(self) -> Machine:
         """Cam, follower and driven link; outputs "swing" of the follower and "link", rad."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        pressed = CamLoad(self.load.follower_inertia_kg_m2, preload=self.load.closing_n_m)
+        pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=self.load.closing_n_m)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
         link, ratio = Body("driven-link", inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
         spring = None if self._spring is None else OnLink(self._spring, ratio * self.swing)
@@ -426,7 +425,7 @@ class IndexingCam(Mechanism):
             "index_deg": self.geometry.index_deg,
             "swing_deg": math.degrees(self.swing),
             **{f"{name.replace('-', '_')}_pressure_angle_deg": angle for name, angle in self._pressure.items()},
-            **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius - cam.follower.tip_radius
+            **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius
                for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
         }  # fmt: skip
         numbers |= lost([*self.cams.values()])

@@ -109,7 +109,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     numbers |= {f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
     for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
         unit = "n_m" if cam.slide is None else "n"  # what a spring must give at least, along the follower's motion
-        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.push * found.contacts[cam.name]).min()))
+        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.leaves * found.contacts[cam.name]).min()))
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
     plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
     return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])

@@ -27,7 +27,7 @@ from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
 from camgen.machine.joining import joined
-from camgen.machine.reach import folds, refuse_folds, refuse_partial, turn
+from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
@@ -162,7 +162,7 @@ class Linkage(Mechanism):
 
     def _refuse_range(self, machine: m.Machine, least: float, most: float) -> None:
         """Raise DesignError where the range asked for, rad, is more than the chain has."""
-        can, key = turn(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
+        can, key = reach(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
         low, high = math.degrees(can.low), math.degrees(can.high)
         asked, said = (math.degrees(least), math.degrees(most)), f"it closes from {low:.6g} to {high:.6g} deg"
         for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,

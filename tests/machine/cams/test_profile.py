@@ -119,7 +119,7 @@ def test_pitch_curve_facts() -> None:
     assert [np.min(radius), np.max(radius)] == pytest.approx(facts["radius_mm"], abs=0.005)
     ends = np.linspace(1e-12, math.pi - 1e-12, 2001)
     rise, back = (1 / np.max(made.curvature(half)) for half in (ends, ends + math.pi))
-    assert made.least_radius == pytest.approx(min(rise, back), rel=1e-8)
+    assert made.least_radius + made.tip.tip_radius == pytest.approx(min(rise, back), rel=1e-8)
     assert rise == pytest.approx(facts["curvature_radius_rise_mm"], abs=0.005)
     assert back == pytest.approx(facts["curvature_radius_return_mm"], abs=0.005)
     for at, expected, sense in ((math.pi, "corner_convex_deg", -1), (0.0, "corner_concave_deg", 1)):
