@@ -144,7 +144,9 @@ class Layout:
     def alone(self) -> dict[str, str]:
         """Links that are no more than a wheel on their shaft, and the level of that wheel."""
         carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
-        return {link: level for link, level in carried.items() if len(self.machine.body(link).points) == 1}
+        shaped = (link for link in carried if self.sizes.shape(link).hub_diameter)
+        more = {link for link in carried if len(self.machine.body(link).points) > 1}.union(shaped)
+        return {link: level for link, level in carried.items() if link not in more}
 
     @cached_property
     def shafts(self) -> dict[str, str]:
