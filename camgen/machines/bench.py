@@ -55,7 +55,8 @@ class Bench:
     """The machine of `cams.machine` as one that is made.
 
     drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
-    is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints.
+    is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
+    by body.
     """
 
     drawn: Machine
@@ -68,6 +69,7 @@ class Bench:
     load: FollowerLoad = FollowerLoad()
     heavy: Sequence[str] = ()
     gears: Mapping[str, Gear] = field(default_factory=dict)
+    more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
 
     @cached_property
     def machine(self) -> Machine:
@@ -116,7 +118,8 @@ class Bench:
         return replace(self.drawn, bodies=bodies, joints=joints)
 
     def _places(self, sprung: bool) -> dict[str, dict[str, complex]]:
-        found: dict[str, dict[str, complex]] = {GROUND: {"shaft": 0j}, "cam": {"shaft": 0j}, "follower": {}}
+        found = {name: dict(points) for name, points in self.more.items()}
+        found |= {GROUND: {"shaft": 0j, **found.get(GROUND, {})}, "cam": {"shaft": 0j}, "follower": {}}
         tip, follower = self._touching, self.cam.follower
         if isinstance(follower, SwingingArm | SwingingFace):
             found[GROUND]["pivot"], found["follower"]["pivot"] = follower.pivot, 0j
@@ -212,32 +215,42 @@ class Bench:
             return None
         eye = _EYE * self.sizes.pin_diameter
         shortest, longest = self.way
-        length, slope = self._lengths
-        lever = np.abs(slope) * (1.0 if "guide" in [joint.name for joint in self.drawn.joints] else 1e-3)
+        length, lever = self._lengths[0], self._lever
         first, last = lever[np.argmin(length)], lever[np.argmax(length)]
         if not self.load.rate:
-            low = self.load.preload / first or self._least(lever)
-            return pulling(low, shortest, longest, eye, _STRETCHED) or self._none_such(low, "N at its shortest")
+            low = self.load.preload / first or self._least()
+            return pulling(low, shortest, longest, eye, _STRETCHED) or self._none_such(f"{low:.4g} N at its shortest")
         stroke = float(np.ptp(self.cam.program(_SAMPLES)))
         low, high = self.load.preload / first, (self.load.preload + self.load.rate * stroke) / last
         rate = (high - low) / (longest - shortest)
         free = shortest - low / rate if rate > 0 else 0.0
         found = extension_spring(rate, free, longest, eye) if free > 0 else None
-        return found or self._none_such(rate, f"N/mm with a free length of {free:.4g} mm")
+        return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
 
-    def _none_such(self, value: float, unit: str) -> NoReturn:
+    def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way
         raise DesignError(
-            "return spring", value, 0, unit, f"from {shortest:.4g} to {longest:.4g} mm",
-            "no extension spring of round wire does that: change spring.rate or spring.preload, leave [spring] out, or let the "
-            "cam turn slower",
+            "return springs of round wire", 0, 1, "", f"{asked}, way from {shortest:.4g} to {longest:.4g} mm",
+            "ask for another spring ([spring], load.closing_n_m), less load or speed, or another closure",
         )  # fmt: skip
 
-    def _least(self, lever: Any) -> float:
-        """Force, N, of a spring that keeps contact, with something over; lever: N or N m of s per N, (n,)."""
+    @property
+    def _lever(self) -> Any:
+        """What a spring's newton is to the follower over the turn, N or N m, (n,)."""
+        unit = 1.0 if isinstance(self.cam.follower, SlidingTip | SlidingFace) else 1e-3
+        return np.abs(self._lengths[1]) * unit
+
+    @property
+    def closing(self) -> float:
+        """What the spring presses the follower on its cam with at least, N or N m; 0 without one."""
+        pull = 0.0 if self.spring is None else self.spring.force(self._lengths[0] + self.sizes.pin_diameter)
+        return float(np.min(pull * self._lever))
+
+    def _least(self) -> float:
+        """Force, N, of a spring that keeps contact, with something over."""
         leaves = self.cam.follower.leaves
         effort = leaves * solve(self._bare.weighed(self.density, self.heavy), _SAMPLES).forces().contacts["contact"]
-        missing = float(np.nanmax(np.where(np.isfinite(effort), -effort, 0.0) / lever))
+        missing = float(np.nanmax(np.where(np.isfinite(effort), -effort, 0.0) / self._lever))
         return max(_LEAST, _OVER * missing)
 
     def _pull(self, spring: ExtensionSpring) -> Spring:

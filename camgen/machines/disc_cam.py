@@ -30,16 +30,15 @@ from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
-from camgen.machine.features import Asked, CamOutline, Feature, Mount, StandIn
+from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.bench import Bench, Tip
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
-from camgen.machines.disc_cam_tables import Bodies, Geometry, Limits, LoadTable, Motor, SpringTable
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
+from camgen.machines.standing import StandingCams
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
-from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.study import Plot, Sketch, Study, Table
@@ -49,7 +48,7 @@ _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 _UP = 1j
 
 
-class DiscCamDrive(Mechanism):
+class DiscCamDrive(StandingCams):
     """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
 
     geometry: Geometry
@@ -58,7 +57,6 @@ class DiscCamDrive(Mechanism):
     load: LoadTable | None = None
     spring: SpringTable | None = None
     making: Annotated[Parts, Field(alias="parts")] = Parts()
-    bodies: Bodies | None = Field(None, description="sizes of the parts of a machine, as [parts] of a linkage")
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
     def faults(self) -> Sequence[Fault]:
@@ -94,9 +92,7 @@ class DiscCamDrive(Mechanism):
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
-        if self.bodies is not None:
-            found += [replace(fault, path=fault.path.replace("parts", "bodies", 1))
-                      for fault in self.bodies.faults(("ground", "follower"), self.print.nozzle)]  # fmt: skip
+        found += self.size_faults("follower")
         found += load_faults(self.load, self.spring, slides, g.closure == "force")
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
@@ -203,9 +199,8 @@ class DiscCamDrive(Mechanism):
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
 
     def found(self) -> Mapping[str, object]:
-        """The base radius, sizes of a machine's bodies, and what every mechanism fills in."""
-        sizes = {"bodies": (self.bodies or Bodies.model_validate({})).model_dump()} if self.standing else {}
-        return {**super().found(), "geometry.base_radius": self.base_radius, **sizes}
+        """The base radius, and what all cams fill in."""
+        return {**super().found(), "geometry.base_radius": self.base_radius}
 
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
@@ -217,23 +212,20 @@ class DiscCamDrive(Mechanism):
         """The cam that drives outwards."""
         return self.cams[0]
 
-    def machine(self) -> Machine:
+    def _alone(self) -> Machine:
         """Cam and follower; output "lift", mm, or "swing", rad."""
-        return self._bench.machine if self.standing else self._drawn(self._load)
+        return self._drawn(self._load)
 
     @property
     def standing(self) -> bool:
         """Whether the whole machine is made."""
         return self.making.make == "machine"
 
-    @cached_property
-    def _bench(self) -> Bench:
+    def _stood(self) -> Bench:
         f, load = self.geometry.follower, self._load or FollowerLoad()
-        drawn = self._drawn(replace(load, rate=0.0, preload=0.0))
-        density = 1e3 * (self.material.density or DENSITY[self.material.name])
         return Bench(
-            drawn, self.cam, Tip(f.shape, f.radius, self.geometry.closure), self.bodies or Bodies.model_validate({}), self.print,
-            self.allowed.min_wall, density, load, ["follower"] if load.inertia else [],
+            self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
+            self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
         )  # fmt: skip
 
     def _drawn(self, load: FollowerLoad | None) -> Machine:
@@ -256,29 +248,17 @@ class DiscCamDrive(Mechanism):
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
-    def parts(self) -> Sequence[Part]:
-        """The cam; both cams of a conjugate pair; inner cam, outer ring and back plate of a groove; or the whole machine."""
-        return self._bench.bodies.parts if self.standing else self._parts
-
-    @cached_property
-    def _parts(self) -> tuple[Part, ...]:
+    def _cams(self) -> Sequence[Part]:
+        """The cam; both cams of a conjugate pair; or inner cam, outer ring and back plate of a groove."""
         outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
         wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
         roller = 2 * (self.geometry.follower.radius or 0.0)
         made = disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
         return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
 
-    def features(self) -> Sequence[Feature]:
-        """The outline of the cam; of both cams of a pair, and both walls of a groove; of a machine all joints."""
-        if not self.standing:
-            return self._features
-        meant = iter(self._features)
-        made = self._bench.bodies.features()
-        return [replace(each, meant=next(meant).meant) if isinstance(each, CamOutline) else each for each in made]
-
-    @cached_property
-    def _features(self) -> Sequence[CamOutline]:
-        names = ["cam"] * 2 if self.standing else [part.name for part in self._parts]
+    def _outlines(self) -> Sequence[CamOutline]:
+        """The outline of the cam; of both cams of a pair, and both walls of a groove."""
+        names = ["cam"] * 2 if self.standing else [part.name for part in self.parts()]
         found = [self._outline(k, name, cam) for k, (name, cam) in enumerate(zip(names, self.cams, strict=False))]
         if self.geometry.closure == "groove":
             found.append(self._outline(0, "outer", self.cam, self.print.slide_clearance))
@@ -291,21 +271,11 @@ class DiscCamDrive(Mechanism):
             self.allowed.undercut / self._unit[1], face, self.geometry.follower.face_width, free,
         )  # fmt: skip
 
-    def mounts(self) -> Sequence[Mount]:
-        """All plates on the cam's body, one above the other; of a machine all parts."""
-        if self.standing:
-            return self._bench.bodies.mounts
+    def _beside(self) -> Sequence[Mount]:
+        """All plates on the cam's body, one above the other."""
         p = self.making
         heights = {"inner": p.back, "outer": p.back, "cam-2": p.thickness + p.hub_height + self.print.slide_clearance}
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self.parts()]
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """The follower's tip, where it is not made."""
-        return () if self.standing else super().stand_ins()
-
-    def bought(self) -> Sequence[Bought]:
-        """Drive, screws and spring of a machine."""
-        return self._bench.bought() if self.standing else ()
 
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""

@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.linkage.tables import Parts
 from camgen.spec import Length, Record, Rpm, turning
 
 _LASH = (
@@ -34,10 +33,6 @@ class Geometry(Record):
     follower: FollowerTable
     base_radius: Length | None = None
     closure: Literal["force", "conjugate", "groove"] = "force"
-
-
-class Bodies(Parts):
-    """Sizes of the parts of a machine, as [parts] of a linkage has them."""
 
 
 class Motor(Record):

@@ -23,8 +23,9 @@ _LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged aga
 
 
 class ShaftHole(Record):
-    """A cam's bore, and what keeps it from turning on its shaft."""
+    """A cam's bore, and what keeps it from turning on its shaft. make: "machine" makes all of it, by the sizes of [bodies]."""
 
+    make: Literal["machine", "cams"] = "cams"
     thickness: Thickness = 6.0
     bore: Length = 8.0
     shaft: Literal["plain", "keyway", "d-flat"] = "plain"
@@ -62,9 +63,8 @@ class ShaftHole(Record):
 
 
 class Parts(ShaftHole):
-    """The cam as a body; pins, rim and back belong to a groove. make: "machine" makes all of it, by the sizes of [bodies]."""
+    """The cam as a body; pins, rim and back belong to a groove."""
 
-    make: Literal["machine", "cams"] = "cams"
     hub_diameter: Length = 16.0
     hub_height: Annotated[float, Field(ge=0, le=1000)] = 0.0
     pin_diameter: Length = 3.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from camgen.parts.catalogue import Bought
 
@@ -30,15 +31,15 @@ class ExtensionSpring:
     free: float
     rate: float
 
-    def force(self, length: float) -> float:
-        """N at a length between the insides of its eyes, mm."""
+    def force(self, length: Any) -> Any:
+        """N at lengths between the insides of its eyes, mm."""
         return self.rate * (length - self.free)
 
     def stress(self, length: float) -> float:
         """Of the wire, N/mm^2."""
         mean = self.outside - self.wire
         index = mean / self.wire
-        return (index + 0.5) / (index - 0.75) * 8 * self.force(length) * mean / (math.pi * self.wire**3)
+        return float((index + 0.5) / (index - 0.75) * 8 * self.force(length) * mean / (math.pi * self.wire**3))
 
     @property
     def strength(self) -> float:

@@ -15,10 +15,12 @@ import pytest
 
 from camgen.errors import DesignError, SpecError
 from camgen.machines.disc_cam import DiscCamDrive
+from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
 from camgen.pipeline.build import build, check
 from camgen.spec import read, validate
 
+Floats = np.ndarray
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 MACHINE = "parts.make='machine'"
 ARM = 'geometry.follower={motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm=50}'
@@ -26,11 +28,17 @@ KNIFE = 'geometry.follower={motion="translating",shape="knife"}'
 FLAT = 'geometry.follower={motion="translating",shape="flat"}'
 
 
-def made(out: Path, *settings: str, kinds: tuple[str, ...] = ("3mf",)) -> Path:
-    """The folder of a green build of the starter spec as a machine."""
-    report = build(SPECS / "disc-cam.toml", out, frozenset({*kinds, "report"}), [MACHINE, *settings])
+def made(out: Path, *settings: str, kinds: tuple[str, ...] = ("3mf",), spec: str = "disc-cam") -> Path:
+    """The folder of a green build of a starter spec as a machine."""
+    report = build(SPECS / f"{spec}.toml", out, frozenset({*kinds, "report"}), [MACHINE, *settings])
     assert report.ok, [finding for finding in report.findings if not finding.ok]
-    return out / "disc-cam"
+    return out / spec
+
+
+def curves(folder: Path) -> dict[str, Floats]:
+    """The columns of motion.csv."""
+    head = (folder / "motion.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
+    return dict(zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True))
 
 
 def drive(**tables: Any) -> DiscCamDrive:
@@ -59,14 +67,38 @@ def bought(folder: Path) -> str:
 def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[str, ...], sprung: bool) -> None:
     """The starter's return: 12 mm, or degrees, over 120 deg from 160 on; a clockwise cam has its program mirrored."""
     folder = made(tmp_path, *settings)
-    head = (folder / "motion.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
-    rows = dict(zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True))
+    rows = curves(folder)
     column = next(name for name in rows if name.endswith("_3mf") and name.startswith(("lift", "swing")) and "speed" not in name)
     angle = rows["theta_deg"] if "motor.speed_rpm=-60" not in settings else 360 - rows["theta_deg"]
     u = (angle[(angle >= 160) & (angle <= 280)] - 160) / 120
     off = rows[column][(angle >= 160) & (angle <= 280)] - 12 * (1 - u + np.sin(math.tau * u) / math.tau)
     assert np.max(np.abs(off - (0 if "lift" in column else off[-1]))) < 2.5e-3
     assert ("extension spring" in bought(folder)) == sprung
+
+
+def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) -> None:
+    """From the files: 180 deg over 120 deg of the cam, half of it at half of them, then 60 deg at rest; gears 6 to 1."""
+    rows = curves(made(tmp_path, spec="indexing-cam"))
+    theta, link, swing = rows["theta_deg"], rows["link_deg_3mf"], rows["swing_deg_3mf"]
+    turned = np.abs(np.interp([60.0, 120.0], theta, link) - link[0])
+    assert turned == pytest.approx([90.0, 180.0], abs=0.02)
+    assert np.ptp(link[(theta >= 120) & (theta <= 180)]) < 0.02
+    assert np.max(np.abs(link - link[0] + 6 * (swing - swing[0]))) < 1e-3
+
+
+def test_gears_that_cannot_be_and_a_follower_that_no_spring_holds_are_told() -> None:
+    data = read(SPECS / "indexing-cam.toml")
+    data["parts"]["make"] = "machine"
+    with pytest.raises(DesignError, match="whole teeth"):
+        validate(IndexingCam, {**data, "geometry": {**data["geometry"], "gear_ratio": 2 * math.pi}}).parts()
+    with pytest.raises(DesignError, match="another closure"):
+        validate(IndexingCam, {**data, "geometry": {**data["geometry"], "closure": "force"}}).parts()
+    light = {"inertia_kg_m2": 1e-4, "friction_n_m": 0.001}
+    sprung = validate(
+        IndexingCam, {**data, "geometry": {**data["geometry"], "closure": "force"}, "load": light, "unloader": {"torque": "none"}}
+    )
+    assert "extension spring" in [thing.name for thing in sprung.bought()]
+    assert all(finding.ok for finding in sprung.limits() if finding.code == "FORCE_CLOSURE")
 
 
 # ---- springs ---------------------------------------------------------------------------------------------------------
@@ -115,7 +147,7 @@ def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_tol
           "limits": {"least_radius": 1}}, DesignError, "arm of a face.*give it a roller"),
         ({"geometry": {"follower": {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0, "face_offset": 2.0}}},
          DesignError, "face_offset"),
-        ({"load": {"mass_kg": 1.0}, "spring": {"rate": 100.0, "preload": 5.0}}, DesignError, "return spring.*spring.rate"),
+        ({"load": {"mass_kg": 1.0}, "spring": {"rate": 100.0, "preload": 5.0}}, DesignError, r"return spring.*\[spring\]"),
         ({"bodies": {"thickness": 0.1}}, SpecError, r"bodies.thickness.*nozzle"),
     ],
 )  # fmt: skip

@@ -29,12 +29,14 @@ from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams.machine import FollowerLoad, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
+from camgen.machines.bench import Bench, Tip
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.linkage.tables import Gear as GearTable
+from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
@@ -48,6 +50,7 @@ _LASH = (
     "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
     "unloader presses one roller on, so the link stands there without play"
 )
+_LINK = "driven-link"
 _SPRING_POINTS = 101  # of a table that stands for a spring
 Span = Annotated[float, Field(ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
@@ -155,7 +158,7 @@ class Limits(Record):
     min_wall: Length = 0.8
 
 
-class IndexingCam(Mechanism):
+class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
     geometry: Geometry
@@ -197,7 +200,7 @@ class IndexingCam(Mechanism):
                 found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
-        return [*found, *p.misfits(), *self._law_faults()]
+        return [*found, *p.misfits(), *self.size_faults("follower", _LINK), *self._law_faults()]
 
     def _law_faults(self) -> Sequence[Fault]:
         choice = self.geometry.law
@@ -305,12 +308,32 @@ class IndexingCam(Mechanism):
         cosine = (f.pivot_distance**2 + f.arm**2 - radius**2) / (2 * f.pivot_distance * f.arm)
         return math.acos(cosine), radius
 
-    def machine(self) -> Machine:
+    @property
+    def standing(self) -> bool:
+        """Whether the whole machine is made."""
+        return self.making.make == "machine"
+
+    def _stood(self) -> Bench:
+        """On the bench the driven link is a round table."""
+        f, load = self.geometry.follower, self.load
+        sizes = Sizes.model_validate({_LINK: {"hub_diameter": f.arm}, **self.sizes.model_dump(exclude_none=True)})
+        gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -self.geometry.gear_ratio})
+        return Bench(
+            self._drawn(0.0), self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
+            self.allowed.min_wall, self.density, FollowerLoad(preload=load.closing_n_m),
+            [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])],
+            {"gears": gear}, {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}},
+        )  # fmt: skip
+
+    def _alone(self) -> Machine:
         """Cam, follower and driven link; outputs "swing" of the follower and "link", rad."""
+        return self._drawn(self.load.closing_n_m)
+
+    def _drawn(self, closing: float) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=self.load.closing_n_m)
+        pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=closing)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
-        link, ratio = Body("driven-link", inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
+        link, ratio = Body(_LINK, inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
         spring = None if self._spring is None else OnLink(self._spring, ratio * self.swing)
         borne = Resistance("unloader and friction", Angle(link.name), friction=self.load.friction_n_m, law=spring)
         return replace(
@@ -333,7 +356,7 @@ class IndexingCam(Mechanism):
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
-    def parts(self) -> Sequence[Part]:
+    def _cams(self) -> Sequence[Part]:
         """The cam, and with closure "conjugate" the return cam that sits beside it on the same key."""
         return [self._part(name, cam) for name, cam in self.cams.items()]
 
@@ -353,23 +376,20 @@ class IndexingCam(Mechanism):
         f = self.geometry.follower
         return complex(f.pivot_distance + 0.75 * f.arm)
 
-    def features(self) -> Sequence[Feature]:
+    def _outlines(self) -> Sequence[CamOutline]:
         """The outline of each cam."""
-        return self._features
-
-    @cached_property
-    def _features(self) -> Sequence[Feature]:
         accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
         return [cam_outline(cam, name, self.making.bore, self._pressure[name], *accepted) for name, cam in self.cams.items()]
 
-    def mounts(self) -> Sequence[Mount]:
+    def _beside(self) -> Sequence[Mount]:
         """The cams beside each other."""
         beside = self.making.thickness + self.print.slide_clearance
         return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
 
     def asked(self) -> Sequence[Asked]:
-        """The play of the follower that is borne; the link follows by gears that are not made."""
-        return Asked("swing", lash=math.radians(self.allowed.lash_deg)), Asked("link", judged=False)
+        """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
+        swing, link = math.radians(self.allowed.lash_deg), math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio
+        return Asked("swing", lash=swing), Asked("link", lash=link) if self.standing else Asked("link", judged=False)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
@@ -385,7 +405,7 @@ class IndexingCam(Mechanism):
         given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
         return IndexingStudy(
             self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
-            load.closing_n_m if self.geometry.closure == "force" else None, self._ideal,
+            None if self.geometry.closure != "force" else self.bench.closing if self.standing else load.closing_n_m, self._ideal,
         )  # fmt: skip
 
     @cached_property
@@ -444,7 +464,8 @@ class IndexingCam(Mechanism):
         numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
                     "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
         drawn = Plot("Contact force", "cam angle, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
-        return Study(numbers, (*found.plots, drawn), found.tables, self._sketches(), found.notes)
+        sketches = () if self.standing else self._sketches()
+        return Study(numbers, (*found.plots, drawn), found.tables, sketches, found.notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""

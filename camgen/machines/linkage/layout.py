@@ -144,7 +144,9 @@ class Layout:
     def alone(self) -> dict[str, str]:
         """Links that are no more than a wheel on their shaft, and the level of that wheel."""
         carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
-        return {link: level for link, level in carried.items() if len(self.machine.body(link).points) == 1}
+        shaped = (link for link in carried if self.sizes.shape(link).hub_diameter)
+        more = {link for link in carried if len(self.machine.body(link).points) > 1}.union(shaped)
+        return {link: level for link, level in carried.items() if link not in more}
 
     @cached_property
     def shafts(self) -> dict[str, str]:
@@ -407,7 +409,7 @@ class Layout:
                 for ends in each.rails
             ]
             over += [(link, on)] if on != GROUND else []
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain)
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain, searched=explain)
 
     def levels_at(self, point: str) -> list[int]:
         """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""

@@ -1,0 +1,123 @@
+"""Cam mechanisms whose cams are made alone, or with parts.make = "machine" all that it takes to turn them on a bench."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+
+from pydantic import Field
+
+from camgen.errors import Fault
+from camgen.machine.features import CamOutline, Feature, Mount, StandIn
+from camgen.machine.model import Machine
+from camgen.machines.bench import Bench
+from camgen.machines.linkage.tables import Parts
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.part import Part
+
+
+class Sizes(Parts):
+    """Sizes of the parts of a machine, as [parts] of a linkage has them."""
+
+
+class StandingCams(Mechanism):
+    """Base of mechanisms that say their cams alone, with the underscored methods, and what they stand on."""
+
+    bodies: Sizes | None = Field(None, description="sizes of the parts of a machine, as [parts] of a linkage")
+
+    @property
+    @abstractmethod
+    def standing(self) -> bool:
+        """Whether the whole machine is made."""
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """Of the machine's bodies."""
+        return self.bodies or Sizes.model_validate({})
+
+    @property
+    def density(self) -> float:
+        """Of what is printed, kg/m^3."""
+        return 1e3 * (self.material.density or DENSITY[self.material.name])
+
+    def size_faults(self, *links: str) -> list[Fault]:
+        """What is wrong with [bodies] of a machine with these links."""
+        if self.bodies is None:
+            return []
+        faults = self.bodies.faults(("ground", *links), self.print.nozzle)
+        return [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
+
+    # ---- the cams alone ---------------------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _alone(self) -> Machine:
+        """The model."""
+
+    @abstractmethod
+    def _cams(self) -> Sequence[Part]:
+        """The parts."""
+
+    @abstractmethod
+    def _outlines(self) -> Sequence[CamOutline]:
+        """What of them is measured, in the order of the machine's."""
+
+    @abstractmethod
+    def _beside(self) -> Sequence[Mount]:
+        """Where they are."""
+
+    @abstractmethod
+    def _stood(self) -> Bench:
+        """What they stand on."""
+
+    @cached_property
+    def bench(self) -> Bench:
+        """The same, made once."""
+        return self._stood()
+
+    # ---- either -----------------------------------------------------------------------------------------------------
+
+    def machine(self) -> Machine:
+        """The model of the cams alone, or of what is made."""
+        return self.bench.machine if self.standing else self._alone()
+
+    @cached_property
+    def _parts(self) -> Sequence[Part]:
+        return self.bench.bodies.parts if self.standing else self._cams()
+
+    def parts(self) -> Sequence[Part]:
+        """The cams, or the whole machine."""
+        return self._parts
+
+    @cached_property
+    def _features(self) -> Sequence[Feature]:
+        outlines = self._outlines()
+        if not self.standing:
+            return outlines
+        meant = iter(outlines)
+        return [
+            replace(each, meant=next(meant).meant) if isinstance(each, CamOutline) else each
+            for each in self.bench.bodies.features()
+        ]
+
+    def features(self) -> Sequence[Feature]:
+        """The outlines of the cams; of a machine all its joints."""
+        return self._features
+
+    def mounts(self) -> Sequence[Mount]:
+        """All parts on their bodies."""
+        return self.bench.bodies.mounts if self.standing else self._beside()
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """The follower's tips, where they are not made."""
+        return () if self.standing else super().stand_ins()
+
+    def bought(self) -> Sequence[Bought]:
+        """Drive, screws and spring of a machine."""
+        return self.bench.bought() if self.standing else ()
+
+    def found(self) -> Mapping[str, object]:
+        """Sizes of a machine's bodies, and what every mechanism fills in."""
+        return {**super().found(), **({"bodies": self.sizes.model_dump()} if self.standing else {})}
