@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Points = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 
 _GOLDEN = (math.sqrt(5) - 1) / 2

@@ -270,7 +270,8 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
         return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf", limit=600)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        texts = list(pool.map(build, sorted((ROOT / "specs").glob("*.toml"))))
+        specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
+        texts = list(pool.map(build, specs))
     folders = sorted(out.iterdir())
     assert len(folders) == len(texts) and all((folder / "report.json").exists() for folder in folders), "\n".join(texts)
     return folders

@@ -17,6 +17,8 @@ FRAMES = {
     "indexing-cam": 20,
     "linkage": 10,
     "walking-leg": 10,
+    "quick-return": 12,
+    "stitch-head": 20,
 }  # frame of the moving picture that shows most
 
 

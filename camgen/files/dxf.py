@@ -149,7 +149,7 @@ class DrawingFault:
 
 
 @dataclass(frozen=True)
-class DxfDrawing:
+class Drawing:
     """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
 
     cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks.
@@ -202,7 +202,12 @@ def _same(a: Ring, b: Ring) -> bool:
     return bool(np.allclose(first, second, rtol=1e-9, atol=1e-6))
 
 
-def read_dxf(path: str | Path) -> DxfDrawing:
+def read_part(path: Path, name: str) -> Drawing:
+    """The drawing of a part; the file does not name it."""
+    return read_dxf(path)
+
+
+def read_dxf(path: str | Path) -> Drawing:
     """Read a DXF file; FileError when it cannot be read, is no DXF or is cut short.
 
     Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) on CUT become rings, LINEs on
@@ -243,7 +248,7 @@ def read_dxf(path: str | Path) -> DxfDrawing:
                 rings.append(ring)
         faults += _looks(entity)
     units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
-    return DxfDrawing(units, tuple(rings), ends, tuple(faults))
+    return Drawing(units, tuple(rings), ends, tuple(faults))
 
 
 def _looks(entity: Any) -> Iterator[DrawingFault]:

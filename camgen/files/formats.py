@@ -1,6 +1,7 @@
 """The formats that a part is written in and read back from, one module each, under the endings of their files.
 
-Each module has `write_part(path, job)`; one of solids also `read_part(path, name)`. They are loaded where they are used.
+Each module has `write_part(path, job)` and `read_part(path, name)`: a solid and remarks on the file, or a drawing. They are
+loaded where they are used. Whoever makes or judges files takes from here which there are and what they hold.
 """
 
 from __future__ import annotations
@@ -11,17 +12,25 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from camgen.tolerances import FLOAT32_ROUNDING
+
 if TYPE_CHECKING:
+    from camgen.files.dxf import Drawing
     from camgen.geometry.mesh import Mesh
     from camgen.geometry.outlines import Region
 
 
 @dataclass(frozen=True)
 class Format:
-    """A format: its module in this package, and whether it holds a solid or else a drawing."""
+    """A format: its module in this package, and whether it holds a solid or else a drawing.
+
+    rounding: of a length in a file, as a share of it; numbers: what rounds, for people.
+    """
 
     module: str
     solid: bool
+    rounding: float
+    numbers: str
 
     @property
     def code(self) -> Any:
@@ -29,7 +38,12 @@ class Format:
         return import_module(f"camgen.files.{self.module}")
 
 
-FORMATS = {"dxf": Format("dxf", False), "stl": Format("stl", True), "3mf": Format("threemf", True)}
+FORMATS = {
+    "dxf": Format("dxf", False, 0.0, "decimals"),
+    "stl": Format("stl", True, FLOAT32_ROUNDING, "float32"),
+    "3mf": Format("threemf", True, FLOAT32_ROUNDING, "float32"),
+}
+DRAWN, SOLID = (tuple(kind for kind, form in FORMATS.items() if form.solid == solid) for solid in (False, True))
 
 
 @dataclass(frozen=True)
@@ -63,3 +77,9 @@ def read_solid(path: Path, name: str) -> tuple[Mesh, list[str]]:
     """
     mesh, remarks = FORMATS[path.suffix[1:]].code.read_part(path, name)
     return mesh, remarks
+
+
+def read_drawing(path: Path, name: str) -> Drawing:
+    """The drawing of the part of this name; FileError where it cannot be read."""
+    drawing: Drawing = FORMATS[path.suffix[1:]].code.read_part(path, name)
+    return drawing

@@ -6,6 +6,7 @@ joint's parts have their fit; a tip rolls on its cam; parts that pass by each ot
 
 from __future__ import annotations
 
+import cmath
 import itertools
 import math
 from collections import Counter
@@ -19,8 +20,8 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.contacts import Apart, Moved, Pose, Poses, StandIn
-from camgen.machine.features import CamOutline, GearTeeth, PinEyes, SlideFaces
+from camgen.machine.features import Apart, CamOutline, Courses, GearTeeth, Moved, PinEyes, SlideFaces, StandIn
+from camgen.machine.model import Pose
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
 COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
@@ -38,22 +39,25 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
 
     The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
     """
-    package, where, start = read_3mf(path), path.name, machine.poses(np.zeros(1))
-    wanted = Counter({part: len(start[part]) for part in machine.parts})
+    package, where = read_3mf(path), path.name
+    wanted = Counter(mount.part for mount in machine.mounts)
     found = Counter(item.name for item in package.items)
     missing = sum(((wanted - found) + (found - wanted)).values())
     copies = at_most("ROUND_TRIP", missing, 0, "copies", where, f"{sum(wanted.values())} copies of {len(wanted)} parts in place")
     if missing:
         return [copies], []
-    poses, bodies, numbers = _remembered(machine.poses), [], Counter[str]()
-    spare = 4 * machine.tolerance
+    bodies, numbers, spare = [], Counter[str](), 4 * machine.tolerance
+    poses, start = _remembered(machine.courses), machine.courses(np.zeros(1))
+    courses = {name: _course(poses, name, float(pose.angle[0])) for name, pose in start.items()}
+    home = {name: -complex(pose.place[0]) for name, pose in start.items()}
+    stands = {part: [mount.body for mount in machine.mounts if mount.part == part] for part in wanted}
     try:
         for item in package.items:
-            k = numbers[item.name]
+            on = stands[item.name][numbers[item.name]]
             numbers[item.name] += 1
-            at = -complex(start[item.name][k].position[0])
-            bodies.append(Body(f"{item.name}-{k + 1}", slabs_of(item.placed), _course(poses, item.name, k), at=at))
-        bodies += [Body(thing.name, _slabs(thing), _course(poses, thing.name)) for thing in machine.stand_ins]
+            bodies.append(Body(f"{item.name}-{numbers[item.name]}", slabs_of(item.placed), courses[on], at=home[on]))
+        for thing in machine.stand_ins:
+            bodies.append(Body(thing.name, _slabs(thing, float(start[thing.body].angle[0])), courses[thing.body]))
         clearances = swept(
             bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
             resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
@@ -108,37 +112,34 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
                 yield a, b, spare
 
 
-def _remembered(poses: Poses) -> Poses:
+def _remembered(courses: Courses) -> Courses:
     """The same, without asking again for angles that were the last ones."""
-    last: dict[bytes, Mapping[str, Sequence[Pose]]] = {}
+    last: dict[bytes, Mapping[str, Pose]] = {}
 
-    def remembered(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+    def remembered(theta: Floats) -> Mapping[str, Pose]:
         key = theta.tobytes()
         if key not in last:
             if len(last) > 1:
                 del last[next(reversed(last))]  # the grid, which came first, stays
-            last[key] = poses(theta)
+            last[key] = courses(theta)
         return last[key]
 
     return remembered
 
 
-def _course(poses: Poses, name: str, copy: int | None = None) -> Course:
-    """The motion of a stand-in, or of a part's copy from its place at theta = 0, where the file shows it."""
-    start = 0.0 if copy is None else float(poses(np.zeros(1))[name][copy].angle[0])
+def _course(courses: Courses, body: str, start: float) -> Course:
+    """The motion of a body from where it is turned at theta = 0, rad, as the file shows it."""
 
     def course(theta: Floats) -> tuple[Floats, Points]:
-        pose = poses(theta)[name][copy or 0]
-        return pose.angle - start, pose.position
+        pose = courses(theta)[body]
+        return pose.angle - start, pose.place
 
     return course
 
 
-def _slabs(thing: StandIn) -> tuple[Slab, ...]:
-    """Discs as slabs."""
-    spans = dict.fromkeys((z0, z1) for _, _, z0, z1 in thing.discs)
-    return tuple(
-        Slab(z0, z1, tuple(Ring(np.asarray(at + radius * _ENDS, complex), np.ones(2)) for at, radius, *span in thing.discs
-                           if tuple(span) == (z0, z1)))
-        for z0, z1 in spans
-    )  # fmt: skip
+def _slabs(thing: StandIn, turned: float) -> tuple[Slab, ...]:
+    """Discs as slabs, on a body that is turned by so much at theta = 0, rad."""
+    turn, slabs = cmath.exp(1j * turned), dict[tuple[float, float], list[Ring]]()
+    for at, radius, z0, z1 in thing.discs:
+        slabs.setdefault((z0, z1), []).append(Ring(np.asarray(turn * (at + radius * _ENDS), complex), np.ones(2)))
+    return tuple(Slab(z0, z1, tuple(rings)) for (z0, z1), rings in slabs.items())

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from camgen.files.formats import DRAWN, FORMATS, SOLID
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.deviation import outline_error
 from camgen.geometry.outlines import Contour, Floats
@@ -14,7 +15,7 @@ from camgen.judge.cams import judged_angles, rolled, s_unit
 from camgen.judge.measured import Sections
 from camgen.machine.features import CamOutline, Mount
 from camgen.machine.model import Cam, Machine
-from camgen.machine.study import Table
+from camgen.study import Table
 
 
 def error_budget(
@@ -24,7 +25,7 @@ def error_budget(
     """One row a stage: largest outline error (mm) and largest change of the follower's s (deg, or mm) that it adds.
 
     outline: the exact one; polygon: the facets made of it, as they print; files: sections of the part that drives, by kind
-    ("dxf", "stl", "3mf"); numbers: the report's, with what the spec itself undercuts.
+    of FORMATS; numbers: the report's, with what the spec itself undercuts.
     The outline error is the largest anywhere along the exact outline, that of s over the judged cam angles.
     """
     theta, joint = judged_angles(), machine.joint(drive.joint)
@@ -44,16 +45,16 @@ def error_budget(
 
     exact = (drive.meant.given or joint.law)(theta, 0)
     rows = [("law: undercut that the spec implies", numbers.get("undercut_mm", 0.0), numbers.get(f"undercut_{unit}", 0.0))]
-    stages = {"dxf": ("arc fit (DXF)", Ring(*bulges(fit_arcs(outline, tolerance))))} if "dxf" in files else {}
-    stages |= {"stl": ("facets (STL, 3MF)", polygon)} if files.keys() - {"dxf"} else {}
-    for first, (title, ring) in stages.items():
+    for kinds, stage in ((DRAWN, "arc fit"), (SOLID, "facets")):
+        there = [kind for kind in kinds if kind in files]
+        if not there:
+            continue
+        ring = polygon if kinds == SOLID else Ring(*bulges(fit_arcs(outline, tolerance)))
         meant = follow([[Shape(ring, ())]])[1]
-        rows.append((title, off(ring), largest(meant, exact)))
-        for kind in ("dxf",) if first == "dxf" else ("stl", "3mf"):
-            if kind in files:
-                made, s = follow(files[kind])
-                title = "decimals of DXF" if kind == "dxf" else f"float32 of {kind.upper()}"
-                rows.append((title, _moved(ring, made), largest(s, meant)))
+        rows.append((f"{stage} ({', '.join(kinds).upper()})", off(ring), largest(meant, exact)))
+        for kind in there:
+            made, s = follow(files[kind])
+            rows.append((f"{FORMATS[kind].numbers} of {kind.upper()}", _moved(ring, made), largest(s, meant)))
     return Table("Error budget by stage", ("stage", "outline, mm", f"follower, {unit}"), rows)
 
 

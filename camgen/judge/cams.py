@@ -43,8 +43,12 @@ def given(joint: Cam, outline: Outline) -> Law:
 
 def rolled(machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections) -> tuple[Ring, Rolled]:
     """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
-    where it does not fit. The follower counts as meant."""
-    outline = replace(outline, tip=replace(outline.tip, part=None))
+    where it does not fit. A tip on another part counts as meant."""
+    tip = outline.tip
+    if tip.part not in (None, outline.part):
+        mount = next(mount for mount in mounts if mount.part == tip.part)
+        here = replace(tip, part=None, at=mount.place(tip.at))
+        outline = replace(outline, tip=replace(here, facing=mount.direction(here.facing)) if isinstance(here, Flat) else here)
     found = read([outline], {outline.part: sections}, False)
     law = assembled(machine, [outline], mounts, found).outlines[outline.joint][0].law
     away = 0j if outline.bore is None else found.eyes[outline.bore].centre

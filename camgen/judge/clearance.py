@@ -19,12 +19,11 @@ from typing import Any
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.dxf import read_dxf
-from camgen.files.formats import read_solid
+from camgen.files.formats import FORMATS, read_drawing, read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
-from camgen.machine.contacts import Apart, Poses
+from camgen.machine.features import Apart, Poses
 from camgen.numerics import crests
 
 _CHORDS = 90  # of the turn, to begin with
@@ -178,12 +177,12 @@ def sections(path: Path, part: str, height: float) -> list[Points]:
     return [ring.points for ring in slice_mesh(mesh, height) if ring.area > 0]
 
 
-def drawn_outline(path: Path, mirrored: bool, tolerance: float) -> list[Points]:
+def drawn_outline(path: Path, part: str, mirrored: bool, tolerance: float) -> list[Points]:
     """Outer outline of a drawing, counter-clockwise, arcs within the tolerance, mm; mirrored: in Oy.
 
     ValueError where the drawing does not close.
     """
-    drawing = read_dxf(path)
+    drawing = read_drawing(path, part)
     if drawing.faults or not drawing.cut:
         raise ValueError("; ".join(fault.message for fault in drawing.faults) or "nothing is drawn to be cut")
     outer = max(drawing.cut, key=lambda ring: abs(ring.area))
@@ -200,20 +199,24 @@ def judge_clearance(
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
     curves: list[tuple[str, Floats, Floats]] = []
+    solid = FORMATS[kind].solid
+
+    def files(part: str) -> Path:
+        return folder / f"{prefix}-{part}.{kind}"
+
     for pair in pairs:
         where = f"{prefix}-{pair.a}.{kind} and {prefix}-{pair.b}.{kind}"
         rest = poses(np.zeros(1))
         way = _way(pair, poses)
         least, slack, curve = Least(math.inf, 0.0), 2 * chord_tolerance, np.full(_ANGLES, np.inf)
         turn = np.linspace(0, math.tau, _ANGLES)
-        for plane in pair.planes[:1] if kind == "dxf" else pair.planes:  # a drawing shows one height
+        for plane in pair.planes if solid else pair.planes[:1]:  # a drawing shows one height
             try:
-                if kind == "dxf":
-                    shown = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
-                    a, b = (drawn_outline(folder / f"{prefix}-{name}.dxf", over, chord_tolerance) for name, over in shown)
+                if solid:
+                    a, b = (sections(files(name), name, plane - rest[name][0].z) for name in (pair.a, pair.b))
                 else:
-                    names = {name: folder / f"{prefix}-{name}.{kind}" for name in (pair.a, pair.b)}
-                    a, b = (sections(path, name, plane - rest[name][0].z) for name, path in names.items())
+                    shown = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
+                    a, b = (drawn_outline(files(name), name, over, chord_tolerance) for name, over in shown)
             except ValueError as error:
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, str(error)))
                 break
@@ -241,7 +244,7 @@ def _way(pair: Apart, poses: Poses) -> Way:
         a, b = (poses(theta)[name][0] for name in (pair.a, pair.b))
         if np.any(a.angle != 0) or np.any(b.angle != 0) or a.flipped or b.flipped:
             raise ValueError(f"{pair.name}: only bodies that shift are compared")
-        return np.asarray(b.position - a.position)
+        return np.asarray(b.place - a.place)
 
     return way
 

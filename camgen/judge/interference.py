@@ -15,6 +15,7 @@ guest is cut into rings about it: what is near in a joint moves little, what mov
 centre counts. A distance of sets is 1-Lipschitz in the places of their points, so a gap g seen in the middle of a stretch
 of path of half length l is at least g - l all over it. Stretches are halved until that suffices: whatever is dropped is
 proven, however thin the bodies are. Poses that contradict the path are refused.
+A guest that only slides on a straight line needs no stretches where all that it sweeps is farther than the least gap so far.
 Bodies that may touch are first shrunk by half of the allowed overlap each: while the shrunk ones stay apart no circle
 larger than the allowed overlap fits into the overlap of the true ones, so the same bound serves.
 """
@@ -32,7 +33,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
-from camgen.judge.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
+from camgen.judge.slabs import PLANE, ROUND, Body, Course, Section, sections_of, shadow_of
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -48,6 +49,7 @@ _CORNERS = 128  # of a piece of the guest that is not cut any more
 _LAYERS = 4  # pairs of sections, beyond which their shadows are compared first, by at most
 _LONG = 1000  # stretches at once
 _AT_REST = 1e-6  # mm, a path that is no motion
+_STRAIGHT = 1e-6  # mm, and share of a turn, by which a guest that slides may be off its straight way
 
 Pair = frozenset[str]
 
@@ -76,12 +78,11 @@ class Clearance:
 class _Motion:
     """How one body, the guest, moves as another, the home, sees it: home = shift + turn * guest, turn a unit complex number.
 
-    theta: (n,) the grid; turns, shifts: (n,) complex on it; name: of both, for people.
+    theta: (n,) the grid; turns, shifts: (n,) complex on it.
     """
 
-    def __init__(self, home: Body, guest: Body, theta: Floats) -> None:
-        self.theta, self.name = theta, f"{guest.name} seen from {home.name}"
-        self._courses = home.course, guest.course
+    def __init__(self, home: Course, guest: Course, theta: Floats) -> None:
+        self.theta, self._courses = theta, (home, guest)
         self.turns, self.shifts = self.at(theta)
 
     @property
@@ -102,6 +103,21 @@ class _Motion:
         turned, shifted = np.diff(self.turns), np.diff(self.shifts)
         weight = float(np.sum(np.abs(turned) ** 2))
         return complex(-np.sum(np.conj(turned) * shifted) / weight) if weight > _AT_REST**2 else 0j
+
+    @functools.cached_property
+    def straight(self) -> tuple[complex, complex] | None:
+        """Ends of the shift of a guest that only slides on a straight line, bends between the grid's angles included."""
+        one = self.shifts[np.argmax(np.abs(self.shifts - self.shifts[0]))]
+        other = self.shifts[np.argmax(np.abs(self.shifts - one))]
+        way = complex(other - one)
+        if not abs(way) > _AT_REST or float(np.max(np.abs(self.turns - self.turns[0]))) > _STRAIGHT:
+            return None
+        along = way / abs(way)
+        beside = ((self.shifts - one) * along.conjugate()).imag
+        if float(np.max(np.abs(beside))) > _STRAIGHT:
+            return None
+        bend = float(np.max(np.abs(np.diff(self.shifts, 2)))) * along
+        return complex(one) - bend, complex(other) + bend
 
     def path(self, centre: complex, reach: float) -> Floats:
         """How far points of the guest, at most `reach` from a centre, have gone at most by each angle of the grid, (n,) mm."""
@@ -165,9 +181,25 @@ class _Approach:
             moved = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(np.diff(turns))
             if not np.all(moved <= way * (1 + 1e-6) + 1e-7):
                 k = int(np.argmax(moved - way))
-                said = f"{self.motion.name} moves by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
+                said = f"one sees the other move by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
                 raise ValueError(f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm")
         return _moved(self.guest, self.coordinates, turns, shifts)
+
+    def slides_clear(self, distance: float) -> bool:
+        """Whether the guest only slides, and all that it sweeps on its straight way stays so far from the home."""
+        import shapely
+
+        ends = self.motion.straight
+        if ends is None or not 0 < distance < math.inf:
+            return False
+        turn, rings = self.motion.turns[0], shapely.get_parts(shapely.boundary(self.guest))
+        chains = [shapely.get_coordinates(ring) @ PLANE for ring in rings] or [self.coordinates[[0, 0]]]
+        starts, stops = (turn * np.concatenate([chain[side] for chain in chains]) for side in (slice(-1), slice(1, None)))
+        corners = np.stack([starts + ends[0], stops + ends[0], stops + ends[1], starts + ends[1]], axis=1)
+        swept = shapely.polygons(np.stack([corners.real, corners.imag], axis=2))
+        placed = _moved(self.guest, self.coordinates, np.array([turn]), np.array(ends[:1]))
+        shapely.prepare(self.home)
+        return not np.any(shapely.dwithin(self.home, np.append(swept, placed), distance))
 
     def round(self) -> _Approach | None:
         """The same with the disc about the guest's calmest point in its place; None where it is one."""
@@ -295,6 +327,8 @@ def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) 
     """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
     if approach.empty or best.gap <= -approach.allowed:
         return
+    if approach.slides_clear(best.gap + approach.allowed + approach.facets + approach.pad - _STRAIGHT):
+        return
     if _search(approach, best, needed, resolution, _MANY if approach.divisible else math.inf):
         return
     if not _search_about(approach, best, needed, resolution):
@@ -343,6 +377,7 @@ def swept(
     if len(set(names)) < len(names) or unknown or not all(value > 0 for value in contacts.values()):
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
     sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
+    seen = functools.cache(lambda home, guest: _Motion(home, guest, theta))  # bodies on one course move as one
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
         level = [
@@ -351,9 +386,12 @@ def swept(
             if min(first.z1, second.z1) - max(first.z0, second.z0) > _SAME_HEIGHT
         ]
         if level:
-            motions = _Motion(a, b, theta), _Motion(b, a, theta)
+            motions = seen(a.course, b.course), seen(b.course, a.course)
             allowed = contacts.get(frozenset((a.name, b.name)), mounted if motions[0].at_rest else None)
-            best, proven = _least(motions, level, allowed, needed, resolution)
+            try:
+                best, proven = _least(motions, level, allowed, needed, resolution)
+            except ValueError as fault:
+                raise ValueError(f"{a.name} and {b.name}: {fault}") from None
             found.append(
                 Clearance(a.name, b.name, best.gap, proven, best.theta, allowed, best.evaluations, motions[0].at_rest)
             )

@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import tolerances
+from camgen.files.formats import FORMATS
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.judge.cams import judge_cams, judged_angles, named
 from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
-from camgen.machine.closure import Closed, System
+from camgen.machine.constraints import Closed, Constraints
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
-from camgen.machine.model import Cam, Law, Machine, Output, unit_of
-from camgen.machine.order import joined_bodies
-from camgen.machine.study import Table
+from camgen.machine.model import Cam, Law, Machine, Output, bodies_of, unit_of
+from camgen.study import Table
 
 Floats = NDArray[np.float64]
 
@@ -54,9 +54,9 @@ class _Meant:
     """The machine with its joints where they are meant, from which all others start."""
 
     def __init__(self, machine: Machine, low: float, high: float) -> None:
-        self.system = System(machine)
+        self.system = Constraints(machine)
         self._known = self.system.close(np.linspace(low, high, _KNOWN))
-        self._systems: dict[Laws, System] = {(): self.system}
+        self._systems: dict[Laws, Constraints] = {(): self.system}
         self._seen: dict[tuple[str, bytes, Laws], tuple[Any, Any]] = {}
 
     def near(self, theta: Floats) -> Floats:
@@ -84,7 +84,7 @@ class _Meant:
         if key in self._seen:
             return self._seen[key]
         if laws not in self._systems:
-            self._systems[laws] = System(_with(self.system.machine, laws))
+            self._systems[laws] = Constraints(_with(self.system.machine, laws))
         system = self._systems[laws]
         parts = [_outcome(system, output, system.close(part, self.near(part), 1)) for part in _parts(system, theta)]
         found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
@@ -108,7 +108,7 @@ class Proof:
         for name, (drive, *others) in measured.outlines.items():
             if others:
                 self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
-        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), System(measured.machine)
+        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), Constraints(measured.machine)
         self._seen: dict[bytes, Mapping[str, Moved]] = {}
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
@@ -174,7 +174,7 @@ def _with(machine: Machine, laws: Laws) -> Machine:
     return replace(machine, joints=tuple(joints))
 
 
-def _parts(system: System, theta: Floats) -> Sequence[Floats]:
+def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
     """So few angles at a time that their matrices stay small."""
     return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
 
@@ -186,9 +186,9 @@ def _joined(parts: Sequence[Moved]) -> Moved:
     return Moved(value, slope, reach, play)
 
 
-def _outcome(system: System, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
+def _outcome(system: Constraints, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
     """An output, its slope to theta, and where it is lost, (n,)."""
-    value, gradient = system.output(output, closed.q, closed.theta)
+    value, gradient = system.output(output, closed.q)
     slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
     slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
     lost = np.asarray(np.isnan(closed.q).any(axis=1))
@@ -223,7 +223,7 @@ def judge_machine(
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
-    kind: "dxf", "stl" or "3mf"; where: said in findings; files: sections (shapes at each height) of each part's file of this
+    kind: of FORMATS; where: said in findings; files: sections (shapes at each height) of each part's file of this
     kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
 
@@ -231,11 +231,12 @@ def judge_machine(
     limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
-    found = read(features, files, kind == "dxf")
+    form = FORMATS[kind]
+    found = read(features, files, not form.solid)
     every = named(where, parts_of(features))
     if found.lost:
         return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(found.lost)),))
-    rounding = 0.0 if kind == "dxf" else tolerances.FLOAT32_ROUNDING * _size([files[part] for part in parts_of(features)])
+    rounding = form.rounding * _size([files[part] for part in parts_of(features)]) if form.rounding else 0.0
     try:
         measured = assembled(machine, features, mounts, found)
         closing = _Closing(kind, where, machine, measured, theta, chord_tolerance, rounding, asked)
@@ -278,7 +279,7 @@ def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mou
     return tuple(
         NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
         for joint in machine.joints
-        if joint.name not in told and made & set(joined_bodies(joint))
+        if joint.name not in told and made & set(bodies_of(joint))
     )
 
 

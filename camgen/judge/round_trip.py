@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.dxf import read_dxf
-from camgen.files.formats import read_solid
+from camgen.files.formats import FORMATS, read_drawing, read_solid
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring, thinnest_wall
@@ -72,7 +71,7 @@ class Expected:
 
 @dataclass(frozen=True)
 class Undo:
-    """What the printer does to a mesh that was sent to it, see `undoing.printed`; files are judged as they print, mm."""
+    """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print, mm."""
 
     hole: float
     profile: float
@@ -101,9 +100,10 @@ class Judged:
     sections: tuple[tuple[Shape, ...], ...] = ()
 
 
-def judge_dxf(path: Path, expected: Expected) -> Judged:
+def judge_drawing(path: Path, expected: Expected) -> Judged:
     """Units, closed contours, holes and walls of a drawing that is to be cut."""
-    drawing, where = read_dxf(path), path.name
+    form, where = FORMATS[path.suffix[1:]], path.name
+    drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
     closed = at_most(
@@ -118,7 +118,7 @@ def judge_dxf(path: Path, expected: Expected) -> Judged:
     ]  # fmt: skip
     if not closed.ok:
         return Judged(tuple(findings), None)
-    return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, 0.0, findings)
+    return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings)
 
 
 def _misplaced(marks: Points, wanted: Points) -> list[str]:
@@ -134,11 +134,11 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
         return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", path.name, "; ".join(remarks)),), None)
-    return judge_solid(mesh, expected, path.name)
+    return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
 
 
-def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
-    """Watertightness, volume, sections and walls of a solid."""
+def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> Judged:
+    """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
     count = faults.count + abs(faults.bodies - 1)
     findings = [
@@ -152,7 +152,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str) -> Judged:
     if count:
         return Judged(tuple(findings), None)
     findings.append(_volume(faults.volume, expected, where))
-    rounding = float(np.max(np.abs(mesh.vertices))) * tolerances.FLOAT32_ROUNDING
+    rounding *= float(np.max(np.abs(mesh.vertices)))
     lifted = _level_error(mesh.vertices[:, 2], expected)
     try:
         sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]

@@ -1,4 +1,19 @@
-"""The model of any planar machine and what follows from it: positions, derivatives, forces, freedoms, play."""
+"""The model of any planar machine and what follows from it: positions, derivatives, forces, freedoms, play.
+
+A machine is closed by two routes that share the model and nothing else. The maker's: vector loops, block by block, dyads in
+closed form. The judge's: Newton's method on the poses of all bodies at once, with the joints where the files have them.
+Positions, speeds and accelerations thus have two implementations that are held against each other; forces, play and freedoms
+have one, on the Jacobian of the judge's.
+
+    the model           model: bodies, joints, drives, loads, outputs; features: what of the parts' files makes the joints;
+                        targets: what is wanted by value; joining: several machines as one
+    the maker's route   loops: a machine in steps; order: which equations go together; dyads: two unknowns in closed form;
+                        newton: larger blocks; jets: quantities with their derivatives; reach: how far the drive can turn
+    the judge's route   constraints: the conditions of all joints, their Jacobian, a machine closed on them
+    on either           run: a machine over angles; forces; freedom: counts and rank, drawings closed
+    known beforehand    closed_form: four-bars and slider-cranks; landmarks: what stands out on a curve
+    cams/               followers, the profile of a disc cam and its limits, cam and follower as a machine
+"""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from camgen.errors import DesignError
 from camgen.machine.jets import unit_turn
-from camgen.machine.model import Floats
+from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
 
 

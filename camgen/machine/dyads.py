@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from camgen.machine.jets import Jet, cross, minus, plus, times, vanishes
-from camgen.machine.model import Floats
+from camgen.machine.jets import Jet, Spin, cross, minus, plus, times, vanishes
+from camgen.numerics import Floats
 
 # A dyad that misses by less than this share of its size squared is taken as just closing: rounding of theta does as much.
 JUST_CLOSES = 1e-14
@@ -33,8 +33,8 @@ def signed_root(square: Floats, slack: float, branch: int) -> tuple[Floats, Floa
     return root, np.where(root == 0, np.nan, root)
 
 
-def two_angles(known: Jet, c1: complex, c2: complex, branch: int) -> tuple[Jet, Jet]:
-    """e1, e2 and the rates of their angles, [e, w, a] each; branch +1 has c1 e1 to the left of the way that is to close."""
+def two_angles(known: Jet, c1: complex, c2: complex, branch: int) -> tuple[Spin, Spin]:
+    """Both spins; branch +1 has c1 e1 to the left of the way that is to close."""
     order = len(known) - 1
     r1, r2 = abs(c1), abs(c2)
     total, differ = (r1 + r2) ** 2, (r1 - r2) ** 2
@@ -74,8 +74,8 @@ def inner(conjugate: Any, b: Any) -> Any:
     return 0.0 * conjugate.real if vanishes(b) else (conjugate * b).real
 
 
-def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Jet, Jet]:
-    """[e, w, a] and the length [u, u', u''] along the known way d; branch +1 has c e ahead along d."""
+def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Spin, Jet]:
+    """The spin and the length along the known way d; branch +1 has c e ahead along d."""
     r = abs(c)
     x = -known[0] * np.conj(d[0])
     y = x.imag
@@ -85,8 +85,8 @@ def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Jet, Jet]:
     return _rates(known, z, d, angle, length, -divisor, inverted=False)
 
 
-def inverted(known: Jet, c: complex, d: complex, branch: int) -> tuple[Jet, Jet]:
-    """[e, w, a] and the length [u, u', u''] along d, which turns with e; branch +1 has the end ahead of c's foot."""
+def inverted(known: Jet, c: complex, d: complex, branch: int) -> tuple[Spin, Jet]:
+    """The spin and the length along d, which turns with e; branch +1 has the end ahead of c's foot."""
     foot = c * d.conjugate()
     p, q = foot.real, foot.imag
     far = np.abs(known[0])

@@ -1,10 +1,11 @@
-"""On what of its parts a machine is measured: which features make its joints, which part stands on which body. Data alone.
+"""What a machine is to those that judge its files. Data alone: features that make its joints, parts on bodies, what is asked.
 
     eye       a round feature of a part: a hole, or the rim of a disc that is itself the pin (`shaft`)
     faces     two parallel straight faces of a part: rails, the walls of a slot, a runner
     outline   what a cam's follower runs on
     teeth     of a wheel: where its outline crosses the pitch circle
     mount     where a part stands on its body: body = at + exp(i turned) * part
+    stand-in  a thing that is not made but in the way
 
 Places and diameters here are nominal, mm in the part's frame; the judge reads the true ones from each file.
 """
@@ -13,12 +14,13 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
-from camgen.machine.model import Floats, Law, Output
+from camgen.machine.model import Law, Output, Pose
 from camgen.machine.targets import Target
+from camgen.numerics import Floats
 
 
 @dataclass(frozen=True)
@@ -206,6 +208,17 @@ class Mount:
 
 
 @dataclass(frozen=True)
+class PartPose(Pose):
+    """A part's pose in the assembly: ground = place + exp(i angle) * part, first turned over about its Oy where `flipped`.
+
+    z: height of its underside, mm. Turned over, x is -x and z is thickness - z.
+    """
+
+    flipped: bool = False
+    z: float = 0.0
+
+
+@dataclass(frozen=True)
 class Asked:
     """What is asked of an output beside its motion.
 
@@ -223,6 +236,59 @@ class Asked:
     judged: bool = True
 
 
+@dataclass(frozen=True)
+class StandIn:
+    """A thing that is not made but in the way of others: discs (centre, radius, z0, z1), mm, on a body of the model.
+
+    rolls: it is a tip that rolls on parts.
+    """
+
+    name: str
+    body: str
+    discs: tuple[tuple[complex, float, float, float], ...]
+    rolls: bool = False
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns.
+
+    planes: heights z of the ground at which their sections are compared, mm; gap: least distance that is wanted, mm,
+    0 where they may graze: slide on each other. drawn: parts whose own drawing shows another section ->
+    the part whose drawing shows the one that is meant, and whether it is the mirror image in Oy.
+    """
+
+    name: str
+    a: str
+    b: str
+    planes: tuple[float, ...] = (0.0,)
+    gap: float = 0.0
+    drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
+
+
+Poses = Callable[[Floats], Mapping[str, Sequence[PartPose]]]
+
+
+# Poses of the model's bodies at theta, (n,) rad, as exact parts move it: each is worked out when asked for.
+Courses = Callable[[Floats], Mapping[str, Pose]]
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A machine as the sweep needs it: its parts' mounts, contacts and features, what else is in the way, courses of its bodies.
+
+    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm; angle: what theta is.
+    """
+
+    mounts: Sequence[Mount]
+    courses: Courses
+    contacts: Sequence[Apart | Feature]
+    stand_ins: Sequence[StandIn]
+    gap: float
+    tolerance: float
+    angle: str = "cam angle"
+
+
 def judged_outputs(outputs: Iterable[Output], asked: Iterable[Asked]) -> list[Output]:
     """Those that are judged."""
     left_out = {each.output for each in asked if not each.judged}
@@ -231,7 +297,7 @@ def judged_outputs(outputs: Iterable[Output], asked: Iterable[Asked]) -> list[Ou
 
 def eyes(feature: Feature) -> Iterator[Eye]:
     """All eyes of a feature that make its joint; not a cam's bore."""
-    names = (field.name for field in fields(feature) if field.name != "bore")
+    names = (each.name for each in fields(feature) if each.name != "bore")
     yield from (value for name in names if isinstance(value := getattr(feature, name), Eye))
 
 

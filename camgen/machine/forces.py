@@ -1,6 +1,7 @@
 """Forces in a machine that runs: reactions of all joints, contact forces of cams, the torque that drives.
 
-Kinetostatics by the judge's Jacobian J: with poses q of all bodies, masses M and what acts on the bodies Q,
+Kinetostatics by the Jacobian J of all joints' conditions, that of `constraints`: with poses q of all bodies, masses M and what
+acts on the bodies Q,
 
     J^T multipliers = M q'' - Q
 
@@ -20,16 +21,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.machine.closure import System
+from camgen.machine.constraints import Constraints
 from camgen.machine.model import (
+    MM,
     Angle,
     Cam,
-    Floats,
     Force,
     Gear,
     Gravity,
     Pin,
-    Points,
     Resistance,
     Slide,
     Slot,
@@ -37,9 +37,7 @@ from camgen.machine.model import (
     Torque,
     TorsionSpring,
 )
-from camgen.numerics import solve
-
-MM = 1e-3
+from camgen.numerics import Floats, Points, solve
 
 
 @dataclass(frozen=True)
@@ -72,12 +70,8 @@ class Forces:
     power: Floats
     shaking: Points
 
-    def lifts_off(self, cam: Cam) -> Floats:
-        """Where the contact of a force-closed cam would have to pull, (n,): True, nan never."""
-        return np.asarray(self.contacts[cam.name] * cam.push < 0)
 
-
-def kinetostatics(system: System, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:
+def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:
     """Forces at poses q and their derivatives to theta, (n, 3 bodies), theta growing steadily at `speed` rad/s."""
     n, joints = len(q), system.machine.joints
     pressing: dict[str, Floats] = {}
@@ -118,7 +112,7 @@ def kinetostatics(system: System, theta: Floats, q: Floats, first: Floats, secon
 
 
 def _touched(
-    cam: Cam, system: System, q: Floats, rates: Floats, slopes: Floats, multipliers: Floats
+    cam: Cam, system: Constraints, q: Floats, rates: Floats, slopes: Floats, multipliers: Floats
 ) -> tuple[Floats, Floats]:
     """Force between cam and follower, (n,) N, and what it does on the bodies besides the effort along s, (n, 3 bodies)."""
     row = system.rows[cam.name].start
@@ -129,8 +123,8 @@ def _touched(
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     force, acts = np.full(len(q), np.nan), np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
-        side = cam.push * (1 - 2 * k)  # the sense of s in which this one pushes
-        bears = np.ones(len(q), bool) if len(cam.touches) == 1 else (effort * cam.push >= 0) == (k == 0)
+        side = cam.leaves * (1 - 2 * k)  # the sense of s in which this one pushes
+        bears = np.ones(len(q), bool) if len(cam.touches) == 1 else (effort * cam.leaves >= 0) == (k == 0)
         place, normal = touch(angle - cam.phase)
         turn = np.exp(1j * angle)
         where = q[:, column] + 1j * q[:, column + 1] + place * turn
@@ -153,14 +147,14 @@ def _touched(
     return force, acts
 
 
-def _speed(system: System, body: str, where: Points, q: Floats, rates: Floats) -> Points:
+def _speed(system: Constraints, body: str, where: Points, q: Floats, rates: Floats) -> Points:
     """Of the body's point that is at a place of the ground, (n,) complex."""
     c = system.column[body]
     arm = where - q[:, c] - 1j * q[:, c + 1]
     return np.asarray(rates[:, c] + 1j * rates[:, c + 1] + 1j * rates[:, c + 2] * arm)
 
 
-def _inertia(system: System, q: Floats, v: Floats, a: Floats) -> tuple[Floats, Floats, Floats, Points]:
+def _inertia(system: Constraints, q: Floats, v: Floats, a: Floats) -> tuple[Floats, Floats, Floats, Points]:
     """M q'' with what the turning of centres adds, N and N mm; kinetic energy J, its rate W, the shaking force N."""
     n = len(q)
     wanted = np.zeros(q.shape)
@@ -180,7 +174,7 @@ def _inertia(system: System, q: Floats, v: Floats, a: Floats) -> tuple[Floats, F
     return wanted, energy, power, shaking
 
 
-def _acting(system: System, q: Floats, rates: Floats) -> Floats:
+def _acting(system: Constraints, q: Floats, rates: Floats) -> Floats:
     """What all loads do on the bodies, (n, 3 bodies): N and N mm about each body's origin."""
     acting = np.zeros(q.shape)
     for load in system.machine.loads:
@@ -216,7 +210,7 @@ def _acting(system: System, q: Floats, rates: Floats) -> Floats:
     return acting
 
 
-def _torque(load: Torque | TorsionSpring, system: System, q: Floats) -> Floats:
+def _torque(load: Torque | TorsionSpring, system: Constraints, q: Floats) -> Floats:
     """Torque on the first body, (n,) N m."""
     if isinstance(load, Torque):
         return np.full(len(q), load.torque)

@@ -17,8 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.errors import DesignError, listed
-from camgen.machine.closure import System
-from camgen.machine.model import Drive, Floats, Machine, Pin, Pose, Slide
+from camgen.machine.constraints import Constraints
+from camgen.machine.model import Drive, Machine, Pin, Pose, Slide
+from camgen.numerics import Floats
 
 # A singular value below this share of the largest is none.
 NO_VALUE = 1e-8
@@ -54,7 +55,7 @@ class Freedom:
 
 def freedoms(machine: Machine) -> Freedom:
     """Count and rank; the machine must be closed as drawn (see `drawn`)."""
-    system, counted = System(machine), _counted(machine)
+    system, counted = Constraints(machine), _counted(machine)
     best = _values(system, system.start)
     full = best[1] == min(system.width, system.height)
     for q in () if full else _elsewhere(system):  # no rank is higher
@@ -125,7 +126,7 @@ def _needless(machine: Machine, drive: Drive) -> bool:
     return freedoms(without).moves == freedoms(machine).moves
 
 
-def _values(system: System, q: Floats) -> tuple[tuple[Floats, Floats, Floats], int]:
+def _values(system: Constraints, q: Floats) -> tuple[tuple[Floats, Floats, Floats], int]:
     """Singular values of the Jacobian, its columns and rows brought to one size, and its rank."""
     slope = system.evaluate(q[None], np.zeros(1))[1][0] * system.unit
     size = np.linalg.norm(slope, axis=1, keepdims=True)
@@ -133,9 +134,9 @@ def _values(system: System, q: Floats) -> tuple[tuple[Floats, Floats, Floats], i
     return (left, values, right), int(np.count_nonzero(values > NO_VALUE * values.max(initial=1e-300)))
 
 
-def _elsewhere(system: System) -> list[Floats]:
+def _elsewhere(system: Constraints) -> list[Floats]:
     """Poses a little way from the drawn ones, the drives let go."""
-    still = System(replace(system.machine, drives=()))
+    still = Constraints(replace(system.machine, drives=()))
     found = []
     for share in (AWAY, -0.7 * AWAY):
         (_, _, right), rank = _values(still, still.start)
@@ -159,7 +160,7 @@ def _loop(machine: Machine, joints: Sequence[str]) -> str:
     return f" ({', '.join(told)})" if 0 < len(told) <= NAMED else ""
 
 
-def _closest(system: System, q: Floats) -> tuple[Floats, float]:
+def _closest(system: Constraints, q: Floats) -> tuple[Floats, float]:
     """Poses that close the conditions at theta = 0 with the least change, and the gap that is left."""
     theta = np.zeros(1)
     best = (q, np.inf)
@@ -180,7 +181,7 @@ def drawn(machine: Machine) -> Machine:
 
     Raises DesignError where the lengths contradict each other: by how much the joints stay open, and which.
     """
-    system = System(machine)
+    system = Constraints(machine)
     q, gap = _closest(system, system.start)
     if gap > CLOSED * system.size:
         misfit = np.abs(system.evaluate(q[None], np.zeros(1))[0][0])

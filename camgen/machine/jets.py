@@ -1,7 +1,8 @@
 """Small sums of jets: a quantity with its derivatives to theta, written so that what vanishes costs nothing.
 
 A jet here is a list [value, first, second] of (n,) arrays or scalars, as long as the order asks; the integer 0 stands
-for a derivative that vanishes. Arrays of stacked jets, (order + 1, n), are made only for those outside.
+for a derivative that vanishes. Arrays of stacked jets, (order + 1, n), are made only for those outside. An unknown angle is
+kept as a spin: its unit vector, then the first and second derivative of the angle itself.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.machine.model import Floats, Points
+from camgen.numerics import Floats, Points
 
 Jet = list[Any]
+Spin = list[Any]
 
 # Memory fresh from the system costs as much as the sums in it. The C library of Linux keeps what is freed, for blocks up to
 # the largest that was freed so far: this one, never touched, is 8 MB.

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import cmath
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from camgen.machine.features import Asked, Eye, Faces, Feature, Flat, Mount
+from camgen.machine.features import Asked, Eye, Faces, Flat, Mount, OwnTip, Teeth
 from camgen.machine.model import (
     GROUND,
     Along,
     Angle,
     Body,
-    Floats,
     Function,
     Gravity,
+    Joint,
     Law,
     Machine,
     Path,
+    Pin,
     Place,
     Pose,
 )  # fmt: skip
 from camgen.machine.run import solve
+from camgen.numerics import Floats
 
 T = TypeVar("T")
 
+_RECORDS = Angle | Along | Path | Eye | Faces | Flat | OwnTip | Teeth  # that stand in others
 _BODIES = {"a", "b", "cam", "follower", "body", "on", "by", "carrier"}  # keys whose text is a body's name
-_JOINTS = {"slide", "joint", "turns", "swings"}
 
 
 @dataclass(frozen=True)
@@ -57,16 +60,28 @@ class _Shifted:
 
 
 @dataclass(frozen=True)
+class Ride:
+    """A body that is carried by a link of the host in place of its own joints: link = at + exp(i turned) * body."""
+
+    body: str
+    link: str
+    at: complex
+    turned: float
+
+
+@dataclass(frozen=True)
 class Module:
     """How one machine stands in another: its names get the prefix and "_", its parts' names the prefix and "-".
 
-    at: its origin on the ground, complex mm; phase: how far it is ahead of the shaft, rad; z: how far it is raised, mm.
+    at: its origin on the ground, complex mm; phase: how far it is ahead of the shaft, rad; z: how far it is raised, mm;
+    rides: bodies of it that links of the host carry. What joins these to the ground or to its own shaft is left out.
     """
 
     prefix: str
     at: complex = 0j
     phase: float = 0.0
     z: float = 0.0
+    rides: tuple[Ride, ...] = ()
 
     def name(self, name: str) -> str:
         """Of a joint, a drive or an output."""
@@ -74,7 +89,12 @@ class Module:
 
     def body(self, name: str) -> str:
         """Of a body: the ground is the same for all."""
-        return name if name == GROUND else self.name(name)
+        ride = self.ride(name)
+        return ride.link if ride else name if name == GROUND else self.name(name)
+
+    def ride(self, body: str) -> Ride | None:
+        """What carries a body in place of its own joints."""
+        return next((ride for ride in self.rides if ride.body == body), None)
 
     def part(self, name: str) -> str:
         """Of a part or a sketch."""
@@ -83,53 +103,96 @@ class Module:
     def machine(self, machine: Machine) -> Machine:
         """The same machine as it is in the whole."""
         run = solve(machine, [self.phase], 0)
-        poses = {body.name: run.pose(body.name) for body in machine.moving}
+        own = [body for body in machine.moving if self.ride(body.name) is None]
+        poses = {body.name: run.pose(body.name) for body in own}
+        lost = self.lost(machine)
         return Machine(
-            tuple(replace(body, name=self.name(body.name)) for body in machine.moving),
-            tuple(self.renamed(joint) for joint in machine.joints),
-            tuple(replace(self.renamed(drive), law=Ahead(drive.law, self.phase)) for drive in machine.drives),
+            tuple(replace(body, name=self.name(body.name)) for body in own),
+            tuple(self.renamed(joint) for joint in machine.joints if joint.name not in lost),
+            tuple(replace(self.renamed(d), law=Ahead(d.law, self.phase)) for d in machine.drives if d.name not in lost),
             {self.name(name): Pose(complex(pose.place[0]) + self.at, float(pose.angle[0])) for name, pose in poses.items()},
             tuple(load if isinstance(load, Gravity) else self.renamed(load) for load in machine.loads),
-            tuple(self.renamed(output) for output in machine.outputs),
+            tuple(self.renamed(output) for output in machine.outputs if output.name not in lost),
             machine.speed,
         )
 
+    def lost(self, machine: Machine) -> set[str]:
+        """Joints, drives and outputs that it has no more, since their bodies ride on others."""
+        riding = {ride.body for ride in self.rides}
+        if not riding:
+            return set()
+        held = riding | {GROUND, *(drive.body for drive in machine.drives)}
+        joints = {each.name for each in machine.joints if riding & (bodies := _bodies(each)) and bodies <= held}
+        drives = {drive.name for drive in machine.drives if drive.body in riding or drive.slide in joints}
+        outputs = {
+            each.name for each in machine.outputs
+            if isinstance(each.of, Along) and each.of.slide in joints or isinstance(each.of, Angle) and each.of.body in riding
+        }  # fmt: skip
+        return joints | drives | outputs
+
+    def misfits(self, machine: Machine) -> list[str]:
+        """Joints between a body that rides and one that moves by itself which are no pins: such cannot be carried over."""
+        riding, lost = {ride.body for ride in self.rides}, self.lost(machine)
+        return [
+            each.name for each in machine.joints
+            if each.name not in lost and riding & _bodies(each) and not isinstance(each, Pin)
+        ]  # fmt: skip
+
     def renamed(self, record: T) -> T:
         """A joint, load, output or feature with the names and places that it has in the whole."""
-        changed: dict[str, Any] = {}
-        for each in fields(record):  # type: ignore[arg-type]
-            value = getattr(record, each.name)
-            if isinstance(value, Place):
-                changed[each.name] = self._place(value)
-            elif isinstance(value, Angle | Along | Path | Eye | Faces | Flat):
-                changed[each.name] = self.renamed(value)
-            elif isinstance(value, Function):
-                places = tuple(self._place(place) for place in value.of)
-                changed[each.name] = Function(places, _Shifted(value.value, self.at) if self.at else value.value)
-            elif isinstance(value, str) and each.name in _BODIES:
-                changed[each.name] = self.body(value)
-            elif isinstance(value, str) and each.name in {*_JOINTS, "name"}:
-                changed[each.name] = self.name(value)
-            elif isinstance(value, str) and each.name == "part":
-                changed[each.name] = self.part(value)
+        changed = {each.name: self._renamed(each.name, getattr(record, each.name)) for each in fields(record)}  # type: ignore[arg-type]
         return replace(record, **changed)  # type: ignore[type-var]
 
+    def _renamed(self, key: str, value: Any) -> Any:
+        """A value of a record, under its key."""
+        if isinstance(value, Place):
+            return self._place(value)
+        if isinstance(value, Function):
+            places = tuple(self._place(place) for place in value.of)
+            return Function(places, _Shifted(value.value, self.at) if self.at else value.value)
+        if isinstance(value, tuple):
+            return tuple(self._renamed(key, each) for each in value)
+        if isinstance(value, str) and key in _NAMES:
+            return _NAMES[key](self, value)
+        return self.renamed(value) if isinstance(value, _RECORDS) else value
+
     def _place(self, place: Place) -> Place:
+        ride = self.ride(place.body)
+        if ride is not None:
+            return Place(ride.link, ride.at + cmath.exp(1j * ride.turned) * place.at)
         return Place(self.body(place.body), place.at + self.at if place.body == GROUND else place.at)
 
     def mount(self, mount: Mount) -> Mount:
         """A part's place on its body."""
-        at = mount.at + self.at if mount.body == GROUND else mount.at
-        return replace(mount, part=self.part(mount.part), body=self.body(mount.body), at=at, z=mount.z + self.z)
-
-    def features(self, features: Sequence[Feature]) -> list[Feature]:
-        """Features of its joints."""
-        return [self.renamed(feature) for feature in features]
+        on, ride = self._place(Place(mount.body, mount.at)), self.ride(mount.body)
+        turned = mount.turned + (ride.turned if ride else 0.0)
+        return replace(mount, part=self.part(mount.part), body=on.body, at=on.at, turned=turned, z=mount.z + self.z)
 
     def asked(self, asked: Asked) -> Asked:
         """What is asked of an output."""
         motion = None if asked.motion is None else Ahead(asked.motion, self.phase)
         return replace(asked, output=self.name(asked.output), motion=motion)
+
+
+# What a text is, by its key.
+_NAMES: dict[str, Callable[[Module, str], str]] = {
+    **dict.fromkeys(_BODIES, Module.body),
+    **dict.fromkeys(("name", "slide", "joint", "turns", "swings"), Module.name),
+    **dict.fromkeys(("part", "roller"), Module.part),
+}
+
+
+def _bodies(joint: Joint) -> set[str]:
+    """The bodies that a joint joins."""
+    values = [getattr(joint, each.name) for each in fields(joint) if each.name != "name"]
+    named = {getattr(joint, each.name) for each in fields(joint) if each.name in _BODIES}
+    return {value.body for value in values if isinstance(value, Place)} | {name for name in named if isinstance(name, str)}
+
+
+def ride(body: str, link: str, own: Pose, host: Pose) -> Ride:
+    """A body that stays where it stands to a link at the poses of both."""
+    back = cmath.exp(-1j * host.angle)
+    return Ride(body, link, (own.place - host.place) * back, own.angle - host.angle)
 
 
 def joined(host: Machine, modules: Mapping[Module, Machine]) -> Machine:

@@ -13,17 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.jets import thread_length
-from camgen.machine.model import Floats, Points
-from camgen.numerics import sign_changes
+from camgen.machine.model import Law
+from camgen.numerics import Floats, Points, sign_changes
 
 Curve = Callable[[Floats, int], Points]
-Function = Callable[[Floats, int], Floats]
 TURN = 2 * math.pi
 # Angles closer than this are one angle, rad.
 SAME_ANGLE = 1e-12
 
 
-def zeros(f: Function, n: int = 720) -> Floats:
+def zeros(f: Law, n: int = 720) -> Floats:
     """Angles of a turn at which f changes sign, (k,) rad in [0, 2 pi), sorted.
 
     f(theta, order): real values (order 0) and slopes (1), (n,), of period 2 pi; nan where not assembled. Two changes
@@ -35,7 +34,7 @@ def zeros(f: Function, n: int = 720) -> Floats:
     return np.sort((theta + SAME_ANGLE) % TURN - SAME_ANGLE)
 
 
-def extremes(f: Function, n: int = 720) -> tuple[Floats, Floats]:
+def extremes(f: Law, n: int = 720) -> tuple[Floats, Floats]:
     """Angles at which f turns back, (k,) rad, and its values there; f as in zeros, order 0..2.
 
     The extremes of an output's angle or way are the dead points at which it could not drive the crank.

@@ -1,6 +1,6 @@
 """The maker's route: a machine's positions and derivatives by vector loops, block by block, dyads in closed form.
 
-    way       how a body is reached from one placed earlier: signed levers and lengths
+    route     how a body's origin is reached from one placed earlier: the vectors that lead there
     step      one block solved: a relation of one unknown, a dyad, or a larger block by Newton
     chain     a machine parted into steps, once; it keeps what was followed from the drawn position
     state     all unknowns at some angles, made step by step
@@ -13,29 +13,21 @@ from __future__ import annotations
 
 import math
 import weakref
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.machine import dyads, newton
-from camgen.machine.jets import Jet, minus, plus, product, stacked, times, turned, unit_turn
-from camgen.machine.model import GROUND, Angle, Floats, Machine, Output, Path, Pin, Place, Points, Turning
-from camgen.machine.newton import Block, Known, Loop, relation_jet
-from camgen.machine.order import NO_LEVER, Groups, Key, Relation, group_bodies, joined_bodies, order, places, relations
+from camgen.machine.jets import Jet, Spin, minus, plus, product, stacked, times, turned, unit_turn
+from camgen.machine.model import GROUND, Along, Angle, Machine, Output, Path, Pin, Place, Turning
+from camgen.machine.newton import Block, Known, Vectors, relation_jet
+from camgen.machine.order import NO_LEVER, Groups, Key, Relation, components, group_bodies, places, relations
+from camgen.numerics import Floats, Points
 
 # Angles a turn at which an angle is followed, so that it is continuous at any others.
 FOLLOWED = 720
-
-
-@dataclass(frozen=True)
-class Way:
-    """A body's origin: that of an earlier body, and levers and lengths that lead to it."""
-
-    root: str
-    levers: dict[str, complex] = field(default_factory=dict)
-    ways: tuple[tuple[str, str, complex], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -63,19 +55,17 @@ class Chain:
 
     def __init__(self, machine: Machine) -> None:
         self.drives = {drive.name: drive.law for drive in machine.drives}
-        self.speed = machine.speed
         self.groups: Groups = group_bodies(machine)
-        self.way: dict[str, Way] = {GROUND: Way(GROUND)}
+        self.route: dict[str, Vectors] = {GROUND: _from(GROUND)}
         self.steps: list[Step] = []
         self.maker: dict[Key, int] = {}  # the step that gives an unknown
         self._followed: dict[str, tuple[Floats, Floats]] = {}
-        self._joints = {joint.name: joint for joint in machine.joints}
         self._place_blocks(machine)
 
     # ---- parting into steps, once ----
 
     def _place_blocks(self, machine: Machine) -> None:
-        ordered = order(machine, self.groups)
+        ordered = components(machine, self.groups)
         if ordered.loose or ordered.over:
             names = list(ordered.over) or list(dict.fromkeys(name for _, name in ordered.loose))
             short = "says more than there is to decide" if ordered.over else "is held by nothing"
@@ -83,22 +73,22 @@ class Chain:
                 "conditions less unknowns", len(ordered.over) - len(ordered.loose), 0, "", ", ".join(names), short
             )
         by_name = {relation.name: relation for relation in relations(machine, self.groups)}
-        for block in ordered.blocks:
-            names = [name for axis, name in block.equations if axis == "x"]
-            within = [by_name[name] for axis, name in block.equations if axis == "s"]
-            loops = self._loops(machine, names, [name for axis, name in block.unknowns if axis == "x"])
-            unknowns = [key for key in block.unknowns if key[0] in ("angle", "length")]
+        for part in ordered.components:
+            names = [name for axis, name in part.equations if axis == "x"]
+            within = [by_name[name] for axis, name in part.equations if axis == "s"]
+            loops = self._loops(machine, names, [name for axis, name in part.unknowns if axis == "x"])
+            unknowns = [key for key in part.unknowns if key[0] in ("angle", "length")]
             if 2 * len(loops) + len(within) != len(unknowns):
                 raise DesignError("conditions less unknowns", 2 * len(loops) + len(within) - len(unknowns), 0, "",
-                                  ", ".join(block.joints()), "give these joints places that do not coincide")  # fmt: skip
+                                  ", ".join(part.joints()), "give these joints places that do not coincide")  # fmt: skip
             if unknowns:
                 for key in unknowns:
                     self.maker[key] = len(self.steps)
-                self.steps.append(self._step(machine, unknowns, loops, within, block.joints()))
+                self.steps.append(self._step(machine, unknowns, loops, within, part.joints()))
 
-    def _loops(self, machine: Machine, names: list[str], bodies: list[str]) -> list[Loop]:
+    def _loops(self, machine: Machine, names: list[str], bodies: list[str]) -> list[Vectors]:
         """Place the block's bodies along its joints; each joint that is left over closes a loop."""
-        before, fresh = set(self.way), set(bodies) - set(self.way)
+        before, fresh = set(self.route), set(bodies) - set(self.route)
         left = [machine.joint(name) for name in names]
         moved = True
         while moved:
@@ -107,10 +97,10 @@ class Chain:
                 both = places(joint)
                 assert both is not None
                 a, b = both
-                here, there = (a, b) if a.body in self.way else (b, a)
-                if here.body not in self.way or there.body in self.way or there.body not in fresh:
+                here, there = (a, b) if a.body in self.route else (b, a)
+                if here.body not in self.route or there.body in self.route or there.body not in fresh:
                     continue
-                base = Way(here.body) if here.body in before else self.way[here.body]
+                base = _from(here.body) if here.body in before else self.route[here.body]
                 # origin of there = place on here - place on there, and the length between them
                 levers = dict(base.levers)
                 _add(levers, self.groups.of[here.body], self.groups.turned(here))
@@ -119,22 +109,22 @@ class Chain:
                 if not isinstance(joint, Pin):
                     group, way = self._along(machine, joint.name)
                     ways = (*ways, (joint.name, group, way if here is a else -way))
-                self.way[there.body] = Way(base.root, levers, ways)
+                self.route[there.body] = Vectors(base.roots, levers, ways)
                 left.remove(joint)
                 moved = True
         loops = []
         for joint in left:
             both = places(joint)
             assert both is not None
-            if any(place.body not in self.way for place in both):
+            if any(place.body not in self.route for place in both):
                 if bodies:
                     raise DesignError("bodies without a place", len(bodies), 0, "", ", ".join(bodies), "join them to the ground")
                 continue
             roots: list[tuple[int, str]] = []
             levers, along = dict[str, complex](), list[tuple[str, str, complex]]()
             for sign, place in zip((-1, 1) if not isinstance(joint, Pin) else (1, -1), both, strict=True):
-                base = Way(place.body) if place.body in before else self.way[place.body]
-                roots.append((sign, base.root))
+                base = _from(place.body) if place.body in before else self.route[place.body]
+                roots.append((sign, base.roots[0][1]))
                 for group, lever in base.levers.items():
                     _add(levers, group, sign * lever)
                 _add(levers, self.groups.of[place.body], sign * self.groups.turned(place))
@@ -144,7 +134,7 @@ class Chain:
                 along.append((joint.name, group, -way))
             if roots[0][1] == roots[1][1]:
                 roots = []
-            loops.append(Loop(tuple(roots), {g: z for g, z in levers.items() if z}, tuple(along)))
+            loops.append(Vectors(tuple(roots), {g: z for g, z in levers.items() if z}, tuple(along)))
         return loops
 
     def _along(self, machine: Machine, name: str) -> tuple[str, complex]:
@@ -154,13 +144,13 @@ class Chain:
         return self.groups.of[slide.guide.body], complex(math.cos(angle), math.sin(angle))
 
     def _step(
-        self, machine: Machine, unknowns: list[Key], loops: list[Loop], within: list[Relation], joints: tuple[str, ...]
+        self, machine: Machine, unknowns: list[Key], loops: list[Vectors], within: list[Relation], joints: tuple[str, ...]
     ) -> Step:
         if not loops and len(unknowns) == 1 and unknowns[0] in within[0].shares and unknowns[0] != within[0].argument:
             return Direct(unknowns[0], within[0])
         angles = tuple(name for kind, name in unknowns if kind == "angle")
         lengths = tuple(name for kind, name in unknowns if kind == "length")
-        start = np.array([_start_angle(machine, self.groups, g) for g in angles] + [start_length(machine, s) for s in lengths])
+        start = np.array([_start_angle(machine, self.groups, g) for g in angles] + [_start_length(machine, s) for s in lengths])
         block = Block(angles, lengths, tuple(loops), tuple(within), joints, start)
         if len(loops) != 1 or within:
             return block
@@ -237,7 +227,7 @@ class State:
 
     def __init__(self, chain: Chain, theta: Floats, order: int) -> None:
         self.chain, self.theta, self.order = chain, theta, order
-        self.angles: dict[str, Jet] = {GROUND: [1.0, 0, 0][: order + 1]}  # unit vector, then the angle's rates
+        self.angles: dict[str, Spin] = {GROUND: [1.0, 0, 0][: order + 1]}
         self.lengths: dict[str, Jet] = {}
         self._angle: dict[str, Any] = {GROUND: 0.0}
         self._turns: dict[str, Jet] = {GROUND: [1.0, 0, 0][: order + 1]}
@@ -265,9 +255,7 @@ class State:
     def origin(self, body: str) -> Jet:
         """A body's origin on the ground, complex mm, with derivatives."""
         if body not in self._origins:
-            way = self.chain.way[body]
-            loop = Loop(((1, way.root),), way.levers, way.ways)
-            self._origins[body] = self.sum(loop, (), ())[0]
+            self._origins[body] = self.sum(self.chain.route[body], (), ())[0]
         return self._origins[body]
 
     def point(self, place: Place) -> Jet:
@@ -277,7 +265,7 @@ class State:
         rows = self.origin(place.body)
         return [plus(row, times(lever, t)) for row, t in zip(rows, turn, strict=True)] if lever else rows
 
-    def sum(self, loop: Loop, angles: tuple[str, ...], lengths: tuple[str, ...]) -> tuple[Jet, list[tuple[int, Jet]]]:
+    def sum(self, loop: Vectors, angles: tuple[str, ...], lengths: tuple[str, ...]) -> tuple[Jet, list[tuple[int, Jet]]]:
         """What is known of a loop, and the known ways of its unknown lengths; angles and lengths are the unknown ones."""
         total: Jet = [0, 0, 0][: self.order + 1]
         ways = []
@@ -391,9 +379,14 @@ class State:
             rows = stacked(self.angle(groups.of[of.body]), n, float) - stacked(self.angle(groups.of[of.on]), n, float)
             rows[0] += groups.excess[of.body] - groups.excess[of.on]
             return np.asarray(rows)
-        if hasattr(of, "slide"):
+        if isinstance(of, Along):
             return np.asarray(stacked(self.lengths[of.slide], n, float))
         return np.asarray(of.value(*(stacked(self.point(place), n, complex) for place in of.of)))
+
+
+def _from(body: str) -> Vectors:
+    """A body's own origin."""
+    return Vectors(((1, body),), {}, ())
 
 
 def _add(levers: dict[str, complex], group: str, lever: complex) -> None:
@@ -406,7 +399,7 @@ def _start_angle(machine: Machine, groups: Groups, group: str) -> float:
     return 0.0 if group == GROUND else float(machine.start_of(group).angle) - groups.excess[group]
 
 
-def start_length(machine: Machine, name: str) -> float:
+def _start_length(machine: Machine, name: str) -> float:
     """Place along a slide or slot as drawn, mm."""
     slide = machine.slide(name)
     base, runner = (machine.start_of(place.body) for place in (slide.guide, slide.runner))
@@ -423,5 +416,3 @@ def chain_of(machine: Machine) -> Chain:
         _chains[machine] = Chain(machine)
     return _chains[machine]
 
-
-__all__ = ["Chain", "State", "chain_of", "joined_bodies", "start_length"]

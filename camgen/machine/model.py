@@ -14,20 +14,21 @@ Lengths mm, angles rad counter-clockwise, masses kg, inertia kg m^2, forces N, t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Points = NDArray[np.complex128]
+from camgen.numerics import Floats as Floats
+from camgen.numerics import Points as Points
+
 Law = Callable[[Floats, int], Floats]
 # Where a cam is touched at its angles, (n,) rad: place, complex mm, and unit normal into the follower, in the cam's frame.
 Touch = Callable[[Floats], tuple[Points, Points]]
 
 GROUND = "ground"
+MM = 1e-3  # m
 
 
 @dataclass(frozen=True)
@@ -119,9 +120,9 @@ class Gear:
 class Cam:
     """A cam contact: the follower's angle (rad), or its place along `slide` (mm), = rest + law(cam's angle - phase).
 
-    Both angles are those to the ground. closure "force": the cam can only push, towards larger s (push 1) or smaller
-    (push -1). clearance: lash of the follower, in the unit of s. touches: where known, how it is touched; the first pushes
-    as `push` says, a second one pushes back. friction: coefficient of what slides there.
+    Both angles are those to the ground. leaves: +1 or -1, the sense of s that takes it off the cam; with closure "force"
+    the cam can only push that way. clearance: lash of the follower, in the unit of s. touches: where known, how it is touched;
+    the first pushes that way, a second one back. friction: coefficient of what slides there.
     """
 
     name: str
@@ -132,7 +133,7 @@ class Cam:
     phase: float = 0.0
     rest: float = 0.0
     closure: Literal["form", "force"] = "form"
-    push: int = 1
+    leaves: int = 1
     clearance: float = 0.0
     touches: tuple[Touch, ...] = ()
     friction: float = 0.0
@@ -281,12 +282,57 @@ def unit_of(output: Output) -> tuple[str, float]:
     return ("deg", math.degrees(1)) if isinstance(output.of, Angle) else ("mm", 1.0)
 
 
+Named = Body | Joint | Drive | Force | Torque | Spring | TorsionSpring | Resistance | Output
+N = TypeVar("N", bound=Named)
+
+
+def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
+    """Names of the bodies that a joint holds, a drive moves, a load is on or an output is of; of a slide that is named: none."""
+    match each:
+        case Pin(a=Place() as a, b=b) | Spring(a=a, b=b) | Slide(guide=a, runner=b) | Slot(guide=a, runner=b):
+            return a.body, b.body
+        case Gear():
+            return each.a, each.b, each.carrier
+        case Cam():
+            return each.cam, each.follower
+        case Drive():
+            return (each.body,)
+        case Force():
+            return (each.on.body,)
+        case Torque():
+            return each.on, each.by
+        case TorsionSpring():
+            return each.a, each.b
+        case Resistance(of=Angle() as of) | Output(of=Angle() as of):
+            return of.body, of.on
+        case Output(of=Path() as of):
+            return (of.of.body,)
+        case Output(of=Function() as of):
+            return tuple(place.body for place in of.of)
+    return ()
+
+
+def slide_of(each: Joint | Drive | Load | Output) -> str | None:
+    """Name of the slide or slot along which a cam or drive moves its body, or a resistance or output is measured."""
+    if isinstance(each, Cam | Drive):
+        return each.slide
+    return each.of.slide if isinstance(each, Resistance | Output) and isinstance(each.of, Along) else None
+
+
+def _named(name: str, among: Sequence[N], what: str) -> N:
+    found = next((each for each in among if each.name == name), None)
+    if found is None:
+        there = ", ".join(each.name for each in among) or "none"
+        raise ValueError(f"{name} is no {what} of this machine; there are: {there}")
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Machine:
     """Bodies, joints, drives, loads, outputs; two machines are the same only where they are one object.
 
     start: pose of each moving body at theta = 0, as drawn; it picks the branch of every dyad. speed: d theta / dt, rad/s.
-    Raises ValueError for a name used twice, a body that is not there, or one without a start.
+    Raises ValueError for a name used twice, a body or slide that is not there, or a body without a start.
     """
 
     bodies: tuple[Body, ...]
@@ -299,14 +345,20 @@ class Machine:
 
     def __post_init__(self) -> None:
         bodies = [body.name for body in self.bodies]
-        for names in (bodies, [each.name for each in (*self.joints, *self.drives)], [output.name for output in self.outputs]):
+        loads = [load for load in self.loads if not isinstance(load, Gravity)]
+        for named in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
+            names = [each.name for each in named]
             twice = {name for name in names if names.count(name) > 1}
             if twice:
                 raise ValueError(f"named twice: {', '.join(sorted(twice))}")
-        for each in (*self.joints, *self.drives):
-            for value in vars(each).values():
-                if isinstance(value, Place) and value.body not in (*bodies, GROUND):
-                    raise ValueError(f"{each.name} is on {value.body}, which is no body")
+        slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
+        for each in (*self.joints, *self.drives, *loads, *self.outputs):
+            for body in bodies_of(each):
+                if body not in (*bodies, GROUND):
+                    raise ValueError(f"{each.name} is on {body}, which is no body")
+            slide = slide_of(each)
+            if slide is not None and slide not in slides:
+                raise ValueError(f"{each.name} is along {slide}, which is no slide or slot")
         lost = [body.name for body in self.moving if body.name not in self.start]
         if lost:
             raise ValueError(f"without a start: {', '.join(lost)}")
@@ -317,28 +369,24 @@ class Machine:
         return tuple(body for body in self.bodies if body.name != GROUND)
 
     def body(self, name: str) -> Body:
-        """The named body."""
-        return next((body for body in self.bodies if body.name == name), Body(name))
+        """The named body; ValueError where there is none, here and below."""
+        return _named(name, self.bodies if name != GROUND else (*self.bodies, Body(GROUND)), "body")
 
     def joint(self, name: str) -> Joint:
         """The named joint."""
-        return next(joint for joint in self.joints if joint.name == name)
+        return _named(name, self.joints, "joint")
 
     def pin(self, name: str) -> Pin:
         """The named pin."""
-        joint = self.joint(name)
-        assert isinstance(joint, Pin), f"{name} is no pin"
-        return joint
+        return _named(name, [joint for joint in self.joints if isinstance(joint, Pin)], "pin")
 
     def slide(self, name: str) -> Slide | Slot:
         """The named slide or slot."""
-        joint = self.joint(name)
-        assert isinstance(joint, Slide | Slot), f"{name} is no slide"
-        return joint
+        return _named(name, [joint for joint in self.joints if isinstance(joint, Slide | Slot)], "slide or slot")
 
     def output(self, name: str) -> Output:
         """The named output."""
-        return next(output for output in self.outputs if output.name == name)
+        return _named(name, self.outputs, "output")
 
     def start_of(self, body: str) -> Pose:
         """The body's pose as drawn."""

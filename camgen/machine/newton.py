@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
-from camgen.machine.model import Floats
 from camgen.machine.order import Key, Relation
-from camgen.numerics import solve
+from camgen.numerics import Floats, solve
 
 # Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
 KNOTS = 36
@@ -43,8 +42,8 @@ STRAY = 0.05
 
 
 @dataclass(frozen=True)
-class Loop:
-    """A vector equation: signed origins of bodies, levers by group, lengths along ways that turn with a group; sum 0."""
+class Vectors:
+    """A sum of vectors: signed origins of bodies, levers by group, lengths along ways that turn with a group; of a loop 0."""
 
     roots: tuple[tuple[int, str], ...]
     levers: dict[str, complex]
@@ -89,12 +88,6 @@ class Trace:
     signs: Floats
     ends: tuple[bool, bool]
 
-    @property
-    def folds(self) -> Floats:
-        """Knots behind which the determinant's sign has changed, rad."""
-        changed: Floats = self.theta[1:][self.signs[1:] != self.signs[:-1]]
-        return changed
-
     def covers(self, low: float, high: float) -> bool:
         """Whether all that can be reached of the range is known."""
         return (self.ends[0] or self.theta[0] <= low) and (self.ends[1] or self.theta[-1] >= high)
@@ -133,7 +126,7 @@ class Block:
 
     angles: tuple[str, ...]
     lengths: tuple[str, ...]
-    loops: tuple[Loop, ...]
+    loops: tuple[Vectors, ...]
     relations: tuple[Relation, ...]
     joints: tuple[str, ...]
     start: Floats

@@ -1,10 +1,10 @@
-"""In which order a machine's equations are solved: who turns with whom, what each equation holds, blocks one by one.
+"""In which order a machine's equations are solved: who turns with whom, what each equation holds, what goes together.
 
     group       bodies that slides hold to one angle; one unknown angle, the ground's is none
     unknown     ("angle", group), ("length", slide), ("x", body), ("y", body)
     equation    ("x", joint), ("y", joint): two places coincide; ("s", joint or drive): a relation of scalars
-    block       the least set of equations that must be solved together, with as many unknowns: a strong component of the
-                matched equations; blocks come in an order in which each needs only earlier ones
+    component   the least set of equations that must be solved together, with as many unknowns: a strong component of the
+                matched equations; they come in an order in which each needs only earlier ones
 
 Only who meets whom counts here, and lengths that are 0; special lengths (parallelograms) are the business of the rank.
 """
@@ -61,19 +61,6 @@ def places(joint: Joint) -> tuple[Place, Place] | None:
     return (joint.guide, joint.runner) if isinstance(joint, Slide | Slot) else None
 
 
-def joined_bodies(joint: Joint | Drive) -> tuple[str, ...]:
-    """The bodies that a joint holds."""
-    if isinstance(joint, Drive):
-        return (joint.body,)
-    if isinstance(joint, Gear):
-        return (joint.a, joint.b, joint.carrier)
-    if isinstance(joint, Cam):
-        return (joint.cam, joint.follower)
-    both = places(joint)
-    assert both is not None
-    return both[0].body, both[1].body
-
-
 def group_bodies(machine: Machine) -> Groups:
     """Bodies that slides hold to one angle."""
     of = {body: body for body in (GROUND, *(body.name for body in machine.moving))}
@@ -127,7 +114,7 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
 
 
 @dataclass(frozen=True)
-class Block:
+class Component:
     """Equations and as many unknowns that are solved together."""
 
     equations: tuple[Key, ...]
@@ -140,12 +127,12 @@ class Block:
 
 @dataclass(frozen=True)
 class Order:
-    """All blocks in their order; what is left over where equations and unknowns do not match.
+    """All components in their order; what is left over where equations and unknowns do not match.
 
     loose: unknowns that nothing decides; over: joints and drives whose equations say more than there is to decide.
     """
 
-    blocks: tuple[Block, ...]
+    components: tuple[Component, ...]
     loose: tuple[Key, ...]
     over: tuple[str, ...]
 
@@ -175,8 +162,8 @@ def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
     return table
 
 
-def order(machine: Machine, groups: Groups) -> Order:
-    """The machine's equations in blocks."""
+def components(machine: Machine, groups: Groups) -> Order:
+    """The machine's equations, parted into those that are solved together."""
     table = {equation: sorted(row) for equation, row in holds(machine, groups).items()}
     unknowns = dict.fromkeys(key for row in table.values() for key in row)
     for body in machine.moving:  # what no equation names is loose
@@ -212,7 +199,7 @@ def order(machine: Machine, groups: Groups) -> Order:
     for equation in table:
         inside.setdefault(first[equation], []).append(equation)
     ordered = [inside[which] for which in sorter.static_order()]
-    return Order(tuple(Block(tuple(rows), tuple(solved[equation] for equation in rows)) for rows in ordered), (), ())
+    return Order(tuple(Component(tuple(rows), tuple(solved[equation] for equation in rows)) for rows in ordered), (), ())
 
 
 def matched(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:

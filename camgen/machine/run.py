@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from camgen.machine.closure import System
+from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics
 from camgen.machine.jets import Jet
 from camgen.machine.loops import State, chain_of
-from camgen.machine.model import GROUND, Cam, Floats, Machine, Path, Place, Points, Pose
-from camgen.numerics import sign_changes
+from camgen.machine.model import Machine, Path, Place, Pose
+from camgen.numerics import Floats, Points
 
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 8192
@@ -122,8 +122,8 @@ class Run:
         return rows
 
     @cached_property
-    def _system(self) -> System:
-        return System(self.machine)
+    def _system(self) -> Constraints:
+        return Constraints(self.machine)
 
     @cached_property
     def _poses(self) -> Floats:
@@ -151,15 +151,3 @@ class Run:
         by_joint = {j.name: reach[j.name] * (j.clearance / 2) for j in self.machine.joints}
         return Play(by_joint, np.asarray(sum(by_joint.values(), np.zeros(self.theta.size))))
 
-    def lift_off(self, cam: str) -> Floats:
-        """Angles theta within the run's, sorted, at which a force-closed cam's contact force changes sign, rad."""
-        joint = self.machine.joint(cam)
-        assert isinstance(joint, Cam), f"{cam} is no cam"
-
-        def force(theta: Floats) -> Floats:
-            return solve(self.machine, theta).forces().contacts[cam]
-
-        return sign_changes(force, np.sort(self.theta))
-
-
-__all__ = ["GROUND", "Play", "Run", "solve"]

@@ -19,7 +19,7 @@ from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
-from camgen.machine.model import Floats, Points
+from camgen.numerics import Floats, Points
 from camgen.spec import Record
 
 _FINE = 8  # places between two samples at which a dwell is looked for

@@ -17,9 +17,9 @@ from typing import Any, NoReturn
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.cam_drive import Load
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import FlatFace, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.followers import FlatFace, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.machine import FollowerLoad
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.model import GROUND, Cam, Machine, Place, Spring
 from camgen.machine.run import Run, solve
 from camgen.machines.linkage.bodies import Bodies
@@ -52,7 +52,7 @@ class Tip:
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """The machine of `cam_drive` as one that is made.
+    """The machine of `cams.machine` as one that is made.
 
     drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
     is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
@@ -66,7 +66,7 @@ class Bench:
     fits: Print
     min_wall: float
     density: float
-    load: Load = Load()
+    load: FollowerLoad = FollowerLoad()
     heavy: Sequence[str] = ()
     gears: Mapping[str, Gear] = field(default_factory=dict)
     more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)

@@ -10,9 +10,9 @@ import numpy as np
 from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, Loaded
-from camgen.machine.study import Plot, Study
+from camgen.machine.cams.machine import FollowerLoad, Loaded
 from camgen.machines.disc_cam_tables import LoadTable, SpringTable
+from camgen.study import Plot, Study
 
 
 def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool) -> list[Fault]:
@@ -29,15 +29,15 @@ def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool
     return found
 
 
-def load_of(load: LoadTable | None, spring: SpringTable | None) -> Load | None:
+def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad | None:
     """Both tables as the model takes them; None without [load]."""
     if load is None:
         return None
     spring = spring or SpringTable()
-    return Load(load.mass_kg + load.inertia_kg_m2, load.damping, spring.rate, spring.preload, load.resistance)
+    return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, spring.rate, spring.preload, load.resistance)
 
 
-def lift_off(found: Loaded, load: Load, slides: bool) -> Finding:
+def lift_off(found: Loaded, load: FollowerLoad, slides: bool) -> Finding:
     """LIFT_OFF, with the spring that would keep the follower on."""
     preload, rate = found.spring_needed(load)
     units = ("N", "N/mm") if slides else ("N m", "N m/rad")
@@ -48,7 +48,7 @@ def lift_off(found: Loaded, load: Load, slides: bool) -> Finding:
     )  # fmt: skip
 
 
-def force_study(found: Loaded, load: Load, slides: bool, pushed: bool) -> Study:
+def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool) -> Study:
     """Figures and curves of contact force, torque, power and reactions."""
     degrees, forces, notes = np.degrees(found.theta), found.forces, []
     power = forces.power_in

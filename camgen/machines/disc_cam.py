@@ -25,14 +25,13 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, Loaded, OuterWall, Touch, cam_machine, cam_outline, loaded
-from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
+from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
-from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.model import Machine
-from camgen.machine.sizing import least_convex, smallest
-from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.bench import Bench, Tip
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
 from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
@@ -42,6 +41,7 @@ from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
+from camgen.study import Plot, Sketch, Study, Table
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
@@ -222,19 +222,19 @@ class DiscCamDrive(StandingCams):
         return self.making.make == "machine"
 
     def _stood(self) -> Bench:
-        f, load = self.geometry.follower, self._load or Load()
+        f, load = self.geometry.follower, self._load or FollowerLoad()
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
         )  # fmt: skip
 
-    def _drawn(self, load: Load | None) -> Machine:
+    def _drawn(self, load: FollowerLoad | None) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        groove = (Touch(self.cam), OuterWall(self.cam)) if self.geometry.closure == "groove" else ()
+        groove = (ProfileTouch(self.cam), OuterWallTouch(self.cam)) if self.geometry.closure == "groove" else ()
         return cam_machine(self.cams, self.speed, load, closed, groove)
 
     @cached_property
-    def _load(self) -> Load | None:
+    def _load(self) -> FollowerLoad | None:
         return load_of(self.load, self.spring)
 
     @cached_property
@@ -244,7 +244,7 @@ class DiscCamDrive(StandingCams):
             return None
         breaks = self.program.breaks[(self.program.breaks > 0) & (self.program.breaks < math.tau)]
         theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
-        return loaded(self.model, self.cam, self._load or Load(), theta)
+        return loaded(self.model, self.cam, self._load or FollowerLoad(), theta)
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -320,7 +320,7 @@ class DiscCamDrive(StandingCams):
                 at_most("FACE_WIDTH", needed, f.face_width, "mm", "exact profile", "width over which the face is touched")
             )
         if self._loaded and self.geometry.closure == "force":
-            findings.append(lift_off(self._loaded, self._load or Load(), f.motion == "translating"))
+            findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
         return [*findings, *self._jumps()]
 
     def _jumps(self) -> list[Finding]:
@@ -355,7 +355,7 @@ class DiscCamDrive(StandingCams):
             "base_radius_mm": self.base_radius,
             "prime_radius_mm": self.base_radius + (f.radius or 0.0),
             "pressure_angle_deg": max(self._pressure),
-            "curvature_radius_min_mm": min(least_convex(each) for each in self.cams),
+            "curvature_radius_min_mm": min(each.least_radius for each in self.cams),
             f"peak_speed_{unit}_s": peaks[0],
             f"peak_acceleration_{unit}_s2": peaks[1],
             "profile_length_mm": cam.outline.length,
@@ -365,11 +365,11 @@ class DiscCamDrive(StandingCams):
         if f.shape == "flat":
             numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
         else:
-            numbers["pitch_curvature_radius_min_mm"] = cam.least_radius
+            numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
         forces = Study()
         if self._loaded:
             pushed = self.geometry.closure == "force"
-            forces = force_study(self._loaded, self._load or Load(), f.motion == "translating", pushed)
+            forces = force_study(self._loaded, self._load or FollowerLoad(), f.motion == "translating", pushed)
         return Study(
             numbers | dict(forces.numbers), (*self._plots(speed), *forces.plots), (self._table(),),
             () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),

@@ -5,27 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding
-from camgen.machine.contacts import Apart, StandIn
-from camgen.machine.features import Asked, Feature, Mount
-from camgen.machine.joining import Module
-from camgen.machine.model import GROUND, Machine
-from camgen.machine.study import Sketch, Study
+from camgen.findings import Finding, at_most
+from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
+from camgen.machine.joining import Module, Ride, ride
+from camgen.machine.model import GROUND, Machine, Pose
+from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
+from camgen.study import Sketch, Study
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.tables import Include
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
+_ANGLES = 1440  # at which bodies that ride are compared with their own motion
 _DRIVES = ("drive", "motor")  # what is bought once
 
 
@@ -35,14 +39,17 @@ class Included:
 
     module: Module
     mechanism: Mechanism
+    host: Machine
     source: str | None = None
+    tolerance: float = 0.0
 
     def tables(self) -> Mapping[str, Any]:
         """Its own [[include]], with everything filled in."""
         m, data = self.module, self.mechanism.model_dump(by_alias=True, exclude_none=True)
         where = {"at": (m.at.real, m.at.imag), "phase_deg": math.degrees(m.phase), "z": m.z}
         source = {} if self.source is None else {"source": self.source}
-        return {"name": m.prefix, **where, **source, "spec": data}
+        ride = {"ride": {each.body: each.link for each in m.rides}, "ride_tolerance": self.tolerance} if m.rides else {}
+        return {"name": m.prefix, **where, **ride, **source, "spec": data}
 
     # ---- the model --------------------------------------------------------------------------------------------------
 
@@ -52,18 +59,23 @@ class Included:
 
     def features(self) -> Sequence[Feature]:
         """On what of its parts its joints are measured."""
-        return self.module.features(self.mechanism.features())
+        lost = self.module.lost(self.mechanism.model)
+        held = (each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost)
+        return [self.module.renamed(each) for each in held]
 
+    @cached_property
     def mounts(self) -> Sequence[Mount]:
         """Its parts on its bodies."""
         return [self.module.mount(mount) for mount in self.mechanism.mounts()]
 
     def asked(self) -> Sequence[Asked]:
         """What is asked of its outputs."""
-        return [self.module.asked(asked) for asked in self.mechanism.asked()]
+        lost = self.module.lost(self.mechanism.model)
+        return [self.module.asked(asked) for asked in self.mechanism.asked() if asked.output not in lost]
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
+    @cached_property
     def parts(self) -> Sequence[Part]:
         """Its parts."""
         return [replace(part, name=self.module.part(part.name)) for part in self.mechanism.parts()]
@@ -96,8 +108,19 @@ class Included:
     # ---- answers ----------------------------------------------------------------------------------------------------
 
     def limits(self) -> Sequence[Finding]:
-        """Its design checks."""
-        return [replace(each, where=f"{self.module.prefix}: {each.where}") for each in self.mechanism.limits()]
+        """Its design checks, and how well the links that carry bodies of it follow its own motion."""
+        own = [replace(each, where=f"{self.module.prefix}: {each.where}") for each in self.mechanism.limits()]
+        return [*own, *(self._followed(ride) for ride in self.module.rides)]
+
+    def _followed(self, ride: Ride) -> Finding:
+        """PROGRAM_ERROR: how far a body that rides is from where its own machine has it."""
+        theta, m = np.linspace(0, math.tau, _ANGLES, endpoint=False), self.module
+        link, own = solve(self.host, theta, 0).pose(ride.link), self.mechanism.solve(theta + m.phase, 0).pose(ride.body)
+        off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - m.at)
+        worst = int(np.argmax(off))
+        where = f"{m.prefix}: {ride.body} on {ride.link}, crank angle {math.degrees(theta[worst]):.2f} deg"
+        said = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
+        return at_most("PROGRAM_ERROR", float(off[worst]), self.tolerance, "mm", where, said)
 
     def study(self) -> Study:
         """Its figures, curves and tables, which are those of its own spec; angles in them are its own."""
@@ -107,13 +130,17 @@ class Included:
             [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots],
             [replace(table, title=f"{prefix}: {table.title}") for table in found.tables],
             [self._sketch(sketch) for sketch in found.sketches],
-            [*self._told(), *(f"{prefix}: {note}" for note in found.notes)],
+            [*self._told(), *self._fastened(), *(f"{prefix}: {note}" for note in found.notes)],
         )
 
     def _sketch(self, sketch: Sketch) -> Sketch:
         shift, (name, body) = self.module.at if sketch.body == GROUND else 0j, (sketch.name, sketch.body)
         strokes, circles = [z + shift for z in sketch.strokes], [(z + shift, r) for z, r in sketch.circles]
         return Sketch(self.module.part(name), strokes, circles, self.module.body(body))
+
+    def _fastened(self) -> list[str]:
+        """What a builder joins: a body that rides has no hole or post of its own for it."""
+        return [f"{self.module.prefix}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
 
     def _told(self) -> list[str]:
         """Where it was read, if not beside the spec."""
@@ -128,9 +155,12 @@ def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float,
 
 
 def stacked(
-    includes: Sequence[Include], host: Mapping[str, Any], rpm: float, top: float, gap: float
+    includes: Sequence[Include], host: Mapping[str, Any], rpm: float, chain: Machine, top: float, gap: float
 ) -> tuple[Included, ...]:
-    """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm."""
+    """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm.
+
+    host: the tables of the spec that includes them; chain: its own model.
+    """
     found: list[Included] = []
     for each in includes:
         try:
@@ -141,7 +171,28 @@ def stacked(
         low, high = min(low for low, _ in levels), max(high for _, high in levels)
         z = top + gap - low if each.z is None else each.z
         top = max(top, z + high)
-        found.append(Included(Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z), mechanism, each.source))
+        module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
+        module = replace(module, rides=_rides(each, module, mechanism, chain))
+        found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance))
+    return tuple(found)
+
+
+def _rides(each: Include, module: Module, mechanism: Mechanism, chain: Machine) -> tuple[Ride, ...]:
+    """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError where they cannot."""
+    bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
+    key = f"include of {module.prefix}: ride"
+    wrong = [specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies]
+    wrong += [specs.unknown(f"{key}.{body}", link, links) for body, link in each.ride.items() if link not in links]
+    if wrong:
+        raise SpecError(wrong)
+    run, host, found = mechanism.solve([module.phase], 0), solve(chain, [0.0], 0), []
+    for body, link in each.ride.items():
+        own, carrier = run.pose(body), host.pose(link)
+        there = Pose(complex(own.place[0]) + module.at, float(own.angle[0]))
+        found.append(ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0]))))
+    misfits = replace(module, rides=tuple(found)).misfits(mechanism.model)
+    if misfits:
+        raise SpecError([Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")])
     return tuple(found)
 
 

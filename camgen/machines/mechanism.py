@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
@@ -26,15 +26,31 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.contacts import Apart, Moved, Pose, StandIn
-from camgen.machine.features import Asked, CamOutline, Eye, Feature, Mount
-from camgen.machine.model import GROUND, Cam, Machine
-from camgen.machine.model import Pose as BodyPose
+from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, StandIn
+from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Study, Table
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
 from camgen.spec import Spec, validate
+from camgen.study import Study, Table
+
+
+class _Courses(Mapping[str, Pose]):
+    """Poses of a machine's bodies over its run, by name, each worked out once."""
+
+    def __init__(self, run: Run) -> None:
+        self._run, self._poses = run, dict[str, Pose]()
+
+    def __getitem__(self, name: str) -> Pose:
+        if name not in self._poses:
+            self._poses[name] = self._run.pose(name)
+        return self._poses[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter((GROUND, *(body.name for body in self._run.machine.moving)))
+
+    def __len__(self) -> int:
+        return 1 + len(self._run.machine.moving)
 
 
 class Mechanism(Spec, ABC):
@@ -80,21 +96,20 @@ class Mechanism(Spec, ABC):
         joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
         return replace(self.model, joints=tuple(joints)) if laws else self.model
 
-    def courses(self, theta: Floats) -> Mapping[str, BodyPose]:
-        """Pose of each body of the model at theta, (n,) rad, as exact parts move it."""
-        run = solve(self._exact, self.course(np.asarray(theta, float)), 0)
-        return {name: run.pose(name) for name in (GROUND, *(body.name for body in self._exact.moving))}
+    def courses(self, theta: Floats) -> Mapping[str, Pose]:
+        """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
+        return _Courses(solve(self._exact, self.course(np.asarray(theta, float)), 0))
 
-    def poses(self, theta: Floats) -> Mapping[str, Sequence[Pose]]:
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
         return self._placed(self.courses(theta))
 
-    def _placed(self, courses: Mapping[str, BodyPose]) -> dict[str, list[Pose]]:
-        found: dict[str, list[Pose]] = {part.name: [] for part in self.parts()}
+    def _placed(self, courses: Mapping[str, Pose]) -> dict[str, list[PartPose]]:
+        found: dict[str, list[PartPose]] = {part.name: [] for part in self.parts()}
         for mount in self.mounts():
             body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
-            found[mount.part].append(Pose(body.angle + mount.turned, place, mount.flipped, mount.z))
+            found[mount.part].append(PartPose(place, body.angle + mount.turned, mount.flipped, mount.z))
         return found
 
     def contacts(self) -> Sequence[Apart]:
@@ -175,15 +190,8 @@ class Mechanism(Spec, ABC):
 
     def moved(self) -> Moved:
         """What the sweep needs."""
-        names, tolerance, things = [part.name for part in self.parts()], self.accuracy.chord_tolerance, self.stand_ins()
-
-        def poses(theta: Floats) -> Mapping[str, Sequence[Pose]]:
-            courses = self.courses(theta)
-            beside = {thing.name: [Pose(courses[thing.body].angle, courses[thing.body].place)] for thing in things}
-            return {**self._placed(courses), **beside}
-
-        pairs = (*self.contacts(), *self.features())
-        return Moved(names, poses, pairs, things, self.running_gap, tolerance, self.angle_name)
+        pairs, tolerance = (*self.contacts(), *self.features()), self.accuracy.chord_tolerance
+        return Moved(self.mounts(), self.courses, pairs, self.stand_ins(), self.running_gap, tolerance, self.angle_name)
 
     @property
     def running_gap(self) -> float:

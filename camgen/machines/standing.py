@@ -10,8 +10,7 @@ from functools import cached_property
 from pydantic import Field
 
 from camgen.errors import Fault
-from camgen.machine.contacts import StandIn
-from camgen.machine.features import CamOutline, Feature, Mount
+from camgen.machine.features import CamOutline, Feature, Mount, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.bench import Bench
 from camgen.machines.linkage.tables import Parts

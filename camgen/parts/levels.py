@@ -164,15 +164,35 @@ def _ways(corners: Points) -> Floats:
     return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
 
 
-def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
+@dataclass(frozen=True)
+class _Way:
+    """A thing over the motion: its corners, (k, n) complex mm, the disc about their mean, and half of its steps, (n,) mm."""
+
+    thing: Thing
+    corners: Points
+    centre: Points
+    reach: Floats
+    step: Floats
+
+
+def _way(thing: Thing) -> _Way:
+    corners = thing.place[None] if isinstance(thing, Axis) else thing.corners
+    centre = corners.mean(axis=0)
+    return _Way(thing, corners, centre, np.abs(corners - centre).max(axis=0), _ways(corners))
+
+
+def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
+    a, b = one.thing, other.thing
     if isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
         return None
     if isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
         return None
-    one, other = (each.place[None] if isinstance(each, Axis) else each.corners for each in (a, b))
-    between, needed = distance(one, other), a.radius + b.radius + gap
-    if float((between - _ways(one) - _ways(other)).min()) >= needed:
+    needed, steps = a.radius + b.radius + gap, one.step + other.step
+    if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
+        return None  # not even their discs, as of most links of a long chain
+    between = distance(one.corners, other.corners)
+    if float((between - steps).min()) >= needed:
         return None
     k = int(np.argmin(between))
     return _Rule(a, b, float(between[k]), needed, k)
@@ -180,17 +200,18 @@ def _meets(a: Thing, b: Thing, gap: float) -> _Rule | None:
 
 def levels(
     bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
-    walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (), explain: bool = True,
+    walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (), explain: bool = True, searched: bool = False,
 ) -> dict[str, int] | None:  # fmt: skip
     """Levels by name, 1 the lowest; None where they are not found soon, or to `explain` a longer search and DesignError.
 
     theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
-    to be kept; over: pairs of levels, the first of which must lie over the second.
+    to be kept; over: pairs of levels, the first of which must lie over the second; searched: soon was not soon enough.
     """
     given = given or {}
     things: list[Thing] = [*bands, *axes, *walls]
-    rules = [rule for a, b in combinations(things, 2) if (rule := _meets(a, b, gap))]
-    found = search(bands, axes, rules, given, over)
+    ways = [_way(thing) for thing in things]
+    rules = [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
+    found = None if searched else search(bands, axes, rules, given, over)
     if found is not None or not explain:
         return found
     found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
@@ -199,7 +220,7 @@ def levels(
         rule = min(broken, key=lambda each: each.distance - each.needed)
         said = f"{rule.a.name} and {rule.b.name}, {math.degrees(theta[rule.k]):.1f} deg"
         cures = "use longer links, smaller parts.pin_diameter, parts.head or parts.wall"
-        cures += ", or leave [layers] out" if given else ": all orders of the levels were tried"
+        cures += (", or leave [layers] out" if given else "") + "; tried were all orders of the levels"
         raise DesignError("distance of what cannot pass on any level", rule.distance, rule.needed, "mm", said, cures)
     return found
 

@@ -33,8 +33,7 @@ from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
 from camgen.judge.measured import Sections, measure_bore
-from camgen.machine.contacts import Apart
-from camgen.machine.features import CamOutline, parts_of
+from camgen.machine.features import Apart, CamOutline, parts_of
 from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
@@ -155,7 +154,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     ripple: dict[str, float] = {}
     cams = {cam.part: cam for cam in _cams(case.mechanism)}
     for kind in JUDGED:
-        made = parts if kind == "dxf" else meshes
+        made = meshes if FORMATS[kind].solid else parts
         with stage(f"judge {kind}"):
             judged = {name: judge_part(case, name, [kind]) for name in made}
         read = {name: shapes for name, (_, shapes) in judged.items()}
@@ -203,7 +202,7 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
         return [] if moved is None else list(moved[0].findings)
     if any({pair.a, pair.b} - read.keys() for pair in pairs):  # a part of which no solid could be made
         return []
-    found = list(pass_by(case, [kind]).numbers.values()) if pairs and kind != "dxf" else []
+    found = list(pass_by(case, [kind]).numbers.values()) if pairs and FORMATS[kind].solid else []
     if not pairs or len(found) != len(pairs):
         return []
     return [
@@ -219,7 +218,7 @@ def _distance(case: Case, pair: Apart) -> float:
     poses = case.mechanism.poses
 
     def way(theta: Floats) -> Points:
-        return np.asarray(poses(theta)[pair.b][0].position - poses(theta)[pair.a][0].position)
+        return np.asarray(poses(theta)[pair.b][0].place - poses(theta)[pair.a][0].place)
 
     found = []
     for plane in pair.planes:

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from camgen.files.folder import Staged, write_manifest
+from camgen.files.formats import FORMATS
 from camgen.geometry.outlines import Floats
-from camgen.machine.study import Plot
 from camgen.pipeline.benchmark import JUDGED, KINDS, STAGES, Bench, measure
 from camgen.pipeline.jobs import Progress, silent
+from camgen.study import Plot
 from camgen.tolerances import SAME_POINT
 
 STARTERS = ("uniform-swing", "indexing-cam", "chain-stitch-looper")
@@ -64,7 +65,7 @@ def sentences(bench: Bench) -> list[str]:
         # An error goes with the tolerance until something else sets it: the coarser half tells how.
         ratio = float(np.median([error / tolerance for tolerance, error in points[: (len(points) + 1) // 2]]))
         file, least = kind.upper(), f"{_short(floor, 1)} {unit}"
-        setter = "the float32 of STL" if kind == "stl" else "rounding"
+        setter = f"the {FORMATS[kind].numbers} of {file}" if FORMATS[kind].rounding else "rounding"
         if worst < SAME_POINT:
             found.append(f"The {file} is exact at every tolerance.")
         elif worst < _FLAT * floor:

@@ -15,7 +15,7 @@ from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files,
 from camgen.files.formats import FORMATS
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.machine.contacts import Pose
+from camgen.machine.features import PartPose
 from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
@@ -113,7 +113,7 @@ def animation(mechanism: Mechanism) -> Animation:
         bodies.append(Body(part.name, poses[part.name], rings))
     for s in mechanism.study().sketches:
         body = courses[s.body]
-        bodies.append(Body(s.name, [Pose(body.angle, body.place)], (), s.strokes, s.circles))
+        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles))
     if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]

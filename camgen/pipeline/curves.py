@@ -10,7 +10,7 @@ import numpy as np
 from camgen.geometry.outlines import Floats
 from camgen.judge.motion import Proof
 from camgen.machine.model import Output, unit_of
-from camgen.machine.study import Plot
+from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG
 
 _SPEED, _ERROR, _BAND = "Speed", "Motion error", "Worst case of the joints' play"

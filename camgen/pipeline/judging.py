@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.files.formats import FORMATS, SOLID
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
@@ -23,17 +24,17 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
-from camgen.judge.round_trip import Undo, judge_copies, judge_dxf, judge_mesh, judge_solid
+from camgen.judge.round_trip import Undo, judge_copies, judge_drawing, judge_mesh, judge_solid
 from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
-from camgen.machine.study import Plot, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
-from camgen.pipeline.scope import ANY, SOLID, Stage, not_judged, reading, unheard
+from camgen.pipeline.scope import ANY, Stage, not_judged, reading, unheard
 from camgen.report.report import Report
+from camgen.study import Plot, Study, Table
 
 if TYPE_CHECKING:
     from camgen.judge.measured import Sections
@@ -123,9 +124,10 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
     read: Read = {}
     for kind in kinds:
         path = case.file(name, kind)
-        sent, marked = (None, mechanism.output.center_marks) if kind == "dxf" else (fit, False)
+        solid = FORMATS[kind].solid
+        sent, marked = (fit, False) if solid else (None, mechanism.output.center_marks)
         meant = expected(part, tolerance, features, sent, marked)
-        judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
+        judged = (judge_mesh if solid else judge_drawing)(path, meant)
         findings += judged.findings
         if judged.shape is not None:
             read[kind] = judged.sections
@@ -160,7 +162,7 @@ def judge_motion(
     features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
     if not features or parts_of(features) & lost:
         return None
-    fit = compensation(mechanism) if kind != "dxf" else None
+    fit = compensation(mechanism) if FORMATS[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
         kind, f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
@@ -282,7 +284,8 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
         originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
         for name, mesh in originals.items():
             meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.features())
-            findings += [f for f in judge_solid(mesh, meant, f"{path.name}, {name}").findings if not f.ok]
+            judged = judge_solid(mesh, meant, f"{path.name}, {name}", FORMATS["3mf"].rounding)
+            findings += [finding for finding in judged.findings if not finding.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
 

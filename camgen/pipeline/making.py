@@ -14,10 +14,10 @@ import numpy as np
 from camgen import spec as specs
 from camgen.files.formats import FORMATS, Job, write_part
 from camgen.files.threemf import Placed, placing, write_3mf
-from camgen.machine.study import Table
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
+from camgen.study import Table
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
@@ -107,7 +107,7 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
         Placed(
             part.name,
             f"{part.name}-{k + 1}",
-            placing(float(pose.angle[0]), complex(pose.position[0]), pose.z, part.thickness, pose.flipped),
+            placing(float(pose.angle[0]), complex(pose.place[0]), pose.z, part.thickness, pose.flipped),
         )
         for part in mechanism.parts()
         for k, pose in enumerate(poses[part.name])

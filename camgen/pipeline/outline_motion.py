@@ -24,10 +24,10 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
-from camgen.machine.contacts import Pose
-from camgen.machine.study import Plot, Table
+from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
+from camgen.study import Plot, Table
 
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
@@ -291,15 +291,15 @@ def _animation(ring: Ring, follower: FollowerTable, found: Recovered) -> Animati
     circles = [(at, follower.radius)] if follower.radius else []
     size = 0.6 * float(np.max(np.abs(held.points)))
     if follower.motion == "oscillating":
-        pose, strokes = Pose(s, still + follower.axle), [np.array([0, at])]
+        pose, strokes = PartPose(still + follower.axle, s), [np.array([0, at])]
         if follower.shape == "flat":
             reach = -1j * follower.sense * np.array([0, abs(follower.axle) + 1.5 * size])
             strokes = [at * ((follower.face_offset or 0.0) + reach)]
     else:
-        pose = Pose(np.zeros(len(theta)), np.asarray(follower.direction * s, complex))
+        pose = PartPose(np.asarray(follower.direction * s, complex), np.zeros(len(theta)))
         strokes = [np.array([at, at + size * follower.direction])]
         if follower.shape == "flat":
             strokes.append(at + size * 1j * follower.direction * np.array([-1.5, 1.5]))
-    bodies = [Body("cam", [Pose(theta, still)], [(held.points, held.bulges)]), Body("follower", [pose], (), strokes, circles)]
+    bodies = [Body("cam", [PartPose(still, theta)], [(held.points, held.bulges)]), Body("follower", [pose], (), strokes, circles)]
     name, scale = follower.unit
     return Animation(theta, bodies, found.s[::step] * scale, "follower", name)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from camgen.files.formats import FORMATS
+from camgen.files.formats import DRAWN, SOLID
 from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
@@ -15,7 +15,6 @@ from camgen.machines.mechanism import Mechanism
 if TYPE_CHECKING:
     from camgen.pipeline.jobs import Case
 
-DRAWN, SOLID = (tuple(kind for kind, form in FORMATS.items() if form.solid == solid) for solid in (False, True))
 ANY = (*DRAWN, *SOLID)
 
 # Keys of [print] that change what is sent to a printer.
@@ -87,11 +86,12 @@ def not_judged(
 def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     """Sentences on keys that were set and cannot act on a kind of file that is there."""
     found = []
-    for key in _FITS if "dxf" in kinds else ():
+    drawn, solid = (" and ".join(map(str.upper, each)) for each in (DRAWN, SOLID))
+    for key in _FITS if any(kind in kinds for kind in DRAWN) else ():
         value = getattr(mechanism.print, key)
         if value:
-            found.append(f"print.{key} = {value:g} acts on STL and 3MF alone: the DXF is as drawn")
+            found.append(f"print.{key} = {value:g} acts on {solid} alone: the {drawn} is as drawn")
     curves = mechanism.output.curves
-    if curves != "bulge" and "dxf" not in kinds and any(kind in kinds for kind in SOLID):
-        found.append(f'output.curves = "{curves}" acts on DXF alone, and no DXF is made')
+    if curves != "bulge" and any(kind in kinds for kind in SOLID) and not any(kind in kinds for kind in DRAWN):
+        found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
     return tuple(found)

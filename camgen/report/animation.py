@@ -13,7 +13,7 @@ from html import escape
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
-from camgen.machine.contacts import Pose
+from camgen.machine.features import PartPose
 
 Ring = tuple[Points, Floats]
 
@@ -31,7 +31,7 @@ class Body:
     """
 
     name: str
-    poses: Sequence[Pose]
+    poses: Sequence[PartPose]
     rings: Sequence[Ring] = ()
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
@@ -127,12 +127,12 @@ def _spread(body: Body) -> Points:
     return np.asarray(points[np.unique([np.argmax((points * way).real) for way in outward])])
 
 
-def _posed(pose: Pose, count: int) -> tuple[Floats, Points]:
+def _posed(pose: PartPose, count: int) -> tuple[Floats, Points]:
     """Angles, rad, and positions, mm, (count,) each, of a pose that may be constant."""
-    return np.broadcast_to(pose.angle, count), np.broadcast_to(np.asarray(pose.position, complex), count)
+    return np.broadcast_to(pose.angle, count), np.broadcast_to(np.asarray(pose.place, complex), count)
 
 
-def _copies(animation: Animation) -> list[tuple[int, Pose]]:
+def _copies(animation: Animation) -> list[tuple[int, PartPose]]:
     """(index of body, pose) of all copies, lowest first; sketches lie on top."""
     copies = [(k, pose) for k, body in enumerate(animation.bodies) for pose in body.poses]
     return sorted(copies, key=lambda copy: (not animation.bodies[copy[0]].rings, copy[1].z))
@@ -208,7 +208,7 @@ def _shape(k: int, body: Body, cross: float) -> str:
     )  # fmt: skip
 
 
-def _placed(pose: Pose, frame: int, count: int) -> str:
+def _placed(pose: PartPose, frame: int, count: int) -> str:
     angle, position = _posed(pose, count)
     if not np.isfinite(angle[frame] + position[frame]):
         return 'display="none"'

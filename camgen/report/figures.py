@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from camgen.geometry.outlines import Floats
-from camgen.machine.study import Plot
+from camgen.study import Plot
 
 # Twice this many points, the least and the greatest of each step, are all that a plot some 400 points wide can show.
 STEPS = 360

@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 from camgen import __version__
 from camgen.errors import FileError
 from camgen.findings import ROUTINE, Finding, NotJudged, left_out
-from camgen.machine.study import Plot, Table
 from camgen.report.animation import Animation, frames, player
+from camgen.study import Plot, Table
 
 Path = str | PathLike[str]
 

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import Follower, SlidingFace, SlidingTip, SwingingArm
-from camgen.machine.sizing import smallest, survey
+from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingArm
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.sizing import smallest, survey
 from camgen.motion.laws import LAWS, UNIFORM
 from camgen.motion.program import Program, Segment
 from camgen.pipeline import build as pipeline

@@ -88,7 +88,7 @@ def take_up() -> tuple[float, list[Body]]:
 
             def course(theta: np.ndarray, name: str = part.name, k: int = k) -> tuple[np.ndarray, np.ndarray]:
                 found = mechanism.poses(theta)[name][k]
-                return found.angle, found.position
+                return found.angle, found.place
 
             slabs = slabs_of(mesh)
             bodies.append(Body(f"{part.name}-{k + 1}", slabs, course, pose.z, pose.flipped))

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "machine"))
 from chains import CHAINS  # noqa: E402
 
 from camgen.machine import solve  # noqa: E402
-from camgen.machine.closure import System  # noqa: E402
+from camgen.machine.constraints import Constraints  # noqa: E402
 from camgen.machine.loops import Chain, Dyad, chain_of  # noqa: E402
 from camgen.machine.newton import Block  # noqa: E402
 
@@ -49,7 +49,7 @@ def main() -> None:
         chain = chain_of(machine)
         first = best(lambda machine=machine: Chain(machine).state(theta, 2), 3)
         again = best(lambda chain=chain: chain.state(theta, 2), 50)
-        system, run = System(machine), solve(machine, theta)
+        system, run = Constraints(machine), solve(machine, theta)
         guess = run._poses[0]
         judge = best(lambda system=system, guess=guess: system.close(theta, guess), 1)
         forces = best(lambda machine=machine: solve(machine, theta).forces(), 1)

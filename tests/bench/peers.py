@@ -246,7 +246,7 @@ def offsets(rounds: int) -> Iterator[Row]:
     import shapely
     from test_facets import FIRST, SECOND, blunt_pieces, half_turn
 
-    from camgen.machine.followers import SwingingArm
+    from camgen.machine.cams.followers import SwingingArm
     from camgen.motion.laws import UNIFORM
     from camgen.motion.program import Program, Segment
 

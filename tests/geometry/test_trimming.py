@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Line
 from camgen.geometry.trimming import trim
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.program import uniform_swing
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -15,7 +15,7 @@ from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
 from camgen.judge.assembly import sweep
-from camgen.machine.contacts import Pose
+from camgen.machine.model import Pose
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
@@ -46,7 +46,7 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
     for part in found.parts():
         for k, pose in enumerate(start[part.name]):
             copy = f"{part.name}-{k + 1}"
-            at = complex(pose.position[0]) + shifts.get(copy.replace("-", "_"), 0j)
+            at = complex(pose.place[0]) + shifts.get(copy.replace("-", "_"), 0j)
             items.append(Placed(part.name, copy, placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped)))
     write_3mf(path, dict(solids(name, *settings)), items, "key")
     return sweep(path, found.moved())[0]
@@ -89,15 +89,14 @@ def test_fits_without_air_may_touch(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("jump, said", [(0.0, ""), (1.0, "faster than its course")])
 def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> None:
-    """A copy that is elsewhere wherever it is looked at between the angles of the grid."""
+    """A body that is elsewhere wherever it is looked at between the angles of the grid."""
     whole, step = machine("eccentric-drive").moved(), np.pi / 1800
 
-    def jumpy(theta: Floats) -> Mapping[str, Sequence[Pose]]:
+    def jumpy(theta: Floats) -> Mapping[str, Pose]:
         off = 40 * jump * np.sin(5 * theta) * (np.abs(theta / step - np.round(theta / step)) > 1e-6)
-        found = dict(whole.poses(theta))
-        (slider,) = found["slider"]
-        return found | {"slider": [replace(slider, position=slider.position + off)]}
+        found = dict(whole.courses(theta))
+        return found | {"slider": replace(found["slider"], place=found["slider"].place + off)}
 
     swept(tmp_path / "x.3mf", "eccentric-drive")
-    failed = [f for f in sweep(tmp_path / "x.3mf", replace(whole, poses=jumpy))[0] if not f.ok]
+    failed = [f for f in sweep(tmp_path / "x.3mf", replace(whole, courses=jumpy))[0] if not f.ok]
     assert [(f.code, said in f.message) for f in failed] == ([("INTERFERENCE", True)] if jump else [])

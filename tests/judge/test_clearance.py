@@ -219,7 +219,7 @@ def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
         pair = next(f for f in cleared.findings if f.where.startswith(f"N{k + 1}/P{k + 1}"))
         h = m.geometry.point_lengths[k]
         needle = np.array([0, 0.45 + 1j * h, 0.45 + 60j, -0.45 + 60j, -0.45 + 1j * h])
-        shifts = poses[f"needle-{k + 1}"][0].position - poses[f"{spreader}-spreader"][0].position
+        shifts = poses[f"needle-{k + 1}"][0].place - poses[f"{spreader}-spreader"][0].place
         brute = float(np.min(signed_distances(meeting([body], [needle]), shifts)))
         assert finding.code == "CLEARANCE"
         assert pair.measured == pytest.approx(brute, abs=0.02)

@@ -23,7 +23,7 @@ from camgen.geometry.outlines import Region, polygon
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
 from camgen.judge.motion import judge_machine
-from camgen.judge.round_trip import judge_dxf, judge_mesh
+from camgen.judge.round_trip import judge_drawing, judge_mesh
 from camgen.machine.features import CamOutline
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import compensated
@@ -88,7 +88,7 @@ def failing(name: str, part: str, kind: str, made: Part, folder: Path) -> set[st
         write_stl(path, solid(made, tolerance), "x")
     fit = compensation(mechanism) if kind != "dxf" else None
     meant = expected(part_of(name, part), tolerance, mechanism.features(), fit)
-    judged = (judge_dxf if kind == "dxf" else judge_mesh)(path, meant)
+    judged = (judge_drawing if kind == "dxf" else judge_mesh)(path, meant)
     return {finding.code for finding in judged.findings if not finding.ok}
 
 
@@ -254,7 +254,7 @@ def test_a_slit_whose_corners_all_lie_on_the_outline_is_told(tmp_path: Path) -> 
     path = tmp_path / "x.dxf"
     for face, codes in ((square, set()), (square.difference(shapely.box(-6, -1, 4.999, -0.999)), {"ROUND_TRIP"})):
         write_dxf(path, region_of(face), (), 0.001, "lines")
-        judged = judge_dxf(path, expected(plate, 0.001))
+        judged = judge_drawing(path, expected(plate, 0.001))
         assert {finding.code for finding in judged.findings if not finding.ok} == codes
 
 

@@ -251,3 +251,22 @@ def test_plate(tmp_path: Path, shift: complex, lift: float, verdict: list[bool])
     findings = judge_plate(plate(tmp_path / "x-plate.3mf", shift, lift), (100.0, 60.0), 2.0)
     assert [f.ok for f in findings] == verdict
     assert {f.code for f in findings} == {"BED_FIT"}
+
+
+@pytest.mark.parametrize("nose", [0.0, 0.05, 0.09])
+def test_what_slides_on_a_straight_line_is_looked_at_as_a_whole(nose: float) -> None:
+    """A bar of many sections 0.1 mm beside a wall; a nose on the last of them meets a spike of the wall on the way only."""
+    along = np.exp(0.3j)
+    wall = [box(-40 - 5j, 40 + 0j)] * 5 + [ring([-40 - 5j, 40 - 5j, 40, 7.1, 7 + 0.02j, 6.9, -40])]
+    nosed = [-10 + 4j, -10 + 0.1j, -0.1 + 0.1j, 1j * (0.1 - nose), 0.1 + 0.1j, 10 + 0.1j, 10 + 4j]
+    bar = [box(-10 + 0.1j, 10 + 4j)] * 5 + [ring(nosed)]
+    stacks = [tuple(Slab(k, k + 1, (each.moved(along),)) for k, each in enumerate(some)) for some in (wall, bar)]
+
+    def slide(t: Floats) -> tuple[Floats, Points]:
+        return np.zeros(t.shape), along * (20 * np.sin(t)).astype(complex)
+
+    c = only(swept([Body("wall", stacks[0]), Body("bar", stacks[1], slide)], {}, 0.02, resolution=1e-3))
+    assert c.gap == pytest.approx(0.08 - nose, abs=0.005) if nose < 0.08 else c.gap <= 0
+    assert c.evaluations < 10_000
+    if nose:
+        assert 20 * math.sin(c.theta) == pytest.approx(7, abs=0.2)

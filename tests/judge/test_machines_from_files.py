@@ -230,7 +230,7 @@ def rocking_cam(flipped: bool = False) -> Case:
         (Body("cam"), Body("rocker"), Body("rod"), Body("ram")),
         (
             Pin("shaft", Place(GROUND), Place("cam"), 0.2), Pin("pivot", Place(GROUND, PIVOT), Place("rocker"), 0.2),
-            Cam("lift", "cam", "rocker", Rocking(rest), rest=rest, closure="force", push=-1),
+            Cam("lift", "cam", "rocker", Rocking(rest), rest=rest, closure="force", leaves=-1),
             Pin("P", Place("rocker", OTHER), Place("rod"), 0.2), Pin("Q", Place("rod", ROD), Place("ram"), 0.2),
             Slide("guide", Place(GROUND, 1j * high), Place("ram"), clearance=0.2),
         ),

@@ -275,7 +275,7 @@ def ram_machine() -> Machine:
     rest = float(np.angle(points["T"] - points["C"]))
     rise = Wave(0.0, 0.12, 1.0, 0.0)
     joints = (
-        Cam("cam", "disc", "rocker", rise, phase=0.4, rest=rest - float(rise(np.array([-0.4]))[0]), closure="force", push=1),
+        Cam("cam", "disc", "rocker", rise, phase=0.4, rest=rest - float(rise(np.array([-0.4]))[0]), closure="force", leaves=1),
         Slide("guide", Place(GROUND, points["K"]), Place("ram"), angle=0.1),
         Gear("gear", "disc", "drum", -2.0),
     )

@@ -12,7 +12,7 @@ from chains import CHAINS, four_bar, linked, peaucellier, scotch_yoke, slider_cr
 from camgen.errors import DesignError
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide, Turning, solve
 from camgen.machine.freedom import drawn, freedoms, refuse_unsound
-from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
+from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -112,7 +112,7 @@ def test_contradicting_lengths_are_told_with_their_loop() -> None:
 
 def test_range_of_a_chain_that_cannot_turn_fully() -> None:
     """A crank too long for its rod: it closes where the rod still reaches the guide; exact dead points."""
-    found = turn(slider_crank(30.0, 20.0))
+    found = reach(slider_crank(30.0, 20.0))
     end = math.asin(20 / 30)
     assert not found.full and found.low == pytest.approx(-end, abs=1e-12) and found.high == pytest.approx(end, abs=1e-12)
     assert "B" in found.ends[1]
@@ -125,14 +125,14 @@ def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:
     frame, crank, coupler, rocker = 40.0, 25.0, 30.0, 32.0
     machine = four_bar(frame, crank, coupler, rocker)
     end = math.acos((frame**2 + crank**2 - (coupler + rocker) ** 2) / (2 * frame * crank))
-    found = turn(machine)
+    found = reach(machine)
     assert (found.low, found.high) == (pytest.approx(-end, abs=1e-7), pytest.approx(end, abs=1e-7))
 
 
 def test_range_by_newton_ends_at_the_same_dead_point_in_both_ways_of_solving() -> None:
     """Stephenson III from the far side: at its end the four-bar and the link stand so that the determinant is nothing."""
     machine = stephenson_three(crank=8 + 7j)
-    found = turn(machine)
+    found = reach(machine)
     assert not found.full and found.high - found.low < math.tau
     inside = np.array([found.low + 1e-4, found.high - 1e-4])
     beyond = np.array([found.low - 1e-9, found.high + 1e-9])

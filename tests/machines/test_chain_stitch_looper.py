@@ -221,9 +221,9 @@ def test_thin_shank_is_refused() -> None:
 def test_poses_put_noses_and_tips_in_place() -> None:
     m = machine(EXAMPLE)
     capture = m.poses(np.array(m.design.capture))
-    assert capture["lower-spreader"][0].position[0] == pytest.approx(-1j * (8 + 4.5 + 3.5))  # nose 1 at needle 1
-    assert capture["upper-spreader"][0].position[1] == pytest.approx(6.4 - 1j * (8 + 3.5))
-    tip = capture["needle-1"][0].position[0]
+    assert capture["lower-spreader"][0].place[0] == pytest.approx(-1j * (8 + 4.5 + 3.5))  # nose 1 at needle 1
+    assert capture["upper-spreader"][0].place[1] == pytest.approx(6.4 - 1j * (8 + 3.5))
+    tip = capture["needle-1"][0].place[0]
     assert tip.imag + 4 + 1.5 == pytest.approx(-16)  # the nose is a1 above the top of the eye
     assert set(m.poses(np.zeros(1))) == {part.name for part in m.parts()}
 
@@ -376,7 +376,7 @@ def test_timing_tolerance_is_where_the_files_strike(changes: dict[str, Any], tmp
             found, more = dict(m.poses(theta)), d.moved(theta - by) - d.moved(theta)
             for name, towards in (("lower-spreader", 1), ("upper-spreader", -1)):
                 (pose,) = found[name]
-                found[name] = [dataclasses.replace(pose, position=pose.position + towards * more)]
+                found[name] = [dataclasses.replace(pose, place=pose.place + towards * more)]
             return found
 
         for name in ("timing", "designed"):

@@ -26,7 +26,7 @@ from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, shape_of
 from camgen.judge.cams import rolled
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_tips import ArmTip, SlideTip
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.closed_form import slider_travel
 from camgen.machine.features import CamOutline
 from camgen.machines.disc_cam import DiscCamDrive

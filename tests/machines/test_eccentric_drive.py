@@ -282,7 +282,7 @@ def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
     head, top = parts["slider"].layers[1], parts["slider"].thickness
     assert head.z1 == pytest.approx(top - 1.5 / 4) and head.z0 == pytest.approx(top - 1.5)  # the wire stands out by a quarter
     poses = m.poses(np.array([math.pi]))
-    edge = poses["clamp"][0].position[0].real - 3.2
+    edge = poses["clamp"][0].place[0].real - 3.2
     body = max(z.real for z in parts["body"].region.outer.pieces[0].at(np.linspace(0, 1, 9)))
     assert edge > body and poses["clamp"][0].z == pytest.approx(poses["slider"][0].z + top)
 

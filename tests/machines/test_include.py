@@ -129,3 +129,55 @@ def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str
     impossible["include"][0]["spec"]["geometry"]["frame"] = 90
     with pytest.raises(DesignError, match=r"^thread_take_up: gap at joint B"):
         read_mechanism(impossible).parts()
+
+
+# ---- bodies that ride ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def head() -> Any:
+    return read_mechanism(Path(__file__).resolve().parents[2] / "specs" / "stitch-head.toml")
+
+
+def test_stitch_head_moves_as_the_stitch_asks(root: Path, head: Any) -> None:
+    """The spreaders follow their program; the needle bar is off by what a rod of finite length adds to a harmonic motion."""
+    stitch = read_mechanism(root / "specs" / "chain-stitch-looper.toml")
+    off = {f.where.split(" ")[1]: f.measured for f in head.limits() if f.code == "PROGRAM_ERROR"}
+    crank, rod = 35.3333333333 / 2, 175.0
+    assert off["lower-spreader"] < 1e-9 and off["upper-spreader"] < 1e-9
+    assert off["needle-1"] == pytest.approx(rod - math.sqrt(rod**2 - crank**2), rel=1e-6)  # at half stroke
+    poses = head.poses(THETA)
+    (spreader,) = poses["chain-stitch-looper-lower-spreader"]
+    assert np.allclose(spreader.position - spreader.position[0], stitch.motion(THETA), rtol=0, atol=1e-9)
+    (needle,) = poses["chain-stitch-looper-needle-2"]
+    lift = rod * np.sqrt(1 - (crank / rod * np.sin(THETA)) ** 2) - rod + crank * (1 - np.cos(THETA))
+    assert np.allclose((needle.position - needle.position[0]).imag, lift, rtol=0, atol=1e-8)
+
+
+def test_stitch_head_keeps_each_module_s_figures(root: Path, head: Any) -> None:
+    numbers = head.study().numbers
+    for name in ("chain-stitch-looper", "thread-take-up"):
+        own = read_mechanism(root / "specs" / f"{name}.toml", ["motor.speed_rpm=3000"]).resolved()
+        for key, value in own.study().numbers.items():
+            assert numbers[f"{name.replace('-', '_')}_{key}"] == pytest.approx(value, rel=1e-9, nan_ok=True), key
+
+
+def test_clearance_is_judged_where_the_riding_bodies_go(root: Path, tmp_path: Path) -> None:
+    """A needle bar that is not where the stitch has it comes nearer to the spreader; too far off fails by its own code."""
+    shipped = build(root / "specs" / "stitch-head.toml", tmp_path, frozenset({"dxf"}))
+    assert shipped.ok
+    apart = {f.where.split(":")[0]: f.measured for f in shipped.findings if f.code == "CLEARANCE"}
+    assert 0.5 < apart["N2/P2"] < 1.345  # by its own program it keeps 1.345 mm
+    short = ["lengths.A-B=120", "points.B=[3.2, 2.333333]", "points.U=[3.2, -5]", "points.V=[3.2, 45]", "points.P=[3.2, -30]"]
+    off = read_mechanism(root / "specs" / "stitch-head.toml", short)
+    assert [f.code for f in off.limits() if not f.ok] == ["PROGRAM_ERROR"] * 2
+
+
+@pytest.mark.parametrize(
+    ("ride", "said"),
+    [({"needle-9": "crank"}, "needle-9"), ({"needle-1": "cranks"}, "cranks")],
+)
+def test_who_cannot_ride_is_told(root: Path, tables: dict[str, Any], ride: dict[str, str], said: str) -> None:
+    with pytest.raises(SpecError) as told:
+        read_mechanism(include(root, tables, {"spec": "chain-stitch-looper.toml", "ride": ride})).parts()
+    assert said in str(told.value.faults[0])

@@ -27,7 +27,7 @@ def test_all_agree(capsys: pytest.CaptureFixture[str]) -> None:
     assert out.startswith("constant") and "mr-13 |b c|" in out and len(out.splitlines()) == count + 2
 
 
-@pytest.mark.parametrize("name", [name for name in motion.LAWS if name not in ("uniform", "double-harmonic")])
+@pytest.mark.parametrize("name", list(motion.LAWS))
 def test_a_damaged_law_is_seen(name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     law = motion.LAWS[name]
 
@@ -38,6 +38,14 @@ def test_a_damaged_law_is_seen(name: str, monkeypatch: pytest.MonkeyPatch, capsy
     code, out = run(capsys)
     assert code == 1 and "are OFF" in out.splitlines()[-1]
     assert all(name in line for line in out.splitlines()[1:-1] if line.endswith("OFF"))
+
+
+def test_a_new_law_is_held_against_what_its_record_claims(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = replace(motion.LAWS["3-4-5"], name="own")
+    monkeypatch.setitem(motion.LAWS, "own", law)
+    assert [row.ok for row in selftest.rows() if row.what.startswith("own ")] == [True] * 3
+    monkeypatch.setitem(motion.LAWS, "own", replace(law, c_a=5.77, smoothness=0))
+    assert [row.ok for row in selftest.rows() if row.what.startswith("own ")] == [True, False, True]
 
 
 def test_a_damaged_coefficient_is_seen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -145,8 +145,8 @@ def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
     first, second = machine().poses(np.array([0.3, 2.0]))["frame"]
     z = complex(-60, -30)
     for k in range(2):
-        here = first.position[k] + np.exp(1j * first.angle[k]) * z
-        there = second.position[k] + np.exp(1j * second.angle[k]) * -z.conjugate()
+        here = first.place[k] + np.exp(1j * first.angle[k]) * z
+        there = second.place[k] + np.exp(1j * second.angle[k]) * -z.conjugate()
         swing = first.angle[k]
         assert there == pytest.approx(60 + np.exp(1j * swing) * z.conjugate(), abs=1e-12)
         assert here == pytest.approx(60 + np.exp(1j * swing) * z, abs=1e-12)
@@ -206,7 +206,7 @@ def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
     for part, poses in mechanism.poses(np.zeros(1)).items():
         for k, pose in enumerate(poses):
             turn, shift, lift = changes.get(f"{part}_{k + 1}".replace("-", "_"), (0.0, 0j, 0.0))
-            at = complex(pose.position[0]) + shift
+            at = complex(pose.place[0]) + shift
             place = placing(float(pose.angle[0]) + turn, at, pose.z + lift, parts[part].thickness, pose.flipped)
             items.append(Placed(part, f"{part}-{k + 1}", place))
     write_3mf(path, meshes, items, "key")

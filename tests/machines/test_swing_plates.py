@@ -16,7 +16,7 @@ from camgen.errors import DesignError
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.motion.program import uniform_swing
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, SCREWS, flange

@@ -286,7 +286,7 @@ def collisions(mechanism: ThreadTakeUp, theta: np.ndarray) -> set[tuple[str, str
     for k in range(len(theta)):
         shapes = []
         for name, height, rings, pose in bodies:
-            placed = [pose.position[k] + np.exp(1j * pose.angle[k]) * ring for ring in rings]
+            placed = [pose.place[k] + np.exp(1j * pose.angle[k]) * ring for ring in rings]
             loops = [np.column_stack([ring.real, ring.imag]) for ring in placed]
             shapes.append((name, pose.z, pose.z + height, shapely.Polygon(loops[0], loops[1:])))
         for i, (one, low, high, shape) in enumerate(shapes):

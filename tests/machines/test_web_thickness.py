@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.uniform_swing.web_thickness import blend_choice, canvas, time_below
 from camgen.motion.laws import Floats
 from camgen.motion.program import uniform_swing

@@ -19,8 +19,7 @@ from hypothesis import strategies as st
 
 from camgen.errors import FileError
 from camgen.findings import Finding, at_least, at_most
-from camgen.machine.contacts import Pose
-from camgen.machine.study import Plot, Table
+from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body, still_svg, svg_path
 from camgen.report.figures import STEPS, plot_svg, thinned
 from camgen.report.report import (
@@ -32,6 +31,7 @@ from camgen.report.report import (
     write_html,
     write_json,
 )
+from camgen.study import Plot, Table
 
 EVIL = '<script>alert("&")</script>'
 SVG = "{http://www.w3.org/2000/svg}"
@@ -48,8 +48,8 @@ def made_up(name: str = "demo", count: int = 120) -> Report:
     reach = np.abs(70 - centre)
     swing = np.angle(centre - 70) - np.arccos((62**2 + reach**2 - 35**2) / (2 * 62 * reach))
     bodies = [
-        Body("cam", [Pose(theta, np.array(0j)), Pose(theta, np.array(0j), flipped=True, z=6.0)], [circle_ring(12, 30)]),
-        Body(EVIL, [Pose(swing, np.full(count, 70 + 0j))], strokes=[np.array([0, 62 + 0j])], circles=[(62 + 0j, 5.0)]),
+        Body("cam", [PartPose(np.array(0j), theta), PartPose(np.array(0j), theta, flipped=True, z=6.0)], [circle_ring(12, 30)]),
+        Body(EVIL, [PartPose(np.full(count, 70 + 0j), swing)], strokes=[np.array([0, 62 + 0j])], circles=[(62 + 0j, 5.0)]),
     ]
     deg = np.degrees(theta)
     return Report(
@@ -231,7 +231,7 @@ def test_page_frames_follow_the_poses(page: str) -> None:
 
 def test_pose_without_an_answer_hides_the_body() -> None:
     theta = np.array([0.0, 2.0, 4.0])
-    body = Body("arm", [Pose(np.array([math.nan, 1.0, 2.0]), np.zeros(3, complex))], [circle_ring(0, 5)])
+    body = Body("arm", [PartPose(np.zeros(3, complex), np.array([math.nan, 1.0, 2.0]))], [circle_ring(0, 5)])
     text = to_html(Report("a", "b", [], animation=Animation(theta, [body])))
     assert 'display="none"' in text and '"poses":[[null,[57.296' in text and "nan" not in text
 

@@ -23,10 +23,8 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Floats
-from camgen.machine.contacts import Apart
-from camgen.machine.features import Mount
+from camgen.machine.features import Apart, Mount
 from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Pose, Slide
-from camgen.machine.study import Study
 from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_conditions, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, to_and_fro
@@ -36,6 +34,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
 from camgen.parts.part import Part
 from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
 Both = tuple[Length, Length]

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from camgen.geometry.outlines import Floats
-from camgen.machine.study import Plot, Study, Table
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HOLDS, Design, Stitch, thread_per_stitch
 from camgen.machines.chain_stitch_looper.timing import FARTHEST, Clock
+from camgen.study import Plot, Study, Table
 
 _SAMPLES = 1441  # of the synchrogram: every quarter degree, both ends
 _EXAMPLE = (2.5, 3.0, 4.0)  # thickness, length and width of the stitch whose thread the source compares

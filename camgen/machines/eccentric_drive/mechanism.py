@@ -28,7 +28,6 @@ from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, r
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.features import Asked, Feature, Mount
-from camgen.machine.study import Study
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.mechanism import Mechanism
@@ -36,6 +35,7 @@ from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.spec import Length, Record, Rpm, turning
+from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
 _LASH = (

@@ -12,8 +12,8 @@ from pydantic import Field
 from camgen.machine.landmarks import zeros
 from camgen.machine.model import Body, Floats, Machine
 from camgen.machine.run import solve
-from camgen.machine.study import Plot, Study, Table
 from camgen.spec import Mass, Record
+from camgen.study import Plot, Study, Table
 
 Motion = Callable[[Floats, int], Floats]
 

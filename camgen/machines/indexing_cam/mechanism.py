@@ -26,14 +26,12 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
-from camgen.machine.cam_drive import Load as CamLoad
-from camgen.machine.cam_drive import cam_machine, cam_outline
-from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.machine import FollowerLoad, cam_machine, cam_outline
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
-from camgen.machine.study import Plot, Sketch, Study
 from camgen.machines.bench import Bench, Tip
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
@@ -46,6 +44,7 @@ from camgen.motion.spring_law import characteristic, trade_off
 from camgen.parts.disc_cams import ShaftHole, Thickness, holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.study import Plot, Sketch, Study
 
 _LASH = (
     "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
@@ -321,7 +320,7 @@ class IndexingCam(StandingCams):
         gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -self.geometry.gear_ratio})
         return Bench(
             self._drawn(0.0), self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
-            self.allowed.min_wall, self.density, CamLoad(preload=load.closing_n_m),
+            self.allowed.min_wall, self.density, FollowerLoad(preload=load.closing_n_m),
             [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])],
             {"gears": gear}, {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}},
         )  # fmt: skip
@@ -332,7 +331,7 @@ class IndexingCam(StandingCams):
 
     def _drawn(self, closing: float) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        pressed = CamLoad(self.load.follower_inertia_kg_m2, preload=closing)
+        pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=closing)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
         link, ratio = Body(_LINK, inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
         spring = None if self._spring is None else OnLink(self._spring, ratio * self.swing)
@@ -446,7 +445,7 @@ class IndexingCam(StandingCams):
             "index_deg": self.geometry.index_deg,
             "swing_deg": math.degrees(self.swing),
             **{f"{name.replace('-', '_')}_pressure_angle_deg": angle for name, angle in self._pressure.items()},
-            **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius - cam.follower.tip_radius
+            **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius
                for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
         }  # fmt: skip
         numbers |= lost([*self.cams.values()])

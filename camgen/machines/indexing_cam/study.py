@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
-from camgen.machine.cams import DiscCam
-from camgen.machine.study import Plot, Study, Table
+from camgen.machine.cams.profile import DiscCam
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, peak, torques
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
 from camgen.motion.spring_law import trade_off
+from camgen.study import Plot, Study, Table
 from camgen.tolerances import LAW_CLOSES
 
 _ROWS = 1441  # cam angles of the curves: every quarter degree, both ends

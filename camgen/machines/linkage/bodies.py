@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -119,13 +120,15 @@ class Bodies:
         )  # fmt: skip
 
     def _rails(self, link: str, floor: float) -> list[Layer]:
-        """The rails that stand on a link or the plate, from a height of it, mm."""
+        """The rails that stand on a link or the plate, from a height of it, mm; in steps, as some are higher than others."""
         layout = self.layout
-        return [
-            Layer(Region(hull([(z, self.sizes.rail_width / 2) for z in ends])), floor,
-                  layout.top(layout.level[runner]) - layout.floor(layout.level[link]))
+        rails = [
+            (round(layout.top(layout.level[runner]) - layout.floor(layout.level[link]), 9),
+             Region(hull([(z, self.sizes.rail_width / 2) for z in ends])))
             for runner, guide in layout.guides.items() if guide.joint.guide.body == link for ends in guide.rails
         ]  # fmt: skip
+        steps = [floor, *sorted({top for top, _ in rails})]
+        return [Layer(rail, low, high) for low, high in pairwise(steps) for top, rail in rails if top >= high]
 
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout

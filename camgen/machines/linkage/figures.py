@@ -12,10 +12,10 @@ from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.closed_form import FourBar, four_bar
 from camgen.machine.landmarks import double_points
+from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machine.targets import Course, time_ratio
-from camgen.machine.turning import transmission
+from camgen.study import Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
@@ -109,7 +109,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     numbers |= {f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
     for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
         unit = "n_m" if cam.slide is None else "n"  # what a spring must give at least, along the follower's motion
-        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.push * found.contacts[cam.name]).min()))
+        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.leaves * found.contacts[cam.name]).min()))
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
     plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
     return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])

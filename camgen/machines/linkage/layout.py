@@ -409,7 +409,7 @@ class Layout:
                 for ends in each.rails
             ]
             over += [(link, on)] if on != GROUND else []
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain)
+        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain, searched=explain)
 
     def levels_at(self, point: str) -> list[int]:
         """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""

@@ -25,13 +25,11 @@ from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.contacts import Apart, StandIn
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
 from camgen.machine.joining import joined
+from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
-from camgen.machine.study import Study, together
 from camgen.machine.targets import stroke
-from camgen.machine.turning import folds, refuse_folds, refuse_partial, turn
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, wheels
 from camgen.machines.linkage import tables as t
@@ -43,6 +41,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
+from camgen.study import Study, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
@@ -130,7 +129,7 @@ class Linkage(Mechanism):
             return ()
         host = self.model_dump(by_alias=True, exclude_none=True)
         top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        return inc.stacked(self.includes, host, self.drive.speed_rpm, top, self.print.slide_clearance)
+        return inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
 
     @cached_property
     def _fitted(self) -> m.Machine:
@@ -163,7 +162,7 @@ class Linkage(Mechanism):
 
     def _refuse_range(self, machine: m.Machine, least: float, most: float) -> None:
         """Raise DesignError where the range asked for, rad, is more than the chain has."""
-        can, key = turn(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
+        can, key = reach(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
         low, high = math.degrees(can.low), math.degrees(can.high)
         asked, said = (math.degrees(least), math.degrees(most)), f"it closes from {low:.6g} to {high:.6g} deg"
         for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
@@ -259,13 +258,14 @@ class Linkage(Mechanism):
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
         found = super().resolved()
-        found.__dict__["chain"] = self.chain  # cached: nothing that it depends on was filled in
+        same = vars(self).keys() & {"chain", "bodies", "modules"}  # cached: nothing that they depend on was filled in
+        found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
     def parts(self) -> Sequence[Part]:
         """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
         which no bodies are made."""
-        return (*self.bodies.parts, *(part for each in self.modules for part in each.parts()))
+        return (*self.bodies.parts, *(part for each in self.modules for part in each.parts))
 
     def features(self) -> Sequence[Feature]:
         """Holes and pins of the joints."""
@@ -285,7 +285,7 @@ class Linkage(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Every copy of every part on its body."""
-        return (*self.bodies.mounts, *(mount for each in self.modules for mount in each.mounts()))
+        return (*self.bodies.mounts, *(mount for each in self.modules for mount in each.mounts))
 
     def asked(self) -> Sequence[Asked]:
         """The play that is borne."""

@@ -8,6 +8,7 @@ from itertools import product
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
+from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.layout import Layout
 
 
@@ -35,4 +36,6 @@ def laid(layout: Layout, run: Run) -> Layout:
             if best is not None and best[1] is not None:
                 return replace(best[0], given=best[1])
     assert refused is not None
-    raise refused
+    e, rails = refused, f", and rails {', '.join(STEMS)}" if len(tries) > 1 else ""
+    remedy = f"{e.remedy}, heads over and under the plate{rails}"
+    raise DesignError(e.quantity, e.value, e.limit, e.unit, e.where, remedy)

@@ -161,6 +161,12 @@ class Include(Record):
     z: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
         None, description="mm, how far it is raised; unless given it stands above all before it"
     )
+    ride: dict[str, Name] = Field(
+        {}, description="bodies of it that links of this machine carry, in place of its own guides and cams: body = link"
+    )
+    ride_tolerance: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.01, description="mm, how far such a body may be from where its own machine has it"
+    )
     source: str | None = Field(None, description="where the tables were read")
 
 

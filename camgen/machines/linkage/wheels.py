@@ -20,10 +20,10 @@ from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machine.cam_limits import Allowed, cam_limits, steepest
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.limits import Allowed, cam_limits, steepest
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
-from camgen.machine.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.motion.program import Program

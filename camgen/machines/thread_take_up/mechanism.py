@@ -31,7 +31,6 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Floats, Machine, Points
-from camgen.machine.study import Sketch, Study
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
@@ -41,6 +40,7 @@ from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.hardware import headed
 from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
 from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 Disc = tuple[complex, float]

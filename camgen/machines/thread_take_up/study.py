@@ -12,14 +12,14 @@ from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
-from camgen.machine.balancing import balanced, crank_weight
 from camgen.machine.closed_form import four_bar, transmission_extremes
 from camgen.machine.forces import Forces
 from camgen.machine.landmarks import TURN
 from camgen.machine.model import Body, Floats, Points
-from camgen.machine.study import Plot, Study, Table
+from camgen.machines.thread_take_up.balancing import balanced, crank_weight
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.spec import Length, Record
+from camgen.study import Plot, Study, Table
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
 _PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)

@@ -27,13 +27,11 @@ from camgen.findings import Finding
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
-from camgen.machine.cam_drive import Load, Loaded, Mirrored, Touch, cam_machine, cam_outline
-from camgen.machine.cam_limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.contacts import StandIn
-from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
+from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.machine import FollowerLoad, Loaded, MirroredTouch, ProfileTouch, cam_machine, cam_outline
+from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
-from camgen.machine.study import Plot, Sketch, Study, Table
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
@@ -46,6 +44,7 @@ from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
 from camgen.spec import Length, Record, Rpm, turning
+from camgen.study import Plot, Sketch, Study, Table
 
 _LASH = (
     "free play of the follower between the two tips, deg; 0.25: so far the nozzle stands still after each reversal, 1 % of a "
@@ -161,7 +160,7 @@ class UniformSwing(Mechanism):
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
-        touches = (Touch(self.cam), Mirrored(self.cam))[: 1 + pair]
+        touches = (ProfileTouch(self.cam), MirroredTouch(self.cam))[: 1 + pair]
         return cam_machine([self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -356,13 +355,13 @@ class UniformSwing(Mechanism):
         return findings
 
     @cached_property
-    def _load(self) -> Load:
+    def _load(self) -> FollowerLoad:
         """Nozzle and frames about the pivot, and the spring of force closure."""
         frames = [part for part in self.parts() if part.name == "frame"]
         density = self.material.density or DENSITY[self.material.name]
         inertia = self.nozzle.inertia_kg_m2 + sum(part.count * inertia_of(part, 1000 * density) for part in frames)
         pushed = self.geometry.closure == "force"
-        return Load(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
+        return FollowerLoad(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
 
     @cached_property
     def _forces(self) -> Loaded | None:

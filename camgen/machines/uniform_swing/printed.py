@@ -18,9 +18,8 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
-from camgen.machine.cams import DiscCam
-from camgen.machine.contacts import StandIn
-from camgen.machine.features import Mount
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LAYOUT, LEAST_AXLE, Room, washer_wall

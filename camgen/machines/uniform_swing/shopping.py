@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from camgen.findings import Finding, at_least
-from camgen.machine.study import Table
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, nut
+from camgen.study import Table
 
 _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 

@@ -10,11 +10,11 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cam_drive import Load, Loaded, loaded
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.machine import FollowerLoad, Loaded, loaded
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.model import Machine
-from camgen.machine.study import Plot, Study, Table
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
+from camgen.study import Plot, Study, Table
 
 _BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
@@ -75,12 +75,12 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     )
 
 
-def forces(machine: Machine, cam: DiscCam, load: Load) -> Loaded:
+def forces(machine: Machine, cam: DiscCam, load: FollowerLoad) -> Loaded:
     """What tip and motor bear over the turn."""
     return loaded(machine, cam, load, np.linspace(0, 2 * math.pi, _SAMPLES))
 
 
-def force_study(found: Loaded, load: Load, lever: float | None) -> Study:
+def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study:
     """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
     degrees = np.degrees(found.theta)
     force, torque = found.force, found.torque
@@ -121,7 +121,7 @@ def _drawn(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, math.nan)
 
 
-def keeps_contact(found: Loaded, load: Load) -> Finding:
+def keeps_contact(found: Loaded, load: FollowerLoad) -> Finding:
     """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
     preload, rate = found.spring_needed(load)
     stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""

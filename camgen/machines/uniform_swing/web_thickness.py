@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.laws import TURN, Floats
 from camgen.motion.program import uniform_swing
 
@@ -99,7 +99,7 @@ def blend_choice(swing: float, arm: SwingingArm, blends: Sequence[float], strips
     rows = []
     for blend in blends:
         cam = DiscCam(uniform_swing(swing, blend), arm)
-        whole = blend > 0 and cam.least_radius >= arm.tip_radius  # the profile need not be made to know that
+        whole = blend > 0 and cam.least_radius >= 0  # the profile need not be made to know that
         lost = 0.0 if whole else max((u.shortfall for u in cam.undercuts), default=0.0)
         s = cam.program(theta) if whole else cam.reachable(theta)
         speed = abs(float(cam.program(np.array([math.pi / 2]), 1)[0]))

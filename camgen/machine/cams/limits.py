@@ -15,9 +15,8 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import SwingingArm, SwingingFace
-from camgen.machine.sizing import least_convex
+from camgen.machine.cams.followers import SwingingArm, SwingingFace
+from camgen.machine.cams.profile import DiscCam
 from camgen.numerics import greatest
 
 _BESIDE = 1e-9  # rad, to either side of where the pressure angle jumps
@@ -84,7 +83,7 @@ def cam_limits(
     )  # fmt: skip
     if allowed.least_radius is not None:
         findings.append(
-            at_least("CURVATURE", least_convex(cam), allowed.least_radius, "mm", where,
+            at_least("CURVATURE", cam.least_radius, allowed.least_radius, "mm", where,
                      "least radius of curvature of the convex profile; below 0 it is undercut, "
                      "which a limits.least_radius below 0 accepts")
         )  # fmt: skip

@@ -4,7 +4,6 @@
     pitch curve   path of the trace point as the cam sees it; it runs CLOCKWISE round the cam as theta grows
     envelope      what the tip or the face leaves of the cam, before loops are trimmed: the profile
     room          sense in which the envelope runs: below 0 it runs backwards, and a later pass cuts it away
-    lever         how far the follower's surface moves off the contact, mm per unit of s
 
 The cam turns by theta, counter-clockwise, about the origin; `motion(theta, order)` is the follower's displacement s and
 its derivatives of order 0..3, rad on an arm and mm on a slide. Points are complex numbers, mm; _cam: the cam's frame.
@@ -24,11 +23,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from camgen.motion.laws import Floats
+from camgen.numerics import Floats, Points
 
-Points = NDArray[np.complex128]
 Motion = Callable[[Any, int], Floats]
 
 
@@ -72,6 +69,13 @@ class Follower(ABC):
     @abstractmethod
     def resting_on(self, point: Any) -> Floats:
         """Displacement s at which the follower, coming in, first touches a point of the ground, (n,); nan out of reach."""
+
+    def pressure_angle(self, s: Any, point: Any, normal: Any) -> Floats:
+        """Angle between the contact's normal and the follower's motion where it touches `point`, rad, (n,), 0 or more.
+
+        point, normal: (n,) complex in the ground, the normal away from the cam. [Norton, ch. 7]
+        """
+        return np.asarray(np.abs(np.angle(self.leaves * self.velocity(s, point) * np.conj(normal))))
 
 
 # ---- round tips ------------------------------------------------------------------------------------------------------

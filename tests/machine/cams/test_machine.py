@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine import Forces, solve
-from camgen.machine.cam_drive import Load, Mirrored, OuterWall, Touch, cam_machine, loaded
-from camgen.machine.cams import DiscCam, SwingingArm
-from camgen.machine.followers import SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.machine import FollowerLoad, MirroredTouch, OuterWallTouch, ProfileTouch, cam_machine, loaded
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.disc_cam import DiscCamDrive
 from camgen.motion.laws import POLYNOMIAL_345
 from camgen.motion.program import Program, Segment, uniform_swing
@@ -25,12 +25,12 @@ from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part
 from camgen.spec import validate
 
-NORTON = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "disc-cam.toml").read_text())["spring"]
+NORTON = tomllib.loads((Path(__file__).resolve().parents[2] / "reference" / "disc-cam.toml").read_text())["spring"]
 THETA = np.linspace(0, 2 * math.pi, 7201)
 BLEND = math.radians(20)
 CAM = DiscCam(uniform_swing(math.radians(30), BLEND), SwingingArm(60 + 0j, complex(-60, -30), 3.0, 1))
 W = 2 * math.pi * 0.5
-SPRING = Load(0.0, 0.0, 0.1, 0.5)
+SPRING = FollowerLoad(0.0, 0.0, 0.1, 0.5)
 
 
 def published(shape: dict[str, Any], **tables: dict[str, Any]) -> DiscCamDrive:
@@ -53,8 +53,8 @@ def lifted() -> Program:
     return Program(tuple(Segment("", a, b, c, POLYNOMIAL_345) for a, b, c in zip(spans, starts, scales, strict=True)))
 
 
-def swing(load: Load, friction: float = 0.0, speed: float = W, pair: bool = False, theta: np.ndarray = THETA) -> Forces:
-    touches = (Touch(CAM), Mirrored(CAM))[: 1 + pair]
+def swing(load: FollowerLoad, friction: float = 0.0, speed: float = W, pair: bool = False, theta: np.ndarray = THETA) -> Forces:
+    touches = (ProfileTouch(CAM), MirroredTouch(CAM))[: 1 + pair]
     return solve(cam_machine([CAM], speed, load, "form", touches, friction), theta).forces()
 
 
@@ -100,7 +100,7 @@ def test_torque_is_the_virtual_work_of_any_follower(follower: Any) -> None:
     swings = isinstance(follower, SwingingArm | SwingingFace)
     program = uniform_swing(0.3, 1.0) if swings else lifted()
     cam = DiscCam(program, follower)
-    load = Load(2e-3, 1e-3, 0.1, 0.5, 0.2)
+    load = FollowerLoad(2e-3, 1e-3, 0.1, 0.5, 0.2)
     machine = cam_machine([cam], W, load, "force")
     found = loaded(machine, cam, load, THETA)
     lift = [follower.leaves * program(THETA, order) for order in range(3)]
@@ -127,7 +127,7 @@ def test_friction_turns_into_heat_where_profile_and_tip_slide() -> None:
 
 def test_friction_can_jam() -> None:
     # a cam that turns counter-clockwise drags the first tip outwards, the other way it drags it into the cam
-    load = Load(preload=1.0)
+    load = FollowerLoad(preload=1.0)
     for mu, speed in ((0.3, W), (0.3, -W), (3.0, W)):
         assert np.all(np.isfinite(swing(load, mu, speed).pressing["contact"]))
     tight = loaded(cam_machine([CAM], -W, load, "force", friction=3.0), CAM, load, THETA)
@@ -137,7 +137,7 @@ def test_friction_can_jam() -> None:
 def test_conjugate_pair_shares_the_effort() -> None:
     theta = np.concatenate([np.linspace(BLEND, math.pi - BLEND, 999), np.linspace(math.pi + BLEND, 2 * math.pi - BLEND, 999)])
     for sign in (1.0, -1.0):
-        load = Load(preload=sign)
+        load = FollowerLoad(preload=sign)
         forces = swing(load, pair=True, theta=theta)
         assert np.all(forces.pressing["contact"] > 0)
         assert np.allclose(forces.drives["motor"], sign * CAM.program(theta, 1), atol=1e-12)
@@ -149,15 +149,16 @@ def test_conjugate_pair_shares_the_effort() -> None:
     tangent = (path(theta + 1e-5) - path(theta - 1e-5)) * np.exp(1j * theta)
     swings = 1j * complex(-60, 30) * np.exp(1j * CAM.program(theta))
     lever = np.abs(np.real(np.conj(1j * tangent / np.abs(tangent)) * swings)) * 1e-3
-    assert np.allclose(swing(Load(preload=-1.0), pair=True, theta=theta).pressing["contact"], 1 / lever, rtol=1e-6)
+    assert np.allclose(swing(FollowerLoad(preload=-1.0), pair=True, theta=theta).pressing["contact"], 1 / lever, rtol=1e-6)
 
 
 def test_either_wall_of_a_groove_bears() -> None:
     cam = DiscCam(lifted(), SlidingTip(6 + 40j, 1j, 5.0))
     for sign in (1.0, -1.0):
-        forces = solve(cam_machine([cam], W, Load(preload=sign), touches=(Touch(cam), OuterWall(cam))), THETA).forces()
+        touches = (ProfileTouch(cam), OuterWallTouch(cam))
+        forces = solve(cam_machine([cam], W, FollowerLoad(preload=sign), touches=touches), THETA).forces()
         np.testing.assert_allclose(forces.pressing["contact"] * np.cos(cam.steepness(THETA)), 1.0, rtol=1e-9)
-    one, other = Touch(cam)(THETA)[0], OuterWall(cam)(THETA)[0]
+    one, other = ProfileTouch(cam)(THETA)[0], OuterWallTouch(cam)(THETA)[0]
     np.testing.assert_allclose((one + other) / 2, cam.pitch(THETA), atol=1e-12)
 
 
@@ -167,10 +168,10 @@ def test_springs_just_keep_contact(preload: float, speed: float) -> None:
     cam = DiscCam(lifted(), SlidingFace(40j, 1j))
     theta = np.linspace(0, 2 * math.pi, 2001)
 
-    def at(load: Load) -> Any:
+    def at(load: FollowerLoad) -> Any:
         return loaded(cam_machine([cam], speed, load, "force"), cam, load, theta)
 
-    load = Load(7.5, 2.74e-3, 0.0, preload)
+    load = FollowerLoad(7.5, 2.74e-3, 0.0, preload)
     tight, rate = at(load).spring_needed(load)
     if math.isinf(rate):  # too little where no spring can help: at the bottom of the lift
         found = at(load)
@@ -183,7 +184,7 @@ def test_springs_just_keep_contact(preload: float, speed: float) -> None:
 
 
 def test_kicks_are_there_only_where_the_speed_jumps() -> None:
-    load = Load(2e-3)
+    load = FollowerLoad(2e-3)
     sharp = DiscCam(uniform_swing(math.radians(30)), CAM.follower)
     assert loaded(cam_machine([sharp], -W, load), sharp, load, THETA).kick == pytest.approx(4e-3 * W * math.radians(30) / math.pi)
     found = loaded(cam_machine([CAM], W, load), CAM, load, THETA)

@@ -19,9 +19,9 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.findings import Finding, at_least
-from camgen.machine.cams import DiscCam
+from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
-from camgen.machine.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
@@ -30,24 +30,23 @@ from camgen.machine.model import (
     Body,
     Cam,
     Drive,
-    Floats,
     Joint,
     Machine,
     Output,
     Pin,
     Place,
-    Points,
     Pose,
     Resistance,
     Slide,
 )
 from camgen.machine.run import solve
+from camgen.numerics import Floats, Points
 
 ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
 
 
 @dataclass(frozen=True)
-class Touch:
+class ProfileTouch:
     """Where a cam's own profile is touched, in its frame."""
 
     cam: DiscCam[Any]
@@ -58,7 +57,7 @@ class Touch:
 
 
 @dataclass(frozen=True)
-class Mirrored:
+class MirroredTouch:
     """A second follower, mirrored in the line of centres, on the same cam turned over: the first at pi - theta.
 
     The program must have s(pi - theta) = -s(theta), as a uniform swing has.
@@ -67,25 +66,25 @@ class Mirrored:
     cam: DiscCam[Any]
 
     def __call__(self, theta: Floats) -> tuple[Points, Points]:
-        """Place and normal as in `Touch`."""
-        place, normal = Touch(self.cam)(math.pi - theta)
+        """Place and normal as in `ProfileTouch`."""
+        place, normal = ProfileTouch(self.cam)(math.pi - theta)
         return -np.conj(place), -np.conj(normal)
 
 
 @dataclass(frozen=True)
-class OuterWall:
+class OuterWallTouch:
     """The outer wall of a groove, on the far side of the round tip."""
 
     cam: DiscCam[Any]
 
     def __call__(self, theta: Floats) -> tuple[Points, Points]:
-        """Place and normal as in `Touch`."""
-        place, normal = Touch(self.cam)(theta)
+        """Place and normal as in `ProfileTouch`."""
+        place, normal = ProfileTouch(self.cam)(theta)
         return place + 2 * self.cam.tip.tip_radius * normal, -normal
 
 
 @dataclass(frozen=True)
-class Load:
+class FollowerLoad:
     """What the follower is and bears, in N, mm, s on a slide and N m, rad, s on an arm.
 
     inertia: kg, or kg m^2 about the pivot; damping; rate: of a spring that presses it on the cam; preload: of that spring
@@ -102,7 +101,7 @@ class Load:
 def cam_machine(
     cams: Sequence[DiscCam[Any]],
     speed: float,
-    load: Load | None = None,
+    load: FollowerLoad | None = None,
     closure: Literal["form", "force"] = "form",
     touches: Sequence[Any] = (),
     friction: float = 0.0,
@@ -115,7 +114,7 @@ def cam_machine(
     follower that slides, mm, "swing" of one on an arm, rad.
     """
     follower, program = cams[0].follower, cams[0].program
-    load = load or Load()
+    load = load or FollowerLoad()
     start = float(program(np.zeros(1))[0])
     body: Body
     held: Joint
@@ -136,8 +135,8 @@ def cam_machine(
     borne = load.preload + load.resistance
     force = load.rate * lowest - follower.leaves * borne
     loads = (Resistance("load", of, force, load.rate, load.damping),) if load.damping or load.rate or borne else ()
-    touch = tuple(touches) or tuple(Touch(each) for each in cams)
-    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, push=follower.leaves, clearance=clearance,
+    touch = tuple(touches) or tuple(ProfileTouch(each) for each in cams)
+    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, leaves=follower.leaves, clearance=clearance,
                   touches=touch, friction=friction)  # fmt: skip
     return Machine(
         (Body(GROUND), Body("cam"), body),
@@ -206,7 +205,7 @@ class Loaded:
     kick: float
     forces: Forces
 
-    def spring_needed(self, load: Load) -> tuple[float, float]:
+    def spring_needed(self, load: FollowerLoad) -> tuple[float, float]:
         """Least preload, or else rate, not below 0, with which the effort is nowhere below 0, the other one as loaded.
 
         inf where none keeps contact.
@@ -233,7 +232,7 @@ class Loaded:
         return at_least("LIFT_OFF", float(force[k]), 0.0, "N", where, message)
 
 
-def loaded(machine: Machine, cam: DiscCam[Any], load: Load, theta: Floats) -> Loaded:
+def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Floats) -> Loaded:
     """Forces at cam angles that reach the lowest place."""
     found = solve(machine, theta).forces()
     leaves = cam.follower.leaves

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from camgen.errors import DesignError, listed
 from camgen.machine.loops import Chain, Direct, Step, chain_of
-from camgen.machine.model import Floats, Machine
+from camgen.machine.model import Machine
 from camgen.machine.newton import Block
-from camgen.numerics import roots
+from camgen.numerics import Floats, roots
 
 # Angles a turn that are looked at first.
 LOOKED = 720
@@ -53,7 +53,7 @@ class Fold:
 
 
 @dataclass(frozen=True)
-class Turn:
+class Reach:
     """Range of theta about 0, rad, over which a machine closes: full where it closes all round; who ends it below and
     above (joints of the block that opens), none where nothing does."""
 
@@ -63,14 +63,14 @@ class Turn:
     ends: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
 
 
-def turn(machine: Machine) -> Turn:
+def reach(machine: Machine) -> Reach:
     """The range over which the machine closes from its drawn position; dead points to 1e-9 rad or better."""
     chain = chain_of(machine)
     high, above = _end(chain, 1)
     if not above:
-        return Turn(0.0, math.tau, True)
+        return Reach(0.0, math.tau, True)
     low, below = _end(chain, -1)
-    return Turn(low, high, False, (below, above))
+    return Reach(low, high, False, (below, above))
 
 
 def refuse_partial(machine: Machine, key: str = "drive.range_deg") -> None:
@@ -78,7 +78,7 @@ def refuse_partial(machine: Machine, key: str = "drive.range_deg") -> None:
 
     key: of the spec, that limits the range.
     """
-    found = turn(machine)
+    found = reach(machine)
     if found.full:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)

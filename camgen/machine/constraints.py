@@ -1,9 +1,9 @@
-"""The judge's route: a machine closed by Newton's method on the poses of all bodies at once.
+"""The conditions of all joints and their Jacobian; on them the judge's route, Newton's method on the poses of all bodies at once.
 
 It knows nothing of loops and dyads. Every moving body has a pose (x, y, angle); every joint says by how much it is open
 and how that changes with the poses; measured centres, guide lines and rolled cam laws stand in the same joints. The one
 Jacobian of these conditions gives speeds, accelerations, how far a displacement in each joint moves each output, and,
-transposed, the forces.
+transposed, the forces: those that serve a machine of the maker too (`run`, `forces`, `freedom`).
 
     q       poses, (n, 3 bodies): x mm, y mm, angle rad of each moving body in the machine's order
     rows    of each joint and drive: Pin x, y; Slide across (mm), turn (rad); Slot across; Gear, Cam, Drive one scalar
@@ -24,7 +24,6 @@ from camgen.machine.model import (
     Angle,
     Cam,
     Drive,
-    Floats,
     Function,
     Gear,
     Joint,
@@ -32,12 +31,11 @@ from camgen.machine.model import (
     Path,
     Pin,
     Place,
-    Points,
     Pose,
     Slide,
     Slot,
 )
-from camgen.numerics import solve
+from camgen.numerics import Floats, Points, solve
 
 # Steps of Newton's method; five are needed from a near guess.
 STEPS = 20
@@ -94,7 +92,7 @@ class _Seen:
         return self.swing * self.rate
 
 
-class System:
+class Constraints:
     """The conditions of a machine, ready at any poses."""
 
     def __init__(self, machine: Machine) -> None:
@@ -337,7 +335,7 @@ class System:
 
     # ---- outputs ----
 
-    def output(self, name: str, q: Floats, theta: Floats) -> tuple[Any, Floats]:
+    def output(self, name: str, q: Floats) -> tuple[Any, Floats]:
         """An output's value, (n,), complex mm for a path, and its slopes to the poses, (n, 1 or 2, 3 bodies)."""
         return self.measured(self.machine.output(name).of, q)
 
@@ -389,7 +387,7 @@ class System:
         """
         self._square()
         slopes = self.evaluate(q, theta)[1]
-        gradients = [self.output(name, q, theta)[1] for name in names]
+        gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
         found = np.swapaxes(solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2)), 1, 2)
         shares, first = [], 0

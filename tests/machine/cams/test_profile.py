@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.machine.cams import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.laws import UNIFORM
 from camgen.motion.program import Program, Segment, uniform_swing
 
-FACTS = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "uniform_swing.toml").read_text())
+FACTS = tomllib.loads((Path(__file__).resolve().parents[2] / "reference" / "uniform_swing.toml").read_text())
 L, H = FACTS["machine"]["pivot_distance"], FACTS["machine"]["arm_offset"]
 DELTA, RHO = math.radians(FACTS["machine"]["swing_deg"]) / 2, FACTS["machine"]["tip_radius"]
 R, K = math.hypot(L, H), math.pi / (2 * DELTA)
@@ -119,7 +119,7 @@ def test_pitch_curve_facts() -> None:
     assert [np.min(radius), np.max(radius)] == pytest.approx(facts["radius_mm"], abs=0.005)
     ends = np.linspace(1e-12, math.pi - 1e-12, 2001)
     rise, back = (1 / np.max(made.curvature(half)) for half in (ends, ends + math.pi))
-    assert made.least_radius == pytest.approx(min(rise, back), rel=1e-8)
+    assert made.least_radius + made.tip.tip_radius == pytest.approx(min(rise, back), rel=1e-8)
     assert rise == pytest.approx(facts["curvature_radius_rise_mm"], abs=0.005)
     assert back == pytest.approx(facts["curvature_radius_return_mm"], abs=0.005)
     for at, expected, sense in ((math.pi, "corner_convex_deg", -1), (0.0, "corner_concave_deg", 1)):

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.cams import DiscCam
-from camgen.machine.followers import Follower, Points, RoundTip
-from camgen.motion.laws import Floats
+from camgen.machine.cams.followers import Follower, RoundTip
+from camgen.machine.cams.profile import DiscCam
+from camgen.numerics import Floats, Points
 
 _GROWTH = 1.25  # from one try to the next, until a size is large enough
 _STEPS = 60
@@ -64,15 +64,14 @@ def survey(cam: DiscCam[Follower]) -> Survey:
     follower = cam.follower
     profile, normal = follower.envelope(theta, motion, 0), follower.normal(theta, motion)
     turn = np.exp(1j * theta)
-    away = follower.leaves * follower.velocity(orders[0], profile * turn)
-    sine, cosine = np.imag(away * np.conj(normal * turn)), np.real(away * np.conj(normal * turn))
+    steep = follower.pressure_angle(orders[0], profile * turn, normal * turn)
     tip = follower.tip_radius if isinstance(follower, RoundTip) else None
     radius = follower.radius(theta, motion)
     # the curvature of a pitch curve, not the radius, is smooth where a hollow begins
     smooth = radius if tip is None else 1 / (radius + tip)
     bend = -_peak(-smooth, grids) if tip is None else 1 / peak - tip if (peak := _peak(smooth, grids)) > 0 else math.inf
     clear = float(np.min(follower.clear(theta, motion)))
-    return Survey(_peak(np.abs(np.arctan2(sine, cosine)), grids), bend, clear, theta, profile)
+    return Survey(_peak(steep, grids), bend, clear, theta, profile)
 
 
 def _peak(y: Floats, grids: list[Floats]) -> float:
@@ -99,20 +98,7 @@ def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float
     steep = cam.greatest(cam.steepness)[1]
     if not cam.greatest(lambda theta: -cam.follower.clear(theta, cam.program))[1] < 0:
         return -1.0
-    return min(pressure - steep, (least_convex(cam) - least_radius) / (abs(least_radius) or 1.0))
-
-
-def least_convex(cam: DiscCam[Follower]) -> float:
-    """Least radius of curvature of the untrimmed profile where it is to be convex, mm; below 0: undercut; inf: none."""
-
-    tip = cam.follower.tip_radius if isinstance(cam.follower, RoundTip) else None
-
-    def sharpness(theta: Floats) -> Floats:
-        radius = cam.radius(theta)
-        # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
-        return np.asarray(-radius if tip is None else np.where(radius + tip > 0, -radius, -np.inf))
-
-    return -cam.greatest(sharpness)[1]
+    return min(pressure - steep, (cam.least_radius - least_radius) / (abs(least_radius) or 1.0))
 
 
 def smallest(make: Callable[[float], DiscCam[Follower]], pressure: float, least_radius: float, low: float, high: float) -> float:

@@ -11,9 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
-from camgen.machine.model import Body, Floats, Points
-
-MM = 1e-3
+from camgen.machine.model import MM, Body, Floats, Points
 
 
 def with_weight(body: Body, mass: float, place: complex) -> Body:

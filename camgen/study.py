@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from camgen.geometry.outlines import Floats, Points
-from camgen.machine.model import GROUND
+from camgen.numerics import Floats, Points
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Sketch:
     name: str
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
-    body: str = GROUND
+    body: str = "ground"
 
 
 @dataclass(frozen=True)

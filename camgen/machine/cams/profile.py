@@ -10,7 +10,7 @@
                (cam)
                  O                                  the envelope runs CLOCKWISE round the cam as theta grows
 
-Followers are those of `tips`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
+What touches it is said in `followers`. Points are complex numbers, mm; a name ending in _cam is in the cam's frame.
 [Norton, Cam Design and Manufacturing Handbook, ch. 7]
 """
 
@@ -28,13 +28,12 @@ import numpy as np
 from typing_extensions import TypeVar
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Smooth, end_point, start_point
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Smooth, end_point, start_point
 from camgen.geometry.trimming import trim
-from camgen.machine.followers import FlatFace, Follower, Motion, RoundTip
-from camgen.machine.followers import SwingingArm as SwingingArm
-from camgen.motion.laws import Floats
+from camgen.machine.cams.followers import FlatFace, Follower, Motion, RoundTip
+from camgen.machine.cams.followers import SwingingArm as SwingingArm
 from camgen.motion.program import Program, Segment
-from camgen.numerics import greatest, sign_changes
+from camgen.numerics import Floats, Points, greatest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
@@ -90,9 +89,15 @@ class DiscCam(Generic[F]):
 
     @cached_property
     def least_radius(self) -> float:
-        """Smallest radius of curvature where the pitch curve is convex, corners aside, mm; a larger tip undercuts."""
-        bend = self.greatest(self.curvature)[1]
-        return 1 / bend if bend > 0 else math.inf
+        """Least radius of curvature of the untrimmed profile where it is to be convex, mm; below 0: undercut; inf: none."""
+        tip = self.follower.tip_radius if isinstance(self.follower, RoundTip) else None
+
+        def sharpness(theta: Floats) -> Floats:
+            radius = self.radius(theta)
+            # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
+            return np.asarray(-radius if tip is None else np.where(radius + tip > 0, -radius, -np.inf))
+
+        return -self.greatest(sharpness)[1]
 
     def profile(self, theta: Any, order: int = 0) -> Points:
         """Untrimmed envelope of the follower in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
@@ -101,7 +106,7 @@ class DiscCam(Generic[F]):
     def pressure_angle(self, theta: Any) -> Floats:
         """Angle between the contact normal and the follower's motion at the contact, rad, (n,), 0 or more.
 
-        Where the follower rides on an undercut's corner that is the contact. [Norton, ch. 7]
+        Where the follower rides on an undercut's corner that is the contact.
         """
         theta = np.asarray(theta, float)
         angle = self.steepness(theta)
@@ -109,15 +114,14 @@ class DiscCam(Generic[F]):
             inside = _within(theta, cut)
             point = cut.corner_cam * np.exp(1j * theta[inside])
             s = self.follower.resting_on(point)
-            away = self.follower.leaves * self.follower.velocity(s, point)
-            angle[inside] = np.abs(np.angle(away * np.conj(self.follower.normal_on(s, point))))
+            angle[inside] = self.follower.pressure_angle(s, point, self.follower.normal_on(s, point))
         return angle
 
     def steepness(self, theta: Any) -> Floats:
         """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
         turn = np.exp(1j * np.asarray(theta, float))
-        away = self.follower.leaves * self.follower.velocity(self.program(theta), self.profile(theta) * turn)
-        return np.asarray(np.abs(np.angle(away * np.conj(self.follower.normal(theta, self.program) * turn))))
+        normal = self.follower.normal(theta, self.program) * turn
+        return self.follower.pressure_angle(self.program(theta), self.profile(theta) * turn, normal)
 
     def groove(self, clearance: float = 0.0) -> Contour:
         """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.
