@@ -39,9 +39,12 @@ def solve(matrices: Floats, right: Floats) -> Floats:
     """
     n, size = right.shape[:2]
     several = right.reshape(n, size, -1)
-    table = np.empty((size, size + several.shape[2], n))  # row, column, system
-    table[:, :size], table[:, size:] = np.moveaxis(matrices, 0, -1), np.moveaxis(several, 0, -1)
-    filled = (table != 0).any(axis=2)
+    table = np.zeros((size, size + several.shape[2], n))  # row, column, system
+    filled = np.ones(table.shape[:2], bool)
+    filled[:, :size] = (matrices != 0).any(axis=0)
+    at = np.nonzero(filled[:, :size])
+    table[at], table[:, size:] = matrices[:, at[0], at[1]].T, np.moveaxis(several, 0, -1)  # most of a long chain's table is empty
+    filled[:, size:] = (table[:, size:] != 0).any(axis=2)
     found = np.full((size, several.shape[2], n), math.nan)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for k in range(size):

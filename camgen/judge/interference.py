@@ -33,7 +33,8 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
-from camgen.judge.slabs import PLANE, ROUND, Body, Course, Section, sections_of, shadow_of
+from camgen.judge.relative_motion import AT_REST, STRAIGHT, Motion
+from camgen.judge.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -48,8 +49,6 @@ _RINGS = 6  # into which a guest is cut, each half as wide as the one outside it
 _CORNERS = 128  # of a piece of the guest that is not cut any more
 _LAYERS = 4  # pairs of sections, beyond which their shadows are compared first, by at most
 _LONG = 1000  # stretches at once
-_AT_REST = 1e-6  # mm, a path that is no motion
-_STRAIGHT = 1e-6  # mm, and share of a turn, by which a guest that slides may be off its straight way
 
 Pair = frozenset[str]
 
@@ -72,80 +71,6 @@ class Clearance:
     at_rest: bool = False
 
 
-# ---- motion ----------------------------------------------------------------------------------------------------------
-
-
-class _Motion:
-    """How one body, the guest, moves as another, the home, sees it: home = shift + turn * guest, turn a unit complex number.
-
-    theta: (n,) the grid; turns, shifts: (n,) complex on it.
-    """
-
-    def __init__(self, home: Course, guest: Course, theta: Floats) -> None:
-        self.theta, self._courses = theta, (home, guest)
-        self.turns, self.shifts = self.at(theta)
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether there is no motion."""
-        ways = np.abs(self.turns - self.turns[0]), np.abs(self.shifts - self.shifts[0])
-        return bool(np.max(ways) < _AT_REST)
-
-    def at(self, theta: Floats) -> tuple[Points, Points]:
-        """Turn and shift at other angles."""
-        (alpha, p), (beta, q) = (course(theta) for course in self._courses)
-        back = np.exp(-1j * alpha)
-        return np.exp(1j * (beta - alpha)), (q - p) * back
-
-    @functools.cached_property
-    def calmest(self) -> complex:
-        """The point of the guest that moves least, by the mean square of its steps; a pin joint's centre."""
-        turned, shifted = np.diff(self.turns), np.diff(self.shifts)
-        weight = float(np.sum(np.abs(turned) ** 2))
-        return complex(-np.sum(np.conj(turned) * shifted) / weight) if weight > _AT_REST**2 else 0j
-
-    @functools.cached_property
-    def straight(self) -> tuple[complex, complex] | None:
-        """Ends of the shift of a guest that only slides on a straight line, bends between the grid's angles included."""
-        one = self.shifts[np.argmax(np.abs(self.shifts - self.shifts[0]))]
-        other = self.shifts[np.argmax(np.abs(self.shifts - one))]
-        way = complex(other - one)
-        if not abs(way) > _AT_REST or float(np.max(np.abs(self.turns - self.turns[0]))) > _STRAIGHT:
-            return None
-        along = way / abs(way)
-        beside = ((self.shifts - one) * along.conjugate()).imag
-        if float(np.max(np.abs(beside))) > _STRAIGHT:
-            return None
-        bend = float(np.max(np.abs(np.diff(self.shifts, 2)))) * along
-        return complex(one) - bend, complex(other) + bend
-
-    def path(self, centre: complex, reach: float) -> Floats:
-        """How far points of the guest, at most `reach` from a centre, have gone at most by each angle of the grid, (n,) mm."""
-        if centre not in self._gone:
-            self._gone[centre] = _gone(self.shifts + self.turns * centre)
-        return self._gone[centre] + reach * self._turned
-
-    @functools.cached_property
-    def _gone(self) -> dict[complex, Floats]:
-        return {}
-
-    @functools.cached_property
-    def _turned(self) -> Floats:
-        return _gone(self.turns)
-
-
-def _gone(places: Points) -> Floats:
-    """Bound of the way along a grid by each of its angles, (n,): the sum of chords, each with the greatest bend beside it.
-
-    A bend is a second difference. Half of it bounds what the speed in a step differs from its chord's where the second
-    derivative is no greater than at the four bends near by; a whole one is taken.
-    """
-    chords = np.diff(places)
-    bends = np.pad(np.abs(np.diff(chords)), 2, mode="edge")
-    near = np.max([bends[k : k + len(chords)] for k in range(4)], axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.abs(chords) + near)])
-
-
 class _Approach:
     """One section of each of two bodies, or a piece of one: decisions at many places of their path.
 
@@ -153,7 +78,7 @@ class _Approach:
     """
 
     def __init__(
-        self, motion: _Motion, home: Any, guest: Any, pad: float, allowed: float, facets: float, cut: int = 0
+        self, motion: Motion, home: Any, guest: Any, pad: float, allowed: float, facets: float, cut: int = 0
     ) -> None:
         import shapely
 
@@ -289,7 +214,7 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
     span = float(approach.path[-1])
     half = span / 2 / _START
     middle: Floats = np.linspace(half, span - half, _START)
-    if span < _AT_REST:
+    if span < AT_REST:
         middle, half = np.array([span / 2]), span / 2
     while len(middle):
         if len(middle) > most:
@@ -319,7 +244,7 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
                 near = within(placed, near, reach(half))
             kept.append(places[near])
         middle, half = np.concatenate(kept), half / 2
-        middle = np.sort(np.concatenate([middle - half, middle + half])) if span >= _AT_REST else middle[:0]
+        middle = np.sort(np.concatenate([middle - half, middle + half])) if span >= AT_REST else middle[:0]
     return True
 
 
@@ -327,7 +252,7 @@ def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) 
     """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
     if approach.empty or best.gap <= -approach.allowed:
         return
-    if approach.slides_clear(best.gap + approach.allowed + approach.facets + approach.pad - _STRAIGHT):
+    if approach.slides_clear(best.gap + approach.allowed + approach.facets + approach.pad - STRAIGHT):
         return
     if _search(approach, best, needed, resolution, _MANY if approach.divisible else math.inf):
         return
@@ -377,7 +302,7 @@ def swept(
     if len(set(names)) < len(names) or unknown or not all(value > 0 for value in contacts.values()):
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
     sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
-    seen = functools.cache(lambda home, guest: _Motion(home, guest, theta))  # bodies on one course move as one
+    seen = functools.cache(lambda home, guest: Motion(home, guest, theta))  # bodies on one course move as one
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
         level = [
@@ -399,7 +324,7 @@ def swept(
 
 
 def _least(
-    motions: tuple[_Motion, _Motion], level: Sequence[tuple[Section, Section]], allowed: float | None, needed: float,
+    motions: tuple[Motion, Motion], level: Sequence[tuple[Section, Section]], allowed: float | None, needed: float,
     resolution: float,
 ) -> tuple[_Best, float]:  # fmt: skip
     """Smallest gap of a pair's sections, and the one that is proven."""
@@ -429,10 +354,10 @@ def _least(
     return best, best.gap - resolution
 
 
-def _facing(motions: tuple[_Motion, _Motion], first: Section, second: Section, allowed: float) -> _Approach:
+def _facing(motions: tuple[Motion, Motion], first: Section, second: Section, allowed: float) -> _Approach:
     """Two sections for the search; the guest is the one that is looked at with less work."""
 
-    def seen(motion: _Motion, home: Section, guest: Section) -> _Approach:
+    def seen(motion: Motion, home: Section, guest: Section) -> _Approach:
         import shapely
 
         shrunk, facets = home.area.buffer(-allowed / 2) if allowed else home.area, home.facets + guest.facets
@@ -445,14 +370,14 @@ def _facing(motions: tuple[_Motion, _Motion], first: Section, second: Section, a
     return min(both, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))
 
 
-def _deepest(overlaps: Sequence[tuple[_Motion, Any, Any, Floats]], theta: float) -> tuple[float, float]:
+def _deepest(overlaps: Sequence[tuple[Motion, Any, Any, Floats]], theta: float) -> tuple[float, float]:
     """Diameter of the largest circle in the overlaps of a home and a guest at the angles given, mm, and its angle.
 
     A circle fits where both, shrunk by its radius, still meet.
     """
     import shapely
 
-    def deeper(depth: float) -> list[tuple[_Motion, Any, Any, Floats]]:
+    def deeper(depth: float) -> list[tuple[Motion, Any, Any, Floats]]:
         kept = []
         for motion, home, guest, angles in overlaps:
             a, b = home.buffer(-depth / 2), guest.buffer(-depth / 2)

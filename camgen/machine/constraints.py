@@ -163,12 +163,12 @@ class Constraints:
         for each in self.conditions:
             self._write(each, q, theta, rates, rows)
         n = len(q)
-        values, slopes, bends = np.zeros((n, self.height)), np.zeros((n, self.height, self.width)), np.zeros((n, self.height))
+        values, slopes, bends = np.zeros((n, self.height)), np.zeros((self.height, self.width, n)), np.zeros((n, self.height))
         for r in range(self.height):
             values[:, r], bends[:, r] = rows.values[r], rows.bends[r]
             for k, slope in rows.slopes[r].items():
-                slopes[:, r, k] = slope
-        return values, slopes, bends
+                slopes[r, k] = slope  # angles lie side by side: what stays empty costs nothing
+        return values, np.moveaxis(slopes, -1, 0), bends
 
     def _write(self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows) -> None:
         """Write down the conditions of one joint or drive."""
@@ -435,6 +435,8 @@ def _stretch(parts: Floats) -> Floats:
 def solved(matrices: Floats, right: Floats) -> Floats:
     """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one."""
     sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right.reshape(len(right), -1)).all(axis=1)
+    if sound.all():
+        return solve(matrices, right)
     found = np.full(right.shape, np.nan)
     found[sound] = solve(matrices[sound], right[sound])
     return found
