@@ -111,8 +111,8 @@ class StandingCams(Mechanism):
         return self.bench.bodies.mounts if self.standing else self._beside()
 
     def stand_ins(self) -> Sequence[StandIn]:
-        """The follower's tips, where they are not made."""
-        return () if self.standing else super().stand_ins()
+        """The follower's tips, where they are not made; a machine's motor."""
+        return self.bench.bodies.stand_ins() if self.standing else super().stand_ins()
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
