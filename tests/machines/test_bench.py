@@ -74,6 +74,9 @@ def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[st
     off = rows[column][(angle >= 160) & (angle <= 280)] - 12 * (1 - u + np.sin(math.tau * u) / math.tau)
     assert np.max(np.abs(off - (0 if "lift" in column else off[-1]))) < 2.5e-3
     assert ("extension spring" in bought(folder)) == sprung
+    tables = json.loads((folder / "report.json").read_text("utf-8"))["tables"]
+    steps = next(table for table in tables if table["title"].startswith("Assembly"))
+    assert ("extension spring" in steps["rows"][-1]) == sprung
 
 
 def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) -> None:
