@@ -17,6 +17,7 @@ from camgen.machines.linkage.tables import Parts
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.part import Part
+from camgen.study import Table
 
 
 class Sizes(Parts):
@@ -111,12 +112,22 @@ class StandingCams(Mechanism):
         return self.bench.bodies.mounts if self.standing else self._beside()
 
     def stand_ins(self) -> Sequence[StandIn]:
-        """The follower's tips, where they are not made."""
-        return () if self.standing else super().stand_ins()
+        """The follower's tips, where they are not made; a machine's motor."""
+        return self.bench.bodies.stand_ins() if self.standing else super().stand_ins()
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
         return self.bench.bought() if self.standing else ()
+
+    def steps(self) -> Table:
+        """By height, and at last the spring."""
+        table = super().steps()
+        if not self.standing or self.bench.spring is None:
+            return table
+        layout = self.bench.bodies.layout
+        z = layout.floor(layout.level["spring"] - layout.below(layout.springs["spring"]))
+        last = (len(table.rows) + 1, "extension spring", "Return spring, hooked under the heads of its pins", 1, z, "as bought")
+        return replace(table, rows=(*table.rows, last))
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

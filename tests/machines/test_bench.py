@@ -74,6 +74,9 @@ def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[st
     off = rows[column][(angle >= 160) & (angle <= 280)] - 12 * (1 - u + np.sin(math.tau * u) / math.tau)
     assert np.max(np.abs(off - (0 if "lift" in column else off[-1]))) < 2.5e-3
     assert ("extension spring" in bought(folder)) == sprung
+    tables = json.loads((folder / "report.json").read_text("utf-8"))["tables"]
+    steps = next(table for table in tables if table["title"].startswith("Assembly"))
+    assert ("extension spring" in steps["rows"][-1]) == sprung
 
 
 def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) -> None:
@@ -190,6 +193,36 @@ def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
     edit(drawing)
     drawing.saveas(path)
     assert "MOTION_ERROR" in failing(folder)
+
+
+def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
+    """NEMA 17: four screws M3 on a square of 31, a boss of 22 about the shaft; the shaft turns the crank."""
+    motor = ["parts.motor=nema-17", "parts.shaft_diameter=5"]
+    report = build(SPECS / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), motor)
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    folder = tmp_path / "linkage"
+    assert "NEMA 17 frame" in (folder / "linkage-parts.csv").read_text(encoding="utf-8")
+    assert not (folder / "linkage-shaft.dxf").exists()
+    drawing = ezdxf.readfile(folder / "linkage-ground.dxf")
+    circles = list(drawing.modelspace().query("CIRCLE"))
+    screws = [complex(*c.dxf.center.vec2) for c in circles if c.dxf.radius == pytest.approx(1.7)]
+    assert sorted((round(abs(z.real), 9), round(abs(z.imag), 9)) for z in screws) == [(15.5, 15.5)] * 4
+    seat = next(c for c in circles if abs(complex(*c.dxf.center.vec2)) < 1e-9)
+    assert seat.dxf.radius == pytest.approx(11)
+    seat.dxf.center = (0.03, 0.0)
+    drawing.saveas(folder / "linkage-ground.dxf")
+    assert "MOTION_ERROR" in failing(folder)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "said"),
+    [({"motor": "nema-17"}, "shaft_diameter: 6 - expected 5 mm"),
+     ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 2.0}, "base_thickness: 2 - expected at least 2.65"),
+     ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 200.0}, "base_thickness: 200 - .* that is sold")],
+)  # fmt: skip
+def test_a_motor_that_does_not_fit_is_told(sizes: dict[str, Any], said: str) -> None:
+    with pytest.raises(SpecError, match=said):
+        drive(bodies=sizes)
 
 
 def test_the_report_names_the_spring(sound: Path) -> None:

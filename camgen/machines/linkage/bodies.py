@@ -8,7 +8,8 @@
              a level the plate's pins have their heads under it and are pressed into their highest link; or a steel
              dowel with a cap pressed on
     spacer   round a pin, where levels between its links are empty
-    shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar
+    shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar;
+             what drives may be the shaft of a motor that is screwed under the plate
     gear     two wheels on shafts
     cam      over its follower, whose roller turns on a pin that is pressed into it; a groove's cam is three plates
     pen      a hole at a point that is an output and no pin
@@ -17,6 +18,7 @@
 from __future__ import annotations
 
 import cmath
+import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -28,10 +30,10 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces
+from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces, StandIn
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, Bought, dowel
+from camgen.parts.catalogue import STEEL, Bought, dowel, nut
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -39,6 +41,7 @@ from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
 _MM = 1e-3
+_HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 _ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin"}
 
 Placed = tuple[Part, Mount]
@@ -94,10 +97,26 @@ class Bodies:
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
-        p = self.sizes
+        p, face = self.sizes, self.sizes.face
         screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
-        drive = f"{turning}, for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
-        return [Bought("drive", "", drive, 1), Bought("screw of the plate, from behind", "", screw, 2)]
+        shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
+        motors = [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
+        if face is not None:
+            reach = self.layout.top(max(self.layout.levels_at(self.layout.shaft_of(self.layout.driven))))
+            frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
+            length = face.screw_length(p.base_thickness - p.pocket)
+            motors = [Bought("drive", face.standard, frame, 1),
+                      Bought("screw of the motor", face.screw.standard, f"{face.screw.thread} x {length:g}", 4)]  # fmt: skip
+            motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
+        return [*motors, Bought("screw of the plate, from behind", "", screw, 2)]
+
+    def stand_ins(self) -> list[StandIn]:
+        """The motor under the plate."""
+        face = self.sizes.face
+        if face is None:
+            return []
+        at = self.layout.at(GROUND, self.layout.shaft_of(self.layout.driven))
+        return [StandIn("motor", GROUND, ((at, math.sqrt(2) * face.half, -2 * face.half, 0.0),))]
 
     # ---- links and plate --------------------------------------------------------------------------------------------
 
@@ -143,7 +162,15 @@ class Bodies:
         hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
         screw = self.sizes.mount_diameter / 2
         under = self._collar + self.sizes.mount_diameter  # a screw's head beside the collar
+        face, motor = self.sizes.face, points[layout.shaft_of(layout.driven)]
         beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts)]
+        pockets = {}
+        if face is not None:
+            beside.append((motor, math.sqrt(2) * face.half + self.sizes.mount_diameter))
+            wide = (face.screw.head + _HEAD_ROOM) / 2
+            hubs += [(motor + z, wide + self.sizes.wall) for z in face.screws]
+            holes |= {f"motor screw {k}": circle(motor + z, face.screw.clearance / 2) for k, z in enumerate(face.screws, 1)}
+            pockets = {f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)}
         pairs = [(a, b) for a in beside for b in beside]
         a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
         way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
@@ -152,8 +179,12 @@ class Bodies:
         outer = hull([*hubs, *((z, screw + self.sizes.wall) for z in screws)])
         region = plate("ground plate", outer, holes, self.min_wall)
         floor = self.sizes.base_thickness
+        layers = [Layer(region, 0.0, floor)]
+        if pockets:
+            under, region = floor - self.sizes.pocket, plate("ground plate", outer, holes | pockets, self.min_wall)
+            layers = [Layer(layers[0].region, 0.0, under), Layer(region, under, floor)]
         return Part(
-            part_name(GROUND), "Ground plate", (Layer(region, 0.0, floor), *self._rails(GROUND, floor)),
+            part_name(GROUND), "Ground plate", (*layers, *self._rails(GROUND, floor)),
             centres=(*points.values(), *screws), min_wall=self.min_wall,
             notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)),
         )  # fmt: skip
@@ -174,7 +205,9 @@ class Bodies:
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
         held = sorted(layout.levels_at(point))
         at, top = layout.at(body, point), layout.top(held[-1])
-        if point in layout.shafts:
+        if layout.on_motor(point, GROUND):
+            pass  # the motor's own shaft
+        elif point in layout.shafts:
             yield self._shaft(body, top, at)
             ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
             collar = Part(
@@ -320,7 +353,10 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = self._point_of(joint)
                 fixed = layout.pressed_in(point)
-                pin = Eye(on[fixed, layout.at(fixed, point)], 0j, layout.turning(point), True)
+                if layout.on_motor(point, GROUND):  # its boss in the plate, its shaft in the link: the mean counts twice
+                    pin = Eye(None, 0j, (layout.sizes.face.boss + layout.turning(point)) / 2, True)  # type: ignore[union-attr]
+                else:
+                    pin = Eye(on[fixed, layout.at(fixed, point)], 0j, layout.turning(point), True)
                 if isinstance(joint, m.Slot):
                     middle = sum(layout.slots_of(b)[point]) / 2
                     walls = Faces(part_name(b), middle, joint.angle, layout.hole(point, b))

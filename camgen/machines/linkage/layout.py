@@ -177,6 +177,8 @@ class Layout:
     @cached_property
     def under_plate(self) -> set[str]:
         """Points whose pin has its head under the plate."""
+        if self.sizes.face is not None:
+            return set()
         grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
         return {point for point in grounded - self.hooked if point not in self.slots} if self.sunk else set()
 
@@ -195,6 +197,10 @@ class Layout:
                 if name not in self.pivots:
                     found[name] = body.name
         return found
+
+    def on_motor(self, point: str, link: str) -> bool:
+        """Whether a hole is the plate's for the motor's boss."""
+        return self.sizes.face is not None and link == GROUND and self.shafts.get(point) == self.driven
 
     # ---- holes and hubs -----------------------------------------------------------------------------------------------
 
@@ -219,16 +225,21 @@ class Layout:
         """Diameter of a link's hole at a point, mm."""
         if point in self.pens:
             return self.sizes.pen_diameter
+        if self.on_motor(point, link):
+            return self.sizes.face.boss + self.fit(point, link)  # type: ignore[union-attr]
         return self.turning(point) + self.fit(point, link)
 
     def fit(self, point: str, link: str) -> float:
         """Diametral fit of a link's hole at a point, mm."""
-        return self.fits.press_clearance if link == self.pressed_in(point) else self.fits.slide_clearance
+        fixed = link == self.pressed_in(point) or self.on_motor(point, link)
+        return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         wide = max(self.fits.press_clearance, self.fits.slide_clearance)
         hole = self.sizes.pen_diameter if point in self.pens else self.turning(point) + wide
+        if self.on_motor(point, link):
+            hole = self.hole(point, link)
         return (self.sizes.shape(link).hub_diameter or hole + 2 * self.sizes.wall) / 2
 
     def points_of(self, link: str) -> dict[str, complex]:

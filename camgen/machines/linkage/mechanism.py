@@ -276,8 +276,8 @@ class Linkage(Mechanism):
         return [pair for each in self.modules for pair in each.apart()]
 
     def stand_ins(self) -> Sequence[StandIn]:
-        """What is in the way and not made, of included machines."""
-        return [thing for each in self.modules for thing in each.stand_ins()]
+        """What is in the way and not made: a motor, and what included machines have."""
+        return [*self.bodies.stand_ins(), *(thing for each in self.modules for thing in each.stand_ins())]
 
     @cached_property
     def _features(self) -> Sequence[Feature]:

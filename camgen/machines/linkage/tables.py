@@ -16,8 +16,10 @@ from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS
+from camgen.parts.catalogue import DOWELS, MOTOR_FACES, MotorFace
 from camgen.spec import Length, Record, Rpm, turning, unknown
+
+_SUNK = 0.2  # mm, by which a screw's head lies below the surface
 
 Name = Annotated[
     str,
@@ -205,6 +207,9 @@ class Parts(Record):
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
+    motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
+        "none", description="screwed under the plate, its own shaft drives"
+    )
     rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
     mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
@@ -215,6 +220,16 @@ class Parts(Record):
         """What is special to a link."""
         return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
 
+    @property
+    def face(self) -> MotorFace | None:
+        """Of the motor under the plate."""
+        return MOTOR_FACES.get(self.motor)
+
+    @property
+    def pocket(self) -> float:
+        """Depth of the pockets for the heads of its screws, mm."""
+        return 0.0 if self.face is None else self.face.screw.height + _SUNK
+
     def faults(self, links: Iterable[str], nozzle: float) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
         known = [*type(self).model_fields, *links]
@@ -223,6 +238,17 @@ class Parts(Record):
         if self.pin == "dowel" and self.pin_diameter not in DOWELS:
             right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
             found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if self.face is not None:
+            if self.shaft_diameter != self.face.shaft:
+                right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"
+                found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
+            if self.base_thickness < self.pocket + 2 * nozzle:
+                right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
+                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+            grip, screw = self.base_thickness - self.pocket, self.face.screw
+            if self.face.screw_length(grip) < grip + screw.nominal / 2:
+                right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
+                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))
