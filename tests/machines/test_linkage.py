@@ -260,7 +260,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["parts"].update(rocker={"hub_diametr": 3}), SpecError, "'hub_diameter'"),
         (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
-        (many, SpecError, "at most 200"),
+        (many, SpecError, "at most 60"),
         (long_crank, DesignError, "drive.range_deg = ["),
         (lambda e: e.update(gear=[{"a": "crank", "b": "rocker", "ratio": 2}]), DesignError, "1 time too often"),
         (lambda e: long_crank(e, range_deg=[-40, 170]), DesignError, "drive.range_deg"),

@@ -25,7 +25,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
 from camgen.spec import unknown
 
-MOST_LINKS = 200
+MOST_LINKS = 60  # they close together: the time grows with the cube of their number, 40 take a third of a minute
 GROUND = m.GROUND
 
 
@@ -100,7 +100,8 @@ class Drawing:
             near = next((name for name in self.links if name.lower() in ("ground", "frame", "base", "fixed")), None)
             yield Fault("links.ground", "", "missing: the link that stands still, by its points", near)
         if len(self.links) > MOST_LINKS:
-            yield Fault("links", f"{len(self.links)} links", f"at most {MOST_LINKS}")
+            right = f"at most {MOST_LINKS}, more would take many minutes: part the machine, and join it by [[include]]"
+            yield Fault("links", f"{len(self.links)} links", right)
         for name, points in self.links.items():
             for k, point in enumerate(points):
                 if point not in self.points:
