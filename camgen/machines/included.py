@@ -103,7 +103,14 @@ class Included:
     def bought(self) -> Sequence[Bought]:
         """What is bought for it; what turns the shaft is bought once."""
         name = self.module.prefix
-        return [replace(each, name=f"{each.name}, {name}") for each in self.mechanism.bought() if each.name not in _DRIVES]
+        turned = Bought(f"coupling or toothed belt 1 : 1, {name}", "", "turns its shaft with the machine's; not made", 1)
+        own = [replace(each, name=f"{each.name}, {name}") for each in self.mechanism.bought() if each.name not in _DRIVES]
+        return [*([turned] if self._shafts else []), *own]
+
+    @property
+    def _shafts(self) -> bool:
+        """Whether it has a shaft of its own to be turned."""
+        return any(part.name == "shaft" for part in self.mechanism.parts())
 
     # ---- answers ----------------------------------------------------------------------------------------------------
 
@@ -140,7 +147,10 @@ class Included:
 
     def _fastened(self) -> list[str]:
         """What a builder joins: a body that rides has no hole or post of its own for it."""
-        return [f"{self.module.prefix}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
+        name = self.module.prefix
+        plate = f"{name} stands by itself, {self.module.z:g} mm up: nothing is made that joins its plate and shaft to the rest."
+        rides = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
+        return [*([plate] if self._shafts else []), *rides]
 
     def _told(self) -> list[str]:
         """Where it was read, if not beside the spec."""
@@ -206,7 +216,7 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
         if isinstance(each.spec, str):
             found.append(Fault(f"{path}.spec", each.spec, "its tables: only a spec in a file can name another file"))
             continue
-        if "include" in each.spec:
+        if each.spec.get("include"):
             right = "a machine that includes none, so that none includes itself: name all side by side"
             found.append(Fault(f"{path}.spec", f"{each.source or names[k]}, which has [[include]]", right))
             continue

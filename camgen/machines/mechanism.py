@@ -203,12 +203,18 @@ class Mechanism(Spec, ABC):
         return [part for part in self.parts() if part.made == "printed"]
 
     def steps(self) -> Table:
-        """In which order it goes together: unless a machine says more, its parts by the height of their undersides."""
-        poses, parts = self.poses(np.zeros(1)), self.parts()
-        copies = Counter((round(pose.z, 6) + 0.0, k, pose.flipped) for k, part in enumerate(parts) for pose in poses[part.name])
+        """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
+        turned over, such as a pin with its head up, comes from above: by its top."""
+        parts, mounts = {part.name: (k, part) for k, part in enumerate(self.parts())}, self.mounts()
+        copies: Counter[tuple[float, int, bool, float]] = Counter()
+        for mount in mounts:
+            k, part = parts[mount.part]
+            height = mount.z + (part.thickness if mount.flipped else 0.0)
+            copies[round(height, 6) + 0.0, k, mount.flipped, round(mount.z, 6) + 0.0] += 1
+        listed = [part for _, part in parts.values()]
         rows = [
-            (step, parts[k].name, parts[k].title, count, z, "turned over" if over else "as drawn")
-            for step, ((z, k, over), count) in enumerate(sorted(copies.items()), 1)
+            (step, listed[k].name, listed[k].title, count, z, "turned over" if over else "as drawn")
+            for step, ((_, k, over, z), count) in enumerate(sorted(copies.items()), 1)
         ]
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height alone", columns, rows)

@@ -99,6 +99,16 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
     assert any("coupler-1" in f.where and "thread-take-up-bell-crank-1" in f.where for f in failed)
 
 
+def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
+    """With all its defaults filled in, among them an empty list of includes."""
+    data = include(root, tables, {"spec": "quick-return.toml", "at": [0, 300]})
+    again = read_mechanism(read_mechanism(data).resolved().model_dump(by_alias=True, exclude_none=True))
+    names = {part.name for part in again.parts()}
+    assert {"quick-return-ram", "quick-return-arm", "coupler"} <= names
+    bought = [each.name for each in again.bought()]
+    assert "coupling or toothed belt 1 : 1, quick_return" in bought and bought.count("drive") == 1
+
+
 @pytest.mark.parametrize(
     ("change", "key", "said"),
     [

@@ -71,6 +71,11 @@ def study(linkage: Linkage) -> Study:
         numbers["grashof_margin_mm"] = bar.margin
         notes.append(f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
                      f"{bar.margin:.6g} mm.")  # fmt: skip
+    for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
+        figure = f"hold_{cam.name.replace(' ', '_')}"
+        notes.append(f"{cam.name} is held by force: no spring is made for it; {figure} is the least that it needs.")
+    for slide in (joint for joint in linkage.chain.joints if isinstance(joint, m.Slide)):
+        notes.append(f"{slide.runner.body} slides between rails that are open above: what lies on its pins alone holds it down.")
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
