@@ -38,7 +38,7 @@ def solve(matrices: Floats, right: Floats) -> Floats:
     one shaft none.
     """
     n, size = right.shape[:2]
-    several = right.reshape(n, size, -1)
+    several = right.reshape(n, size, math.prod(right.shape[2:]))
     table = np.zeros((size, size + several.shape[2], n))  # row, column, system
     filled = np.ones(table.shape[:2], bool)
     filled[:, :size] = (matrices != 0).any(axis=0)

@@ -46,6 +46,11 @@ def test_systems_with_zeros_and_several_right_sides_are_numpy_s(share: float) ->
         np.testing.assert_array_equal(found[:, :, 1], solve(matrices, right[:, :, 1]))
 
 
+def test_no_system_has_no_solution() -> None:
+    assert solve(np.zeros((0, 3, 3)), np.zeros((0, 3))).shape == (0, 3)
+    assert solve(np.zeros((0, 3, 3)), np.zeros((0, 3, 2))).shape == (0, 3, 2)
+
+
 def test_a_singular_system_is_nan_and_spoils_no_other() -> None:
     matrices = np.array([[[1.0, 2.0], [2.0, 4.0]], [[2.0, 0.0], [0.0, 4.0]]])
     found = solve(matrices, np.ones((2, 2)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -161,7 +162,7 @@ class Readings:
 
 def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bool) -> Readings:
     """Measure all features in the sections of the parts' files."""
-    found = Readings()
+    found, files = Readings(), defaultdict(list, files)  # nothing is found in a part that could not be read
     tips = {feature.tip for feature in features if isinstance(feature, CamOutline)}
     for eye in dict.fromkeys(eye for feature in features for eye in eyes(feature)):
         if eye.part is None or not eye.diameter:

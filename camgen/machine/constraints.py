@@ -434,7 +434,7 @@ def _stretch(parts: Floats) -> Floats:
 
 def solved(matrices: Floats, right: Floats) -> Floats:
     """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one."""
-    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right.reshape(len(right), -1)).all(axis=1)
+    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=tuple(range(1, right.ndim)))
     if sound.all():
         return solve(matrices, right)
     found = np.full(right.shape, np.nan)

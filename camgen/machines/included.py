@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -162,6 +163,19 @@ def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float,
     """From where to where each copy reaches in the assembly, mm."""
     thick = {part.name: part.thickness for part in parts}
     return [(mount.z, mount.z + thick[mount.part]) for mount in mounts]
+
+
+def distinct(parts: Sequence[Part], machine: Callable[[], Machine]) -> None:
+    """Raise SpecError where a name of an included machine is one of another machine, of its parts or in the model."""
+    right = "a name of its own in front of each included machine's names: give the include another one"
+    count = Counter(part.name.lower() for part in parts)
+    twice = [name for name, number in count.items() if number > 1]
+    if twice:
+        raise SpecError([Fault("include.name", f"part {twice[0]} twice", right)])
+    try:
+        machine()
+    except ValueError as told:
+        raise SpecError([Fault("include.name", str(told), right)]) from None
 
 
 def stacked(

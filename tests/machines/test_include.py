@@ -129,6 +129,13 @@ def test_wrong_include_is_told_by_its_key(
     assert said in told.value.faults[0].expected
 
 
+def test_names_that_meet_those_of_the_host_are_told(root: Path, tables: dict[str, Any]) -> None:
+    tables["output"][0]["name"] = "thread_take_up_feed"
+    with pytest.raises(SpecError) as told:
+        read_mechanism(include(root, tables, {"spec": "thread-take-up.toml"})).parts()
+    assert [fault.path for fault in told.value.faults] == ["include.name"] and "thread_take_up_feed" in str(told.value)
+
+
 def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str, Any]) -> None:
     both = include(root, tables, {"spec": "thread-take-up.toml"}, {"spec": "thread-take-up.toml", "at": [0, 300]})
     both["include"][0]["spec"]["geometry"]["frame"] = -4

@@ -261,6 +261,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
         (many, SpecError, "at most 60"),
+        (lambda e: e["links"].update(ROCKER=["C", "B"]), SpecError, "capitals alone"),
         (long_crank, DesignError, "drive.range_deg = ["),
         (lambda e: e.update(gear=[{"a": "crank", "b": "rocker", "ratio": 2}]), DesignError, "1 time too often"),
         (lambda e: long_crank(e, range_deg=[-40, 170]), DesignError, "drive.range_deg"),
@@ -274,6 +275,14 @@ def test_bad_specs(
     with pytest.raises(kind) as caught:
         validate(Linkage, four_bar).chain  # noqa: B018
     assert said in str(caught.value) and caught.value.exit_code == (2 if kind is SpecError else 3)
+
+
+def test_links_called_as_what_is_made_have_parts_of_their_own(four_bar: dict[str, Any]) -> None:
+    names = {"crank": "shaft", "coupler": "collar", "rocker": "plate"}
+    four_bar["links"] = {names.get(name, name): points for name, points in four_bar["links"].items()}
+    four_bar["drive"]["link"], four_bar["output"][1]["link"] = "shaft", "plate"
+    parts = [part.name for part in validate(Linkage, four_bar).parts()]
+    assert len(set(parts)) == len(parts) and {"link-shaft", "link-collar", "link-plate", "shaft", "collar"} <= set(parts)
 
 
 def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:

@@ -432,5 +432,6 @@ class Bodies:
 
 
 def part_name(link: str) -> str:
-    """Name of a link's part: such that its files are not taken for those of the whole machine."""
-    return f"link-{link}" if link.lower().startswith(("plate", "assembly", "parts")) else link
+    """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar")
+    return f"link-{link}" if taken else link

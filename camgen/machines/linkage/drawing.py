@@ -102,6 +102,11 @@ class Drawing:
         if len(self.links) > MOST_LINKS:
             right = f"at most {MOST_LINKS}, more would take many minutes: part the machine, and join it by [[include]]"
             yield Fault("links", f"{len(self.links)} links", right)
+        seen: dict[str, str] = {}
+        for name in self.links:
+            if seen.setdefault(name.lower(), name) != name:
+                right = f"another name: {seen[name.lower()]} differs in its capitals alone, and so would their files"
+                yield Fault(f"links.{name}", "", right)
         for name, points in self.links.items():
             for k, point in enumerate(points):
                 if point not in self.points:

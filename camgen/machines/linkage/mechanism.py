@@ -129,7 +129,10 @@ class Linkage(Mechanism):
             return ()
         host = self.model_dump(by_alias=True, exclude_none=True)
         top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        return inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
+        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
+        parts = (*self.bodies.parts, *(part for each in found for part in each.parts))
+        inc.distinct(parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        return found
 
     @cached_property
     def _fitted(self) -> m.Machine:

@@ -40,7 +40,7 @@ class DriveSegment(Record):
 
     kind: Literal["rise", "dwell", "return"] = Field(description="a return turns the driven link clockwise")
     span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the period")
-    lift_deg: Annotated[float, Field(gt=0, le=3600)] | None = Field(None, description="deg, how far the driven link turns")
+    lift_deg: Annotated[float, Field(ge=1e-3, le=3600)] | None = Field(None, description="deg, how far the driven link turns")
     to_deg: Annotated[float, Field(ge=-3600, le=3600)] | None = Field(None, description="deg, or where it ends")
     law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
 
@@ -114,7 +114,7 @@ class CamSegment(Record):
     span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the cam's turn")
     lift: Length | None = Field(None, description="mm, how far a follower slides")
     to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(None, description="mm, or where it ends")
-    lift_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(None, description="deg, how far a follower swings")
+    lift_deg: Annotated[float, Field(ge=1e-3, le=180)] | None = Field(None, description="deg, how far a follower swings")
     to_deg: Annotated[float, Field(ge=-180, le=180)] | None = Field(None, description="deg, or where it ends")
     law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
 
