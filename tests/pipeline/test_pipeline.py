@@ -120,7 +120,8 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
         told[part] += count
         assert (z, lies == "turned over") in [(pytest.approx(pose.z), pose.flipped) for pose in poses[part]]
     assert told == +copies
-    heights = [row[4] for row in steps.rows]
+    thick = {part.name: part.thickness for part in machine.parts()}  # what is turned over comes from above
+    heights = [round(z + thick[part] * (lies == "turned over"), 6) for _, part, _, _, z, lies in steps.rows]
     assert heights == sorted(heights)
 
 
