@@ -24,7 +24,7 @@ from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-NAMES = sorted({path.stem for path in SPECS.glob("*.toml")} - {"stitch-head"})  # its parts are the others'
+NAMES = sorted(path.stem for path in SPECS.glob("*.toml"))
 FACETS = 0.02  # mm, of the solids and of what is read from the sheets
 # Widths of LibreCAD's standard.lff in ninths of the height of capitals, each with its letter spacing of 3; the space has 6.75.
 CAD_WIDTHS = {
@@ -82,7 +82,8 @@ def views(sheet: Drawn) -> tuple[list[shapely.Polygon], list[shapely.Polygon], l
     for entity in sheet.space.query("LWPOLYLINE CIRCLE"):
         if entity.dxf.layer not in ("CUT", "VIEW", "HIDDEN"):
             continue
-        line = ezdxf.path.make_path(entity).flattening(5e-4)
+        # a path's splines leave a large circle by 3e-4 of its radius
+        line = (entity if entity.dxftype() == "CIRCLE" else ezdxf.path.make_path(entity)).flattening(5e-4)
         ring = shapely.Polygon([(v.x, v.y) for v in line]).buffer(0)
         found[1 if ring.bounds[0] > right + 1e-6 else 2 if ring.bounds[3] < low - 1e-6 else 0].append(ring)
     return found  # type: ignore[return-value]

@@ -375,7 +375,10 @@ def test_hull_reaches_as_far_as_its_discs(discs: list[tuple[complex, float]]) ->
     away = shapely.distance(shape, shapely.points(places.real, places.imag))
     depth = shapely.distance(shape.exterior, shapely.points(places.real, places.imag))
     signed = np.where(away > 0, away, -depth)
-    np.testing.assert_allclose(clearance(discs, places), signed, rtol=1e-4, atol=0.01)
+    short = signed - clearance(discs, places)
+    reach = np.max(np.abs(places[:, None] - [centre for centre, _ in discs]), axis=1)
+    between = 1 - math.cos(math.pi / 240)  # of 240 normals the nearest is half of 1.5 deg off
+    assert np.all(short <= between * reach + 2e-3) and np.all(short >= -2e-3)  # the band is as near as above
 
 
 @pytest.mark.parametrize(

@@ -205,9 +205,8 @@ class Bodies:
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
         held = sorted(layout.levels_at(point))
         at, top = layout.at(body, point), layout.top(held[-1])
-        if layout.on_motor(point, GROUND):
-            pass  # the motor's own shaft
-        elif point in layout.shafts:
+        bought = layout.on_motor(point, GROUND)  # the motor's own shaft
+        if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
             ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
             collar = Part(
@@ -215,7 +214,7 @@ class Bodies:
                 notes=("pressed and glued on the shaft under the plate",),
             )  # fmt: skip
             yield collar, Mount("collar", body, at, z=-play - s.thickness)
-        else:
+        elif not bought:
             bottom, hung = layout.floor(held[0]), point in layout.hung
             grip = top + play - bottom
             if s.pin == "printed":
