@@ -229,18 +229,19 @@ class Cluster:
     def __call__(self, task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where there is no scheduler, or it is lost."""
         try:
-            from distributed import Client, as_completed
+            import distributed
         except ImportError:
             raise FileError(self.address, "needs Dask: pip install 'camgen[cluster]'") from None
+        cluster: Any = distributed  # without types
         try:
-            with Client(self.address, timeout=10, set_as_default=False) as client:
+            with cluster.Client(self.address, timeout=10) as client:
                 held = client.scatter(task, broadcast=True)
 
                 def submit(chunk: range) -> Any:
                     return client.submit(_judge_chunk, held, chunk, key=f"camgen-{task.digest}-{chunk.start}-{chunk.stop}")
 
                 most = 4 * max(sum(client.nthreads().values()), 1)
-                running = as_completed([submit(chunk) for chunk in islice(chunks, most)])
+                running = cluster.as_completed([submit(chunk) for chunk in islice(chunks, most)])
                 for future in running:
                     yield future.result()
                     for chunk in islice(chunks, 1):
@@ -248,7 +249,9 @@ class Cluster:
         except CamgenError:
             raise
         except Exception as error:
-            raise FileError(self.address, f"the scheduler cannot be reached or is lost: {error or type(error).__name__}") from None
+            why = str(error).partition("\n")[0] or type(error).__name__
+            said = f"the scheduler cannot be reached or is lost, what is done is kept: {why}"
+            raise FileError(self.address, said) from None
 
 
 # ---- the whole -------------------------------------------------------------------------------------------------------
@@ -288,8 +291,9 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
     each = time.perf_counter() - began
     _refuse_unknown(task, first)
     if count > MOST:
-        hours = count * each / max(jobs, 1) / 3600
-        most = f"at most {MOST:,}; at {1e3 * each:.0f} ms a variant they would take {hours:,.0f} h on {jobs} cores; --latin N samples"
+        cores = "one core" if jobs < 2 else f"{jobs} cores"
+        took = f"at {1e3 * each:.0f} ms each they would take {count * each / max(jobs, 1) / 3600:,.0f} h on {cores}"
+        most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
         raise SpecError([Fault("--vary", f"{count:,} variants", most)], "command line")
     journal = Journal(table.with_name(table.name + ".journal"), task)
     try:
@@ -325,7 +329,7 @@ def _refuse_unknown(task: Task, first: Row) -> None:
         try:
             changed(*asked)
         except SpecError as error:
-            faults = [fault for fault in error.faults if fault.expected.startswith("unknown key")]
+            faults = [f for f in error.faults if f.expected.startswith("unknown key") or f.path.startswith("--set")]
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:

@@ -44,7 +44,8 @@ class Axis:
 
 
 def _text(low: float, high: float, u: float) -> str:
-    return repr(float(f"{low * (1 - u) + high * u:.12g}"))
+    value = low * (1 - u) + high * u
+    return repr(float(f"{value:.12g}") if abs(value) > 1e-12 * (high - low) else 0.0)
 
 
 def axis(text: str) -> Axis:
@@ -97,7 +98,7 @@ class Variants:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        faults = []
+        faults: list[Fault] = []
         keys = [each.key for each in self.axes]
         twice = sorted({key for key in keys if keys.count(key) > 1})
         if not keys:
@@ -143,7 +144,8 @@ class Variants:
 
 def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0) -> Variants:
     """The variants that a command line asks for; SpecError with what is wrong with it."""
-    faults, axes = [], []
+    faults: list[Fault] = []
+    axes: list[Axis] = []
     for text in texts:
         try:
             axes.append(axis(text))

@@ -17,7 +17,8 @@ MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
 
 def write_page(
-    path: Path, name: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]], count: int
+    path: Path, name: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
+    count: int,
 ) -> None:  # fmt: skip
     """Write the page of a sweep of `count` rows; keys: the columns that were varied."""
     step = -(-count // MOST)
