@@ -283,15 +283,18 @@ def schema(mechanism: str) -> None:
 
 @cli.command()
 def selftest() -> None:
-    """Print published constants beside those computed here; exit 1 if one is off."""
+    """Print published constants, and what the five papers print, beside ours; exit 1 if one is off."""
     from camgen.machines.selftest import rows
 
-    click.echo(f"{'constant':<44}{'published':>18}{'here':>20}")
+    click.echo(f"{'constant':<52}{'published':>14}{'here':>16}  verdict")
     found = list(rows())
     for row in found:
-        click.echo(f"{row.what:<44}{row.published:>18}{row.ours:>20.10g}{'' if row.ok else '  OFF'}")
+        click.echo(f"{row.what:<52}{row.published:>14}{0.0 if abs(row.ours) < 1e-12 else row.ours:>16.10g}  {row.verdict}")
     off = sum(not row.ok for row in found)
-    click.echo(f"{off} of {len(found)} constants are OFF" if off else f"{len(found)} constants agree")
+    refuted, undecided = sum(bool(row.refuted) for row in found), sum(bool(row.undecided) for row in found)
+    sources = f"{refuted} printed values are refuted, {undecided} cannot be decided from their sources"
+    agree = f"{len(found) - refuted - undecided} constants agree; {sources}"
+    click.echo(f"{off} of {len(found)} constants are OFF" if off else agree)
     raise click.exceptions.Exit(1 if off else 0)
 
 

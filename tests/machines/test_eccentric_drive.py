@@ -301,3 +301,23 @@ def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
     lash = next(f for f in report.findings if f.code == "LASH")
     # by hand: strap and pin 0.4 each way, the guide's share under 1 %; half of the stroke of 0.8
     assert not lash.ok and lash.measured == pytest.approx(1.6, rel=0.01) and lash.limit == pytest.approx(0.4, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "settings, fails",
+    [
+        (["limits.stroke=[2, 3]"], []),  # twice 1.5 mm is just 3
+        (["limits.stroke=[2, 2.9]"], ["STROKE"]),
+        (["limits.stroke=[3.1, 4]"], ["STROKE"]),
+        (["limits.strokes_per_s=[3, 4]"], ["STROKE_RATE"]),  # 13000 rpm is 216.7 a second
+        (["limits.strokes_per_s=[3, 4]", "motor.speed_rpm=-217"], []),
+    ],
+)
+def test_what_the_task_asks_for_is_judged(settings: list[str], fails: list[str]) -> None:
+    made = pipeline.read_mechanism(Path(__file__).parents[2] / "specs" / "eccentric-drive.toml", settings)
+    assert [f.code for f in made.limits() if not f.ok] == fails
+
+
+def test_a_band_upside_down_is_a_fault() -> None:
+    with pytest.raises(SpecError, match="limits.stroke"):
+        pipeline.read_mechanism(Path(__file__).parents[2] / "specs" / "eccentric-drive.toml", ["limits.stroke=[3, 2]"])
