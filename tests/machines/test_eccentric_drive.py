@@ -134,7 +134,7 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
 @pytest.mark.parametrize("keys", MACHINES)
 def test_other_machines_build_and_move_as_asked(keys: dict[str, Any], tmp_path: Path) -> None:
     overrides = [f"{path.replace('__', '.')}={value}" for path, value in keys.items()]
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), overrides)
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*overrides, "limits.stroke=[1, 10]"])
     assert [f for f in report.findings if not f.ok] == []
 
 
@@ -314,10 +314,10 @@ def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
     ],
 )
 def test_what_the_task_asks_for_is_judged(settings: list[str], fails: list[str]) -> None:
-    made = pipeline.read_mechanism(Path(__file__).parents[2] / "specs" / "eccentric-drive.toml", settings)
+    made = pipeline.read_mechanism(SPEC, settings)
     assert [f.code for f in made.limits() if not f.ok] == fails
 
 
 def test_a_band_upside_down_is_a_fault() -> None:
     with pytest.raises(SpecError, match="limits.stroke"):
-        pipeline.read_mechanism(Path(__file__).parents[2] / "specs" / "eccentric-drive.toml", ["limits.stroke=[3, 2]"])
+        pipeline.read_mechanism(SPEC, ["limits.stroke=[3, 2]"])
