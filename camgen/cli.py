@@ -20,13 +20,13 @@ import click
 
 from camgen import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
-from camgen.files.formats import FORMATS
+from camgen.files.formats import FORMATS, USUAL
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
     from camgen.report.report import Report
 
-KINDS = (*FORMATS, "report")
+KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 _EXIT_CODES = """\b
@@ -47,9 +47,9 @@ def _kinds(context: click.Context, parameter: click.Parameter, value: str | None
     if value is None:
         return frozenset(KINDS)
     kinds = frozenset(kind.strip() for kind in value.split(","))
-    wrong = sorted(kinds - set(KINDS))
+    wrong = sorted(kinds - set(ANY_KIND))
     if wrong:
-        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(KINDS)} was expected.")
+        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(ANY_KIND)} was expected.")
     return kinds
 
 
@@ -62,7 +62,7 @@ def cli() -> None:
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
-@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
+@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(ANY_KIND)}.")
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
 @_jobs
 @_as_json

@@ -107,6 +107,9 @@ class Output(Record):
     center_marks: Annotated[
         bool, Field(description="whether the drawing to be cut (DXF) has marks at centres, on a layer CENTER; no unit")
     ] = False
+    step: Annotated[
+        bool | None, Field(description="whether a whole build makes exact solids as well (STEP); left out: it does not; no unit")
+    ] = None
 
 
 class Spec(Record):
