@@ -11,14 +11,14 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from camgen import __version__
+from camgen import __version__, guide
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
 from camgen.files.formats import FORMATS
 
@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
     from camgen.report.report import Report
 
+    Work = Callable[..., Report]
 KINDS = (*FORMATS, "report")
+_COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 _EXIT_CODES = """\b
@@ -39,7 +41,21 @@ Exit codes:
 Of several the worst, that is the largest, is returned. 130 is Ctrl-C, 70 a fault of camgen itself."""
 
 _jobs = click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
+_quiet = click.option("-q", "--quiet", is_flag=True, help="Print only what fails.")
+_verbose = click.option("-v", "--verbose", is_flag=True, help="Print every finding in words, and every file.")
 _as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
+
+
+def _completed(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
+    """For a shell that completes an argument: those of the names that begin as what is typed."""
+    return lambda context, parameter, begun: [name for name in names() if name.lower().startswith(begun.lower())]
+
+
+def _mechanisms() -> Iterable[str]:
+    """Names of mechanisms."""
+    from camgen.machines import MECHANISMS
+
+    return MECHANISMS
 
 
 def _kinds(context: click.Context, parameter: click.Parameter, value: str | None) -> frozenset[str]:
@@ -66,30 +82,42 @@ def cli() -> None:
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
 @_jobs
 @_as_json
+@_quiet
+@_verbose
 def build(
-    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, as_json: bool
+    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, **shown: bool
 ) -> None:  # fmt: skip
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
-    from camgen.pipeline import build as pipeline
 
-    if len(specs) > 1:
-        _refuse_one_name_twice(specs, settings)
-    _each(specs, partial(pipeline.build, out=out, only=only, overrides=settings), as_json, jobs)
+    def work() -> Work:
+        from camgen.pipeline import build as pipeline
+
+        if len(specs) > 1:
+            _refuse_one_name_twice(specs, settings)
+        return partial(pipeline.build, out=out, only=only, overrides=settings)
+
+    _each(specs, work, jobs, **shown)
 
 
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @_jobs
 @_as_json
-def check(folders: Sequence[Path], jobs: int, as_json: bool) -> None:
+@_quiet
+@_verbose
+def check(folders: Sequence[Path], jobs: int, **shown: bool) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
-    from camgen.pipeline import build as pipeline
 
-    _each(folders, pipeline.check, as_json, jobs)
+    def work() -> Work:
+        from camgen.pipeline import build as pipeline
+
+        return pipeline.check
+
+    _each(folders, work, jobs, **shown)
 
 
 @cli.command()
-@click.argument("mechanism")
+@click.argument("mechanism", shell_complete=_completed(_mechanisms))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option("--from", "source", metavar="CHAIN", type=click.Path(path_type=Path), help="PMKS lines, or pylinkage's JSON.")
 def new(mechanism: str, file: Path | None, source: Path | None) -> None:
@@ -140,9 +168,11 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
 @click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @_as_json
+@_quiet
+@_verbose
 def motion(
     file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
-    harmonics: int, out: Path, as_json: bool,
+    harmonics: int, out: Path, **shown: bool,
 ) -> None:  # fmt: skip
     """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker) and report its motion.
 
@@ -178,10 +208,14 @@ def motion(
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
     acceleration, pressure angle.
     """
-    from camgen.pipeline import outline_motion
 
-    request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
-    _each([file], lambda path, progress, jobs: outline_motion.run(path, request, out, progress), as_json)
+    def work() -> Work:
+        from camgen.pipeline import outline_motion
+
+        request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
+        return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
+
+    _each([file], work, **shown)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -225,7 +259,7 @@ def list_() -> None:
 
 
 @cli.command()
-@click.argument("mechanism")
+@click.argument("mechanism", shell_complete=_completed(_mechanisms))
 def schema(mechanism: str) -> None:
     """Print the JSON Schema of a MECHANISM's spec, for editors."""
     import json
@@ -233,6 +267,38 @@ def schema(mechanism: str) -> None:
     from camgen import spec
 
     click.echo(json.dumps(spec.schema(_known(mechanism), mechanism), indent=2, ensure_ascii=False))
+
+
+@cli.command()
+@click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=_completed(guide.entries))
+def explain(codes: Sequence[str]) -> None:
+    """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
+    from camgen.spec import unknown
+
+    entries = guide.entries()
+    asked = [code.upper().replace("-", "_") for code in codes]
+    wrong = [unknown("CODE", code, entries) for code in asked if code not in entries]
+    if wrong:
+        raise SpecError(wrong, "command line")
+    if asked:
+        _show("\n".join(entries[code] for code in asked))
+        return
+    for code, entry in entries.items():
+        click.echo(f"{code:<20} {guide.in_short(entry)}")
+
+
+@cli.command("guide")
+@click.argument("topic", required=False, shell_complete=_completed(lambda: guide.TOPICS))
+def guide_(topic: str | None) -> None:
+    """Show a page of the guide; without a TOPIC, list them."""
+    from camgen.spec import unknown
+
+    if topic is None:
+        click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
+    elif topic in guide.TOPICS:
+        _show(guide.page(topic))
+    else:
+        raise SpecError([unknown("TOPIC", topic, guide.TOPICS)], "command line")
 
 
 @cli.command()
@@ -265,6 +331,18 @@ def _known(name: str) -> type[Mechanism]:
 def _spec_name(file: Path) -> str:
     """A name for a spec, after a file's."""
     return "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-") or "linkage"
+
+
+def _show(markdown: str) -> None:
+    """Print a page: laid out on a terminal, else as it is written."""
+    if not sys.stdout.isatty():
+        click.echo(markdown, nl=False)
+        return
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    console = Console()
+    console.print(Markdown(markdown), width=min(console.width, 100))
 
 
 def _hand_over(text: str, file: Path | None) -> None:
@@ -300,22 +378,29 @@ def _starters() -> Path:
     return next(folder for folder in (package / "specs", package.parent / "specs") if folder.is_dir())
 
 
-def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, jobs: int = 1) -> NoReturn:
+def _each(
+    paths: Sequence[Path], prepare: Callable[[], Work], jobs: int = 1, as_json: bool = False, quiet: bool = False,
+    verbose: bool = False,
+) -> NoReturn:  # fmt: skip
     """Do the work on each path, print what came out in their order, and end with the worst exit code.
 
-    Several paths are shared out to the cores; for a single one the work shares out its own steps.
+    prepare: imports what the work needs, and gives it. Several paths are shared out to the cores; for a single one the work
+    shares out its own steps.
     """
-    from camgen.pipeline.jobs import Workers
     from camgen.report.terminal import Bar, print_report
 
     jobs = jobs or os.cpu_count() or 1
     shared = len(paths) > 1 and jobs > 1
     worst, records = 0, []
+    with Bar(not quiet):
+        from camgen.pipeline.jobs import Workers
+
+        work = prepare()
     with Workers(min(jobs, len(paths)) if shared else 1) as workers:
         started = [workers.start(work, path) for path in paths] if shared else []
         for k, path in enumerate(paths):
             try:
-                with Bar() as progress:
+                with Bar(not quiet) as progress:
                     if shared:
                         progress(f"{path}, {k + 1} of {len(paths)}", k / len(paths))
                         report = started[k]()
@@ -330,7 +415,7 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
             worst = max(worst, 0 if report.ok else 1)
             records.append(report.as_dict())
             if not as_json:
-                print_report(report)
+                print_report(report, quiet, verbose)
     if as_json:
         import json
 
@@ -377,6 +462,10 @@ def _run(arguments: Sequence[str] | None) -> int:
     """Exit code of a run, errors printed."""
     if sys.stdout is None:  # closed by the shell: print into nothing
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    if _COMPLETE in os.environ:
+        from click.shell_completion import shell_complete
+
+        return shell_complete(cli, {}, "camgen", _COMPLETE, os.environ[_COMPLETE])
     gc.disable()  # a run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
