@@ -126,9 +126,11 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     With --from a linkage is read from a file of another program: PMKS lines, J[R, P[x, y], L[ground, crank]], or the JSON of
     pylinkage's mechanism_to_dict.
     """
-    _known(mechanism)
+    from camgen import starters
+
+    cls = _known(mechanism)
     if source is None:
-        text = (_starters() / f"{mechanism}.toml").read_text(encoding="utf-8")
+        text = starters.text(mechanism)
     elif mechanism != "linkage":
         alone = "nothing here: only a linkage is read from another program"
         raise SpecError([Fault("--from", str(source), alone)], "command line")
@@ -136,9 +138,16 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
         from camgen.machines.linkage.bridges import read_chain, spec_text
 
         text = spec_text(read_chain(source), _spec_name(file or source), source.name)
+    text = f"#:schema ./{starters.schema_name(mechanism)}\n{text}"
     _hand_over(text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
+        return
+    click.echo(printable(f"wrote {file}, a {mechanism} that builds as it is"), err=True)
+    if starters.write_schema(cls, mechanism, file.parent):
+        named = file.parent / starters.schema_name(mechanism)
+        click.echo(printable(f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"), err=True)
+    click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -228,13 +237,14 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding that fails is a file that is not sound, or a
     motion that is further off than its tolerance allows.
     """
+    from camgen import starters
     from camgen.pipeline import benchmark_report
     from camgen.report.terminal import Bar
 
     _refuse_one_name_twice(specs, ())
-    starters = [_starters() / f"{name}.toml" for name in benchmark_report.STARTERS]
+    own = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
     with Bar() as progress:
-        benches = benchmark_report.run(specs or starters, out, progress)
+        benches = benchmark_report.run(specs or own, out, progress)
     click.echo("\n\n".join(map(benchmark_report.to_text, benches)))
     raise click.exceptions.Exit(1 if any(row.faults for bench in benches for row in bench.rows) else 0)
 
@@ -242,14 +252,14 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 @cli.command("list")
 def list_() -> None:
     """List the mechanisms and the laws of motion."""
+    from camgen import starters
     from camgen.machines import MECHANISMS
     from camgen.motion.laws import LAWS
     from camgen.motion.segments import ABOUT, FAMILIES
 
     click.echo("Mechanisms")
     for name in MECHANISMS:
-        summary = (_starters() / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
-        click.echo(f"  {name:<20} {summary}")
+        click.echo(f"  {name:<20} {starters.summary(name)}")
     click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
     for law in LAWS.values():
         click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
@@ -262,11 +272,9 @@ def list_() -> None:
 @click.argument("mechanism", shell_complete=_completed(_mechanisms))
 def schema(mechanism: str) -> None:
     """Print the JSON Schema of a MECHANISM's spec, for editors."""
-    import json
+    from camgen import starters
 
-    from camgen import spec
-
-    click.echo(json.dumps(spec.schema(_known(mechanism), mechanism), indent=2, ensure_ascii=False))
+    click.echo(starters.schema_text(_known(mechanism), mechanism), nl=False)
 
 
 @cli.command()
@@ -370,12 +378,6 @@ def _refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> No
         if name in first:
             raise SpecError([Fault("name", repr(name), f"another name, for {first[name]} writes that folder")], str(spec))
         first[name] = spec
-
-
-def _starters() -> Path:
-    """Folder of the starter specs: inside the installed package, or beside it in a checkout."""
-    package = Path(__file__).parent
-    return next(folder for folder in (package / "specs", package.parent / "specs") if folder.is_dir())
 
 
 def _each(

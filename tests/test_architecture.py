@@ -23,8 +23,8 @@ WINGS = {
     "report": {"geometry", "machine", "files"},
     "pipeline": {"geometry", "motion", "machine", "parts", "files", "machines", "judge", "report"},
 }
-GROUND = {"", "errors", "findings", "numerics", "spec", "study", "tolerances"}
-TOP = {"__init__", "__main__", "cli", "guide"}
+GROUND = {"", "errors", "findings", "numerics", "schemas", "spec", "study", "tolerances"}
+TOP = {"__init__", "__main__", "cli", "guide", "starters"}
 # Of a machine the judge sees what it is, what of it is measured and wanted, and the conditions of its joints: never what made
 # a curve, nor the route by which the maker closes it. Of a format it takes the reading, and what is said of it in the list.
 SEEN = {"model", "features", "targets", "constraints"}

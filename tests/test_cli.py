@@ -281,11 +281,15 @@ def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_new_prints_and_writes_the_starter(run: Run, tmp_path: Path, root: Path, mechanism: str) -> None:
-    text = (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
+    text = f"#:schema ./{mechanism}.schema.json\n" + (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
     assert run("new", mechanism) == (0, text, f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml\n")
-    file = tmp_path / "mine.toml"
-    assert run("new", mechanism, file) == (0, "", "")
+    file, schema = tmp_path / "mine.toml", tmp_path / f"{mechanism}.schema.json"
+    code, out, err = run("new", mechanism, file)
+    assert (code, out) == (0, "") and f"wrote {file}" in err and str(schema) in err and f"camgen build {file}" in err
     assert file.read_text(encoding="utf-8") == text
+    assert schema.read_text(encoding="utf-8") == run("schema", mechanism)[1]
+    schema.write_text("mine")
+    assert str(schema) not in run("new", mechanism, tmp_path / "another.toml")[2] and schema.read_text() == "mine"
     file.write_text("changed")
     code, _, err = run("new", mechanism, file)
     assert code == 4 and "exists already" in err

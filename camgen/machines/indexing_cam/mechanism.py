@@ -46,10 +46,6 @@ from camgen.parts.part import Layer, Part, windows
 from camgen.spec import Length, Record, Rpm, turning, validate
 from camgen.study import Plot, Sketch, Study
 
-_LASH = (
-    "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
-    "unloader presses one roller on, so the link stands there without play"
-)
 _LINK = "driven-link"
 _SPRING_POINTS = 101  # of a table that stands for a spring
 Span = Annotated[float, Field(ge=1, lt=360)]
@@ -151,7 +147,7 @@ class Limits(Record):
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
     undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
-    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
