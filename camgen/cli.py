@@ -8,25 +8,22 @@ from __future__ import annotations
 import gc
 import io
 import os
-import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from camgen import __version__, guide
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
+from camgen.errors import CamgenError, Fault, FileError, SpecError, explained, printable
 from camgen.files.formats import FORMATS
+from camgen.running import complain, each, hand_over, known, refuse_one_name_twice, show, spec_name
 
 if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
-    from camgen.report.report import Report
-
-    Work = Callable[..., Report]
+    from camgen.running import Work
 KINDS = (*FORMATS, "report")
 _COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
@@ -93,10 +90,10 @@ def build(
         from camgen.pipeline import build as pipeline
 
         if len(specs) > 1:
-            _refuse_one_name_twice(specs, settings)
+            refuse_one_name_twice(specs, settings)
         return partial(pipeline.build, out=out, only=only, overrides=settings)
 
-    _each(specs, work, jobs, **shown)
+    each(specs, work, jobs, **shown)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -113,7 +110,7 @@ def check(folders: Sequence[Path], jobs: int, **shown: bool) -> None:
 
         return pipeline.check
 
-    _each(folders, work, jobs, **shown)
+    each(folders, work, jobs, **shown)
 
 
 @cli.command()
@@ -128,7 +125,7 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     """
     from camgen import starters
 
-    cls = _known(mechanism)
+    cls = known(mechanism)
     if source is None:
         text = starters.text(mechanism)
     elif mechanism != "linkage":
@@ -137,9 +134,9 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     else:
         from camgen.machines.linkage.bridges import read_chain, spec_text
 
-        text = spec_text(read_chain(source), _spec_name(file or source), source.name)
+        text = spec_text(read_chain(source), spec_name(file or source), source.name)
     text = f"#:schema ./{starters.schema_name(mechanism)}\n{text}"
-    _hand_over(text, file)
+    hand_over(text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
         return
@@ -164,7 +161,7 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
     if found is None:
         expected = "a mechanism with a search of its own, such as thread-take-up"
         raise SpecError([Fault("mechanism", mechanism.mechanism, expected)], str(spec))
-    _hand_over(dump(found()), file)
+    hand_over(dump(found()), file)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -224,7 +221,7 @@ def motion(
         request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 
-    _each([file], work, **shown)
+    each([file], work, **shown)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -241,7 +238,7 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     from camgen.pipeline import benchmark_report
     from camgen.report.terminal import Bar
 
-    _refuse_one_name_twice(specs, ())
+    refuse_one_name_twice(specs, ())
     own = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
     with Bar() as progress:
         benches = benchmark_report.run(specs or own, out, progress)
@@ -274,7 +271,7 @@ def schema(mechanism: str) -> None:
     """Print the JSON Schema of a MECHANISM's spec, for editors."""
     from camgen import starters
 
-    click.echo(starters.schema_text(_known(mechanism), mechanism), nl=False)
+    click.echo(starters.schema_text(known(mechanism), mechanism), nl=False)
 
 
 @cli.command()
@@ -289,7 +286,7 @@ def explain(codes: Sequence[str]) -> None:
     if wrong:
         raise SpecError(wrong, "command line")
     if asked:
-        _show("\n".join(entries[code] for code in asked))
+        show("\n".join(entries[code] for code in asked))
         return
     for code, entry in entries.items():
         click.echo(f"{code:<20} {guide.in_short(entry)}")
@@ -304,7 +301,7 @@ def guide_(topic: str | None) -> None:
     if topic is None:
         click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
     elif topic in guide.TOPICS:
-        _show(guide.page(topic))
+        show(guide.page(topic))
     else:
         raise SpecError([unknown("TOPIC", topic, guide.TOPICS)], "command line")
 
@@ -323,121 +320,6 @@ def selftest() -> None:
     raise click.exceptions.Exit(1 if off else 0)
 
 
-# ---- what the commands share -----------------------------------------------------------------------------------------
-
-
-def _known(name: str) -> type[Mechanism]:
-    """The class of a mechanism; SpecError with the nearest name where there is none."""
-    from camgen.machines import MECHANISMS, load
-    from camgen.spec import unknown
-
-    if name not in MECHANISMS:
-        raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
-    return load(name)
-
-
-def _spec_name(file: Path) -> str:
-    """A name for a spec, after a file's."""
-    return "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-") or "linkage"
-
-
-def _show(markdown: str) -> None:
-    """Print a page: laid out on a terminal, else as it is written."""
-    if not sys.stdout.isatty():
-        click.echo(markdown, nl=False)
-        return
-    from rich.console import Console
-    from rich.markdown import Markdown
-
-    console = Console()
-    console.print(Markdown(markdown), width=min(console.width, 100))
-
-
-def _hand_over(text: str, file: Path | None) -> None:
-    """Print the text, or write it to a new file."""
-    if file is None:
-        click.echo(printable(text, keep="\n"), nl=False)
-        return
-    try:
-        with open(file, "x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError:
-        raise FileError(file, "exists already and is left as it is; choose another name") from None
-
-
-def _refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:
-    """SpecError where two specs would write the same folder; specs that cannot be read are told when their turn comes."""
-    from camgen.pipeline import build as pipeline
-
-    first: dict[str, Path] = {}
-    for spec in specs:
-        try:
-            name = pipeline.read_mechanism(spec, settings).name
-        except CamgenError:
-            continue
-        if name in first:
-            raise SpecError([Fault("name", repr(name), f"another name, for {first[name]} writes that folder")], str(spec))
-        first[name] = spec
-
-
-def _each(
-    paths: Sequence[Path], prepare: Callable[[], Work], jobs: int = 1, as_json: bool = False, quiet: bool = False,
-    verbose: bool = False,
-) -> NoReturn:  # fmt: skip
-    """Do the work on each path, print what came out in their order, and end with the worst exit code.
-
-    prepare: imports what the work needs, and gives it. Several paths are shared out to the cores; for a single one the work
-    shares out its own steps.
-    """
-    from camgen.report.terminal import Bar, print_report
-
-    jobs = jobs or os.cpu_count() or 1
-    shared = len(paths) > 1 and jobs > 1
-    worst, records = 0, []
-    with Bar(not quiet):
-        from camgen.pipeline.jobs import Workers
-
-        work = prepare()
-    with Workers(min(jobs, len(paths)) if shared else 1) as workers:
-        started = [workers.start(work, path) for path in paths] if shared else []
-        for k, path in enumerate(paths):
-            try:
-                with Bar(not quiet) as progress:
-                    if shared:
-                        progress(f"{path}, {k + 1} of {len(paths)}", k / len(paths))
-                        report = started[k]()
-                    else:
-                        report = work(path, progress=progress, jobs=jobs)
-            except (CamgenError, OSError) as error:
-                failure = explained(error)
-                worst = max(worst, failure.exit_code)
-                _complain(failure, path)
-                records.append(_failure_record(path, failure))
-                continue
-            worst = max(worst, 0 if report.ok else 1)
-            records.append(report.as_dict())
-            if not as_json:
-                print_report(report, quiet, verbose)
-    if as_json:
-        import json
-
-        text = json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False)
-        click.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
-    raise click.exceptions.Exit(worst)
-
-
-def _complain(error: CamgenError, source: Path | None = None) -> None:
-    """Print a user's error on stderr, with the spec's name where the error does not say it by itself."""
-    named = f"{source}: " if source is not None and isinstance(error, DesignError) else ""
-    click.echo(printable(f"error: {named}{error}", keep="\n"), err=True)
-
-
-def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
-    """What --json prints in place of a report that could not be made."""
-    faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
-    return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}
-
-
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback."""
     for asked in (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])):
@@ -453,7 +335,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nobody reads on: let the last flush go nowhere
         code = PIPE_CLOSED
     except OSError as error:
-        _complain(explained(error))
+        complain(explained(error))
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         code = FileError.exit_code
     gc.freeze()  # the last collection, as Python ends, would go through all that was made: a tenth of the time
@@ -484,7 +366,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         click.echo(printable(told.getvalue(), keep="\n"), nl=False, err=True)
         return error.exit_code
     except CamgenError as error:
-        _complain(error)
+        complain(error)
         return error.exit_code
     except OSError:
         raise

@@ -8,7 +8,11 @@ from pathlib import Path
 _PAGES = Path(__file__).parent
 
 # The pages in the order in which one reads them.
-TOPICS = ("findings",)
+TOPICS = (
+    "first-cam", "own-linkage", "printing", "laser", "report", "findings", "python", "new-machine", "theory-disc-cam",
+    "theory-uniform-swing", "theory-eccentric-drive", "theory-thread-take-up", "theory-chain-stitch-looper",
+    "theory-indexing-cam", "theory-linkage",
+)  # fmt: skip
 
 
 def page(topic: str) -> str:
