@@ -71,7 +71,7 @@ def build(
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
-        remarks.append(f"the earlier {staged.target} had {count}, which are gone with it: a build without --only makes all")
+        remarks.append(f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all")
     return replace(report, remarks=remarks, folder=staged.target)
 
 

@@ -36,7 +36,8 @@ def main() -> None:
             closed += int(np.count_nonzero(np.isfinite(block.output_range) & (least > math.radians(40))))
         times.append(time.process_time() - begun)
     took = statistics.median(times)
-    print(f"{COUNT:,} four-bars x {ANGLES} angles, positions, transmission angles, output range: {took:.2f} s of one core (goal {GOAL:g} s)")
+    what = f"{COUNT:,} four-bars x {ANGLES} angles, positions, transmission angles, output range"
+    print(f"{what}: {took:.2f} s of one core (goal {GOAL:g} s)")
     print(f"  of them close over the turn and keep 40 deg: {closed:,}")
     for name, vary in VARY.items():
         task = prepared(SPECS / f"{name}.toml", variants([vary]), (), (), (), Path())

@@ -38,10 +38,6 @@ from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
-_LASH = (
-    "free play of the slider, mm, by the play of all joints together; 1: the source lets the needle reach 2 to 3 mm deep, and "
-    "play moves its point within that"
-)
 Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
 _FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
 
@@ -89,9 +85,9 @@ class Limits(Record):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 1.0
-    stroke: Annotated[Band | None, Field(description="least and greatest stroke of the slider that serve, mm")] = None
-    strokes_per_s: Annotated[Band | None, Field(description="the same of strokes a second, 1/s")] = None
+    lash: Annotated[float, Field(ge=0, le=1e6)] = 1.0
+    stroke: Band | None = None
+    strokes_per_s: Band | None = None
     min_wall: Length = 0.8
 
 
