@@ -30,7 +30,8 @@ def codes(text: str) -> set[str]:
 
 
 def test_every_code_has_an_entry_and_every_entry_a_code() -> None:
-    texts = [path.read_text(encoding="utf-8") for wing in JUDGES for path in (PACKAGE / wing).rglob("*.py") if path.name != "step.py"]
+    paths = [path for wing in JUDGES for path in (PACKAGE / wing).rglob("*.py") if path.name != "step.py"]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
     assert (set().union(*map(codes, texts)) - OTHERS) | WISHES == set(guide.entries())
 
 
