@@ -197,7 +197,7 @@ def test_friction_is_left_to_the_cam() -> None:
 def test_no_power_is_lost_on_the_way_to_the_shaft() -> None:
     cam = design(load__friction_n_m=0.0)
     theta = np.linspace(0, math.tau, 20_001)
-    found = cam._study.at(theta)
+    found = cam.indexing.at(theta)
     assert abs(np.trapezoid(found.shaft_bare, theta)) < 1e-6 and abs(np.trapezoid(found.shaft, theta)) < 1e-6
 
 

@@ -57,7 +57,7 @@ def test_a_straight_spring_pulls_as_one_on_a_cord(motor: dict[str, Any]) -> None
     made = machine(**motor)
     drawn = replace(made.bench.drawn, loads=(*made.bench.drawn.loads, *made.bench.pulls))
     effort = solve(drawn, THETA).forces().contacts["contact"]
-    wanted = made._study.at(THETA).follower
+    wanted = made.indexing.at(THETA).follower
     assert effort == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())
     without = solve(made.bench.drawn, THETA).forces().contacts["contact"]
     turning = THETA < math.radians(120) if made.sense > 0 else THETA > math.radians(240)

@@ -47,6 +47,14 @@ class Motor(Record):
     speed_rpm: Annotated[Rpm, turning()] = 30.0
 
 
+class Driver(Record):
+    """A two-crank chain (Whitworth's turning block) before the cam, which then turns fastest in the middle of each turn of the
+    link: the crank turns evenly, its pin drives an arm about an axle beside its shaft, the arm the cam 2 to 1."""
+
+    crank: Length = Field(20.0, description="mm, from the crank's shaft to its pin")
+    offset: Length = Field(description="mm, of the arm's axle from the crank's shaft: less than the crank")
+
+
 class LoadTable(Record):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
