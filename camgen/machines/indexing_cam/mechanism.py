@@ -33,22 +33,21 @@ from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Bench, Tip
+from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, TwoCranks, driver_faults
 from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.study import IndexingStudy
-from camgen.machines.indexing_cam.tables import (
-    UNLOADER_KEYS,
-    Driver,
-    Geometry,
-    Limits,
-    LoadTable,
-    Motor,
-    Parts,
-    SynthesisTable,
-    UnloaderTable,
-)  # fmt: skip
-from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
+from camgen.machines.indexing_cam.unloader import (
+    CrankSpring,
+    Load,
+    OnLink,
+    SpringTorque,
+    antisymmetric,
+    fitting,
+    law_torque,
+    peak,
+)
 from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
@@ -67,14 +66,14 @@ _SPRING_POINTS = 101  # of a table that stands for a spring
 class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
-    geometry: Geometry
-    motor: Motor = Motor()
-    driver: Driver | None = None
-    load: LoadTable
-    unloader: UnloaderTable = UnloaderTable()
-    synthesis: SynthesisTable | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    geometry: t.Geometry
+    motor: t.Motor = t.Motor()
+    driver: t.Driver | None = None
+    load: t.LoadTable
+    unloader: t.UnloaderTable = t.UnloaderTable()
+    synthesis: t.SynthesisTable | None = None
+    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts()
+    allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -93,11 +92,11 @@ class IndexingCam(StandingCams):
              f"more than the crank, {u.crank or 0:g} mm"),
         ]  # fmt: skip
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        needed, further = UNLOADER_KEYS[u.torque]
+        needed, further = t.UNLOADER_KEYS[u.torque]
         takes = ", ".join((*needed, *further)) or "nothing more"
         missing = f"missing: torque '{u.torque}' needs it"
         found += [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(u, key) is None]
-        for key in UnloaderTable.model_fields:
+        for key in t.UnloaderTable.model_fields:
             if key != "torque" and getattr(u, key) is not None and key not in (*needed, *further):
                 found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{u.torque}' takes {takes}"))
         if u.torque == "table" and u.points is not None:
@@ -200,6 +199,8 @@ class IndexingCam(StandingCams):
         found = {**super().found(), "geometry.return_deg": self.return_deg}
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
+        elif isinstance(self._spring, CrankSpring):
+            found["unloader.stiffness_n_mm"] = self._spring.stiffness
         return found
 
     @property
@@ -374,16 +375,21 @@ class IndexingCam(StandingCams):
             assert u.points is not None
             return antisymmetric(characteristic(u.points))
         if u.torque == "crank":
-            assert None not in (u.stiffness_n_mm, u.crank, u.guide, u.stretch, u.lead_deg)
-            return CrankSpring(u.stiffness_n_mm, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)  # type: ignore[arg-type]
+            assert u.crank is not None and u.guide is not None and u.stretch is not None and u.lead_deg is not None
+            spring = CrankSpring(u.stiffness_n_mm or 1.0, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)
+            return fitting(spring, self.law, self._unit) if u.stiffness_n_mm is None else spring
         return self._ideal
+
+    @property
+    def _unit(self) -> float:
+        """Torque of the inertia on the driven link where the law's c is 1, N m."""
+        period = math.radians(self.geometry.rise_deg) / (self._design_rpm * math.tau / 60)
+        return self.load.inertia_kg_m2 * math.radians(self.geometry.index_deg) / period**2
 
     @cached_property
     def _ideal(self) -> SpringTorque:
         """A spring, which cannot be built, that does by itself what the law asks."""
-        stroke, omega = math.radians(self.geometry.index_deg), self._design_rpm * math.tau / 60
-        period = math.radians(self.geometry.rise_deg) / omega
-        return law_torque(self.law, self._balance * self.load.inertia_kg_m2 * stroke / period**2)
+        return law_torque(self.law, self._balance * self._unit)
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""

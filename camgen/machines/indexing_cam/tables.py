@@ -70,7 +70,8 @@ class UnloaderTable(Record):
     """The spring on the driven link.
 
     torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
-    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
+    crank pin, its stiffness, unless given, the one that leaves least to the cam; "table": points of position (0 to 0.5 of
+    the stroke) and N m; "none": no spring.
     """
 
     torque: Literal["law", "crank", "table", "none"] = "law"
@@ -88,7 +89,7 @@ UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
     "none": ((), ()),
     "law": ((), ("balance", "design_rpm")),
     "table": (("points",), ()),
-    "crank": (("stiffness_n_mm", "crank", "guide", "stretch", "lead_deg"), ()),
+    "crank": (("crank", "guide", "stretch", "lead_deg"), ("stiffness_n_mm",)),
 }
 
 
