@@ -10,10 +10,6 @@ from camgen.motion.segments import NamedLaw
 from camgen.parts.disc_cams import ShaftHole, Thickness
 from camgen.spec import Length, Record, Rpm, turning
 
-_LASH = (
-    "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
-    "unloader presses one roller on, so the link stands there without play"
-)
 Span = Annotated[float, Field(ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -122,7 +118,7 @@ class Limits(Record):
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
     undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
-    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
