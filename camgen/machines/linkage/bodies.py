@@ -102,7 +102,7 @@ class Bodies:
         shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
         motors = [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
         if face is not None:
-            reach = self.layout.top(max(self.layout.levels_at(self.layout.shaft_of(self.layout.driven))))
+            reach = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
             frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
             motors = [Bought("drive", face.standard, frame, 1),
@@ -121,7 +121,7 @@ class Bodies:
     # ---- links and plate --------------------------------------------------------------------------------------------
 
     def _link(self, link: str) -> Part:
-        layout, points = self.layout, self.layout.points_of(link)
+        layout, points, thick = self.layout, self.layout.points_of(link), self.layout.thickness(link)
         holes: dict[str, Contour] = {}
         for point, z in points.items():
             holes[f"hole {point}"] = circle(z, layout.hole(point, link) / 2)
@@ -134,7 +134,7 @@ class Bodies:
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         return Part(
             part_name(link), f"Link {link}",
-            (Layer(region, 0.0, self.sizes.thickness), *self._rails(link, self.sizes.thickness)), centres=tuple(points.values()),
+            (Layer(region, 0.0, thick), *self._rails(link, thick)), centres=tuple(points.values()),
             notes=(f"level {layout.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
         )  # fmt: skip
 
@@ -203,8 +203,8 @@ class Bodies:
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
-        held = sorted(layout.levels_at(point))
-        at, top = layout.at(body, point), layout.top(held[-1])
+        held = layout.on(point)
+        at, top = layout.at(body, point), held[-1][1]
         bought = layout.on_motor(point, GROUND)  # the motor's own shaft
         if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
@@ -215,7 +215,7 @@ class Bodies:
             )  # fmt: skip
             yield collar, Mount("collar", body, at, z=-play - s.thickness)
         elif not bought:
-            bottom, hung = layout.floor(held[0]), point in layout.hung
+            bottom, hung = layout.floor(held[0][0]), point in layout.hung
             grip = top + play - bottom
             if s.pin == "printed":
                 yield self._headed(grip), Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
@@ -224,12 +224,12 @@ class Bodies:
                 low = bottom - (play + cap.thickness) * hung
                 yield steel, Mount("pin", body, at, z=low)
                 yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
-        for low, high in zip(held, held[1:], strict=False):
-            height = layout.floor(high) - layout.top(low) - 2 * play
-            if high - low > 1:
+        for (_, under), (high, _) in pairwise(held):
+            height = layout.floor(high) - under - 2 * play
+            if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 wide = layout.turning(point)
                 ring_part = spacer("spacer", "Spacer", wide + play, wide + 2 * s.head, height, self.min_wall)
-                yield ring_part, Mount("spacer", body, at, z=layout.top(low) + play)
+                yield ring_part, Mount("spacer", body, at, z=under + play)
 
     def _shaft(self, link: str, top: float, at: complex) -> Placed:
         """A link's shaft; the one that drives is longer below the plate."""
@@ -277,14 +277,16 @@ class Bodies:
         if not tip.rolls:
             return
         hole, ring = s.pin_diameter + self.fits.slide_clearance, f"roller-{tip.name}"
-        roller = spacer(ring, f"Roller of cam {tip.joint.name}", hole, 2 * tip.radius, s.thickness, self.min_wall)
+        thick, title = layout.wheel_thickness(link), f"Roller of cam {tip.joint.name}"
+        roller = spacer(ring, title, hole, 2 * tip.radius, thick, self.min_wall)
         yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
 
     def _discs(self, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         """The parts of a cam as drawn at theta = 0, how far the underside of each lies under the level's floor, and where, mm."""
         s, play, press = self.sizes, self.fits.slide_clearance, self.fits.press_clearance
+        thick = self.layout.wheel_thickness(tip.joint.cam)
         made = _Disc(
-            turn=float(-np.angle(tip.turn)), thickness=s.thickness, bore=s.shaft_diameter + press, shaft="d-flat",
+            turn=float(-np.angle(tip.turn)), thickness=thick, bore=s.shaft_diameter + press, shaft="d-flat",
             flat_depth=s.shaft_flat, pin_diameter=s.pin_diameter, rim=groove_rim(s), back=s.thickness + play,
         )  # fmt: skip
         edge, wall = outline(tip), groove_wall(tip, play)
@@ -298,7 +300,7 @@ class Bodies:
             return
         for part in parts:
             yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + s.thickness)
+            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
     def _gear(self, wheel: Toothed) -> Placed:
@@ -311,8 +313,9 @@ class Bodies:
             f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
             f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
+        layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
-            wheel.part, f"Wheel of {wheel.link}", (Layer(region, 0.0, self.sizes.thickness),), centres=(0j,), notes=notes,
+            wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
             bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
         )  # fmt: skip
         at = layout.at(wheel.link, layout.shaft_of(wheel.link))

@@ -3,7 +3,8 @@
     pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
     shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
     rider    what sits on a pin or shaft beside the links: rollers, wheels
-    level    a link's or a wheel's: one thickness and one play high, so that flat faces run on each other; 0 is the plate
+    level    a link's or a wheel's: as high as the thickest on it and one play, so that flat faces run on each other; what is
+             thinner stands on its floor, and spacers on that; 0 is the plate
 """
 
 from __future__ import annotations
@@ -11,19 +12,16 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-
-import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machine.run import Run
 from camgen.machines.linkage.guides import STEMS, Guide, guide
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
-from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
+from camgen.parts.bands import ArmBand
 from camgen.parts.part import hull, with_bar
 from camgen.spec import Print
 
@@ -138,7 +136,8 @@ class Layout:
 
     def below(self, spring: Stretched) -> int:
         """How many levels a spring takes under its own."""
-        return max(0, math.ceil((spring.diameter - self.sizes.thickness) / (self.sizes.thickness + self.fits.slide_clearance)))
+        least = min([self.sizes.thickness, *(self.thickness(body.name) for body in self.machine.moving)])
+        return max(0, math.ceil((spring.diameter - least) / (least + self.fits.slide_clearance)))
 
     @cached_property
     def alone(self) -> dict[str, str]:
@@ -313,10 +312,25 @@ class Layout:
                 found += [(z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends]
         return found
 
+    def arm_band(self, link: str) -> ArmBand | None:
+        """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
+        shape, hubs = self.sizes.shape(link), self.hubs(link)
+        if not shape.bow and shape.width is None:
+            return None
+        key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
+        if len(hubs) != 2 or link in self.guides or self.noses(link) or link == GROUND or self.slots_of(link):
+            remedy = "leave it out: it is for a link with two round holes and nothing else"
+            raise DesignError(key, shape.bow or shape.width or 0.0, 0, "mm", f"link {link}", remedy)
+        (a, first), (b, second) = hubs
+        return ArmBand(link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow)
+
     def outline(self, link: str) -> Contour:
         """A link's edge."""
         if link in self.guides:
             return self.guides[link].outline
+        arm = self.arm_band(link)
+        if arm is not None:
+            return arm.outline()
         edge = hull(self.hubs(link))
         for tip in self.noses(link):
             bar = self.arm(tip)
@@ -361,80 +375,49 @@ class Layout:
         links = [body.name for body in self.machine.moving if body.name not in self.alone]
         return list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels), *self.springs]))
 
-    def levels(self, run: Run, explain: bool) -> dict[str, int] | None:
-        """Level of all that lies on one, those given kept; run: samples over the whole motion.
+    def on(self, point: str) -> list[tuple[int, float]]:
+        """What sits on a pin or shaft, from below: level and top, mm; links, rollers, wheels, springs, a groove's back plate."""
+        links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
+        wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
+        wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
+        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
+        names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
+        springs = {name for name in self.riders.get(point, ()) if name in self.springs}
+        levels = {self.level[name] for name in springs} | {level for name in names | springs for level in self._beneath(name)}
+        return sorted(found | {(level, self.top(level)) for level in levels})
 
-        Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
-        """
-        bands, axes, over = [], [], []
+    def _beneath(self, name: str) -> list[int]:
+        """Levels that a groove's back plate or a spring takes under its own."""
+        below = self.below(self.springs[name]) if name in self.springs else 1
+        return [self.level[name] - 1 - k for k in range(below)]
 
-        def ways(link: str, places: Sequence[complex]) -> np.ndarray:
-            """Places of a link on the ground, (k, n)."""
-            if link == GROUND:
-                return np.array([np.full(run.theta.shape, z, complex) for z in places])
-            pose = run.pose(link)
-            return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
+    def thickness(self, link: str) -> float:
+        """Of a link, or of the wheel that it is alone, mm; of the ground's plate."""
+        return self.sizes.base_thickness if link == GROUND else self.sizes.shape(link).thickness or self.sizes.thickness
 
-        def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str = "") -> Band:
-            corners = hull_corners([z for z, _ in discs])
-            return Band(name, ways(link, [discs[k][0] for k in corners]), max(radius for _, radius in discs), on)
+    def wheel_thickness(self, link: str) -> float:
+        """Of the wheels on a link's shaft and of the rollers on them, mm."""
+        return self.thickness(link) if link in self.alone else self.sizes.thickness
 
-        for body in (body for body in self.machine.moving if body.name not in self.alone):
-            if body.name in self.guides:
-                bands += [band(body.name, body.name, discs) for discs in self.guides[body.name].bands]
-            else:
-                bands.append(band(body.name, body.name, self.hubs(body.name)))
-            for start, way, half, length, _ in (bar for tip in self.noses(body.name) if (bar := self.arm(tip)) is not None):
-                bands.append(band(f"face of {body.name}", body.name, [(start, half), (start + length * way, half)], body.name))
-        for tip in self.tips:
-            cam, follower = tip.wheel, tip.joint.follower
-            at = self.at(GROUND, self.shaft_of(cam.link))
-            disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level)
-            roller = band(f"roller of {cam.about}", follower, [(self.at(follower, tip.point), tip.radius)], tip.level)
-            # under a groove's roller there is the back plate, under one that hangs the head of its pin
-            bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
-            over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
-        for wheel in (each.wheel for each in self.toothed):
-            at = self.at(GROUND, self.shaft_of(wheel.link))
-            bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level))
-        for name, spring in self.springs.items():
-            ends = [ways(body, [self.at(body, point)])[0] for body, point in (spring.a, spring.b)]
-            bands.append(Band(name, np.array(ends), spring.diameter / 2, below=self.below(spring)))
-            beside = [(*self.pivots[point], *self.riders[point]) for _, point in (spring.a, spring.b)]
-            over += [(name, other) for others in beside for other in others if other not in (GROUND, name)]
-        for point, links in self.pivots.items():
-            moving, shaft = tuple(link for link in links if link != GROUND), self.shafts.get(point)
-            moving = tuple(dict.fromkeys(self.alone.get(link, link) for link in moving))
-            upper = self.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
-            if shaft is not None or point in self.slots:
-                over += [(upper, link) for link in moving if link != upper]
-            held = (*moving, *self.riders.get(point, ()))
-            place = ways(links[0], [self.at(links[0], point)])[0]
-            radius = self.turning(point) / 2 + self.sizes.head
-            axes.append(Axis(point, held, place, radius, links[0] == GROUND, shaft is None, point in self.hung))
-        walls = []
-        for link, each in self.guides.items():
-            on = each.joint.guide.body
-            walls += [
-                Wall(f"rail of {link}", ways(on, ends), self.sizes.rail_width / 2, link, "" if on == GROUND else on)
-                for ends in each.rails
-            ]
-            over += [(link, on)] if on != GROUND else []
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain, searched=explain)
-
-    def levels_at(self, point: str) -> list[int]:
-        """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""
-        riders = self.riders.get(point, ())
-        more = [self.level[tip.level] - 1 for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
-        for name in (name for name in riders if name in self.springs):
-            more += [self.level[name] - 1 - k for k in range(self.below(self.springs[name]))]
-        return [*(self.level[name] for name in (*self.pivots[point], *riders)), *more]
+    @cached_property
+    def _heights(self) -> list[float]:
+        """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
+        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        thick = [(self.level[link], self.thickness(link)) for link in links]
+        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
+        levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
+        thick += [(level, self.sizes.thickness) for level in levels]
+        found = [self.sizes.base_thickness]
+        for level in range(1, max(self.level.values()) + 1):
+            found.append(max([high for at, high in thick if at == level] or [self.sizes.thickness]))
+        return [found[0], *(max(high, self.sizes.head) for high in found[1:])]
 
     def floor(self, level: int) -> float:
         """Height of a level's floor over the plate's underside, mm."""
-        step = self.sizes.thickness + self.fits.slide_clearance
-        return 0.0 if level == 0 else self.sizes.base_thickness + self.fits.slide_clearance + (level - 1) * step
+        return round(sum(self._heights[:level]) + level * self.fits.slide_clearance, 9)  # so that like pins are one part
 
     def top(self, level: int) -> float:
-        """Height of a level's upper side, mm."""
-        return self.floor(level) + (self.sizes.thickness if level else self.sizes.base_thickness)
+        """Height of the upper side of the thickest on a level, mm."""
+        return self.floor(level) + self._heights[level]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
+
+import numpy as np
 
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.guides import STEMS
-from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -28,7 +32,7 @@ def laid(layout: Layout, run: Run) -> Layout:
         refused: DesignError | None = None
         for tried in tries:
             try:
-                found = [(each, each.levels(run, explain)) for each in (tried, replace(tried, sunk=True))]
+                found = [(each, found_levels(each, run, explain)) for each in (tried, replace(tried, sunk=True))]
             except DesignError as error:
                 refused = refused or error
                 continue
@@ -39,3 +43,69 @@ def laid(layout: Layout, run: Run) -> Layout:
     e, rails = refused, f", and rails {', '.join(STEMS)}" if len(tries) > 1 else ""
     remedy = f"{e.remedy}, heads over and under the plate{rails}"
     raise DesignError(e.quantity, e.value, e.limit, e.unit, e.where, remedy)
+
+
+def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
+    """Level of all that lies on one, those given kept; run: samples over the whole motion.
+
+    Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
+    """
+    bands, axes, over = [], [], []
+
+    def ways(link: str, places: Sequence[complex]) -> np.ndarray:
+        """Places of a link on the ground, (k, n)."""
+        if link == GROUND:
+            return np.array([np.full(run.theta.shape, z, complex) for z in places])
+        pose = run.pose(link)
+        return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
+
+    def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str = "") -> Band:
+        corners = hull_corners([z for z, _ in discs])
+        return Band(name, ways(link, [discs[k][0] for k in corners]), max(radius for _, radius in discs), on)
+
+    for body in (body for body in layout.machine.moving if body.name not in layout.alone):
+        if body.name in layout.guides:
+            bands += [band(body.name, body.name, discs) for discs in layout.guides[body.name].bands]
+        elif arm := layout.arm_band(body.name):
+            bands += [band(body.name, body.name, [hub]) for hub in layout.hubs(body.name)]
+            reach = arm.width / 2 + arm.sagitta
+            bands += [band(body.name, body.name, [(a, reach), (b, reach)]) for a, b in pairwise(arm.middle())]
+        else:
+            bands.append(band(body.name, body.name, layout.hubs(body.name)))
+        for start, way, half, length, _ in (bar for tip in layout.noses(body.name) if (bar := layout.arm(tip)) is not None):
+            bands.append(band(f"face of {body.name}", body.name, [(start, half), (start + length * way, half)], body.name))
+    for tip in layout.tips:
+        cam, follower = tip.wheel, tip.joint.follower
+        at = layout.at(GROUND, layout.shaft_of(cam.link))
+        disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level)
+        roller = band(f"roller of {cam.about}", follower, [(layout.at(follower, tip.point), tip.radius)], tip.level)
+        # under a groove's roller there is the back plate, under one that hangs the head of its pin
+        bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
+        over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
+    for wheel in (each.wheel for each in layout.toothed):
+        at = layout.at(GROUND, layout.shaft_of(wheel.link))
+        bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level))
+    for name, spring in layout.springs.items():
+        ends = [ways(body, [layout.at(body, point)])[0] for body, point in (spring.a, spring.b)]
+        bands.append(Band(name, np.array(ends), spring.diameter / 2, below=layout.below(spring)))
+        beside = [(*layout.pivots[point], *layout.riders[point]) for _, point in (spring.a, spring.b)]
+        over += [(name, other) for others in beside for other in others if other not in (GROUND, name)]
+    for point, links in layout.pivots.items():
+        moving, shaft = tuple(link for link in links if link != GROUND), layout.shafts.get(point)
+        moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
+        upper = layout.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
+        if shaft is not None or point in layout.slots:
+            over += [(upper, link) for link in moving if link != upper]
+        held = (*moving, *layout.riders.get(point, ()))
+        place = ways(links[0], [layout.at(links[0], point)])[0]
+        radius = layout.turning(point) / 2 + layout.sizes.head
+        axes.append(Axis(point, held, place, radius, links[0] == GROUND, shaft is None, point in layout.hung))
+    walls = []
+    for link, each in layout.guides.items():
+        on = each.joint.guide.body
+        walls += [
+            Wall(f"rail of {link}", ways(on, ends), layout.sizes.rail_width / 2, link, "" if on == GROUND else on)
+            for ends in each.rails
+        ]
+        over += [(link, on)] if on != GROUND else []
+    return levels(bands, axes, run.theta, layout.fits.slide_clearance, layout.given, walls, over, explain, searched=explain)

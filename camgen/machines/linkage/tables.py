@@ -189,7 +189,12 @@ def pair(key: str) -> tuple[str, str] | None:
 class Shape(Record):
     """The body of one link, where it differs from the others."""
 
-    hub_diameter: Length | None = Field(None, description="mm, of the hubs and of the bands between them")
+    hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
+    width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
+    bow: Annotated[float, Field(ge=-1e6, le=1e6)] = Field(
+        0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
+    )
+    thickness: Length | None = Field(None, description="mm; that of all links unless given")
 
 
 class Parts(Record):
@@ -235,6 +240,16 @@ class Parts(Record):
         known = [*type(self).model_fields, *links]
         found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
+        for link in links:
+            thickness = self.shape(link).thickness
+            if thickness is not None and link == "ground":
+                right = "nothing here: the plate's is parts.base_thickness"
+                found.append(Fault("parts.ground.thickness", f"{thickness:g}", right))
+            elif thickness is not None and thickness < nozzle:
+                found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
+            width = self.shape(link).width
+            if width is not None and width < nozzle:
+                found.append(Fault(f"parts.{link}.width", f"{width:g}", least))
         if self.pin == "dowel" and self.pin_diameter not in DOWELS:
             right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
             found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
