@@ -54,8 +54,8 @@ class Band:
 class Axis:
     """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
 
-    links: names of their levels; radius: of its head and spacers, mm; headed: whether its head takes the level over its
-    highest link, or where it is `hung` the one under its lowest.
+    links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
+    link; under: the same of what is under its lowest.
     """
 
     name: str
@@ -63,18 +63,8 @@ class Axis:
     place: Points
     radius: float
     ground: bool = False
-    headed: bool = True
-    hung: bool = False
-
-    @property
-    def over(self) -> int:
-        """Levels that its head takes over the highest link."""
-        return int(self.headed and not self.hung)
-
-    @property
-    def under(self) -> int:
-        """The same under the lowest."""
-        return int(self.headed and self.hung)
+    over: int = 1
+    under: int = 0
 
 
 @dataclass(frozen=True)
@@ -245,9 +235,12 @@ def _no_levels() -> DesignError:
     return DesignError("levels found", 0, 1, "", "[layers]", remedy)
 
 
-def _least(bands: Sequence[Band]) -> dict[str, int]:
+def _least(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
     """Lowest level that each name may have."""
-    return {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
+    least = {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
+    for axis in (axis for axis in axes if not axis.ground):
+        least |= {link: max(least[link], 1 + axis.under) for link in axis.links}
+    return least
 
 
 def search(
@@ -255,7 +248,7 @@ def search(
     over: Sequence[tuple[str, str]] = (), nodes: int = _NODES,
 ) -> dict[str, int] | None:  # fmt: skip
     """The best levels that keep all rules, by depth first on ever more levels; None where so many nodes do not find them."""
-    least = _least(bands)
+    least = _least(bands, axes)
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
     touching = {name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)] for name in names}
@@ -325,7 +318,7 @@ def integer_program(
     """The same by branch and bound; rules that cannot be kept are broken at a price."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
-    least = _least(bands)
+    least = _least(bands, axes)
     most = max([2 * len(least) + 1, *given.values()])
     cost, bounds = [_LEVEL], [(0.0, float(most))]  # the first column is the highest level
     rows: list[tuple[dict[int, float], float]] = []  # sum >= right

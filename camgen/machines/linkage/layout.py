@@ -22,6 +22,7 @@ from camgen.machines.linkage.guides import STEMS, Guide, guide
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
 from camgen.parts.bands import ArmBand
+from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.part import hull, with_bar
 from camgen.spec import Print
 
@@ -136,8 +137,7 @@ class Layout:
 
     def below(self, spring: Stretched) -> int:
         """How many levels a spring takes under its own."""
-        least = min([self.sizes.thickness, *(self.thickness(body.name) for body in self.machine.moving)])
-        return max(0, math.ceil((spring.diameter - least) / (least + self.fits.slide_clearance)))
+        return max(0, math.ceil((spring.diameter - self._least) / (self._least + self.fits.slide_clearance)))
 
     @cached_property
     def alone(self) -> dict[str, str]:
@@ -179,7 +179,8 @@ class Layout:
         if self.sizes.face is not None:
             return set()
         grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
-        return {point for point in grounded - self.hooked if point not in self.slots} if self.sunk else set()
+        grounded = {point for point in grounded - self.hooked if point not in self.slots}
+        return {point for point in grounded if self.kind(point) in ("printed", "dowel")} if self.sunk else set()
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
@@ -209,7 +210,47 @@ class Layout:
 
     def turning(self, point: str) -> float:
         """Diameter of what turns at a point, mm."""
-        return self.sizes.shaft_diameter if point in self.shafts else self.sizes.pin_diameter
+        thin = self.sizes.shoulder.diameter if self.kind(point) == "shoulder" else self.sizes.pin_diameter
+        return self.sizes.shaft_diameter if point in self.shafts else thin
+
+    def kind(self, point: str) -> str:
+        """The kind of pin of a point; of a shaft "bearing" or "printed"; in a slot no bearing runs."""
+        found = self.sizes.pins.get(point, "printed" if point in self.shafts else self.sizes.pin)
+        return "printed" if found == "bearing" and point in self.slots else found
+
+    def bearing(self, point: str) -> Bearing | None:
+        """The narrowest ball bearing on the pin of a point."""
+        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
+
+    def bearing_in(self, point: str, link: str) -> Bearing | None:
+        """The ball bearing in a link's hole at a point."""
+        return None if self.kind(point) != "bearing" or link == self.pressed_in(point) else self.bearing(point)
+
+    def head_radius(self, point: str) -> float:
+        """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
+        found = self.turning(point) / 2 + self.sizes.head
+        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
+
+    def beyond(self, point: str) -> tuple[int, int]:
+        """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
+        if point in self.shafts:
+            return 0, 0
+        if self.kind(point) == "shoulder":
+            screw, least = self.sizes.shoulder, self._least
+            step = least + self.fits.slide_clearance
+            return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
+        return (0, 1) if point in self.hung else (1, 0)
+
+    def head_room(self, point: str) -> float:
+        """Height of the levels that are kept free over a pin's highest link, mm."""
+        over, play = self.beyond(point)[0], self.fits.slide_clearance
+        return over * (self._least + play) - play
+
+    @property
+    def _least(self) -> float:
+        """Thickness of the thinnest link, mm."""
+        return min([self.sizes.thickness, *(self.thickness(body.name) for body in self.machine.moving)])
 
     def pressed_in(self, point: str) -> str:
         """The link in which the pin or the shaft of a point is fixed."""
@@ -220,23 +261,34 @@ class Layout:
             return max(links, key=lambda link: self.level[link])
         return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
 
+    def _fixing(self, point: str) -> tuple[str, ...]:
+        """Where a pin or shaft is fixed on whichever level its links lie; nothing where that depends on it."""
+        if point in self.shafts:
+            return (self.shafts[point],)
+        return (GROUND,) if self.pivots[point][0] == GROUND else ()
+
     def hole(self, point: str, link: str) -> float:
         """Diameter of a link's hole at a point, mm."""
         if point in self.pens:
             return self.sizes.pen_diameter
         if self.on_motor(point, link):
             return self.sizes.face.boss + self.fit(point, link)  # type: ignore[union-attr]
+        bearing = self.bearing_in(point, link)
+        if bearing is not None:
+            return bearing.outside + self.fit(point, link)
         return self.turning(point) + self.fit(point, link)
 
     def fit(self, point: str, link: str) -> float:
         """Diametral fit of a link's hole at a point, mm."""
-        fixed = link == self.pressed_in(point) or self.on_motor(point, link)
+        fixed = link == self.pressed_in(point) or self.on_motor(point, link) or self.kind(point) == "bearing"
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         wide = max(self.fits.press_clearance, self.fits.slide_clearance)
-        hole = self.sizes.pen_diameter if point in self.pens else self.turning(point) + wide
+        bearing = None if point in self.pens else self.bearing(point)
+        turning = bearing.outside if bearing is not None and link not in self._fixing(point) else self.turning(point)
+        hole = self.sizes.pen_diameter if point in self.pens else turning + wide
         if self.on_motor(point, link):
             hole = self.hole(point, link)
         return (self.sizes.shape(link).hub_diameter or hole + 2 * self.sizes.wall) / 2

@@ -13,6 +13,7 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.pins import refuse
 from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
 
 
@@ -22,6 +23,7 @@ def laid(layout: Layout, run: Run) -> Layout:
     Stems are tried in their order, the first that leaves room for all counts. The ground's pins have their heads on top, or
     under the plate where that saves a level. DesignError of the first layout where none can be laid.
     """
+    refuse(layout)
     ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
     strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
     tries = [
@@ -98,8 +100,7 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
             over += [(upper, link) for link in moving if link != upper]
         held = (*moving, *layout.riders.get(point, ()))
         place = ways(links[0], [layout.at(links[0], point)])[0]
-        radius = layout.turning(point) / 2 + layout.sizes.head
-        axes.append(Axis(point, held, place, radius, links[0] == GROUND, shaft is None, point in layout.hung))
+        axes.append(Axis(point, held, place, layout.head_radius(point), links[0] == GROUND, *layout.beyond(point)))
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body

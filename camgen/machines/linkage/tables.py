@@ -16,7 +16,7 @@ from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS, MOTOR_FACES, MotorFace
+from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
 _SUNK = 0.2  # mm, by which a screw's head lies below the surface
@@ -197,6 +197,9 @@ class Shape(Record):
     thickness: Length | None = Field(None, description="mm; that of all links unless given")
 
 
+PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
+
+
 class Parts(Record):
     """Sizes of the bodies; a further table by a link's name is the shape of that link."""
 
@@ -204,7 +207,10 @@ class Parts(Record):
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
     thickness: Length = Field(4.0, description="mm, of a link")
-    pin: Literal["printed", "dowel"] = Field("printed", description="printed with a head, or bought, of steel, with a cap")
+    pin: PinKind = Field(
+        "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
+    )
+    pins: dict[Name, PinKind] = Field({}, description="the same of one point")
     pin_diameter: Length = Field(5.0, description="mm, of pins")
     wall: Length = Field(2.0, description="mm, round each hole")
     head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
@@ -215,6 +221,9 @@ class Parts(Record):
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
     )
+    hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
+    )
     rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
     mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
@@ -224,6 +233,16 @@ class Parts(Record):
     def shape(self, link: str) -> Shape:
         """What is special to a link."""
         return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
+
+    @property
+    def shoulder(self) -> ShoulderScrew:
+        """The thinnest shoulder screw that is as thick as a pin."""
+        return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def least_crank(self) -> float:
+        """Shortest hand crank, mm: hubs of shaft and knob beside each other."""
+        return self.shaft_diameter / 2 + 2 * self.head + 2 * self.wall + self.pin_diameter
 
     @property
     def face(self) -> MotorFace | None:
@@ -250,8 +269,12 @@ class Parts(Record):
             width = self.shape(link).width
             if width is not None and width < nozzle:
                 found.append(Fault(f"parts.{link}.width", f"{width:g}", least))
-        if self.pin == "dowel" and self.pin_diameter not in DOWELS:
+        kinds = {self.pin, *self.pins.values()}
+        if "dowel" in kinds and self.pin_diameter not in DOWELS:
             right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
+            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
+            right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
             found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
@@ -267,7 +290,16 @@ class Parts(Record):
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))
-        if self.shaft_length < self.thickness + 2:
+        if self.hand_crank:
+            right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
+            if self.face is not None:
+                right = f"nothing here, or no parts.motor: {self.motor} drives"
+            if self.face is not None or self.hand_crank < self.least_crank:
+                found.append(Fault("parts.hand_crank", f"{self.hand_crank:g}", right))
+            if self.shaft_length < 2 * self.thickness + 2:
+                right = f"at least {2 * self.thickness + 2:g} mm: the collar under the plate and the hand crank"
+                found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+        elif self.shaft_length < self.thickness + 2:
             right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
             found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
         thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]
