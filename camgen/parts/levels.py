@@ -35,7 +35,8 @@ _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which ta
 class Band:
     """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
 
-    on: name of its level, where several bands share one; below: how many levels under it are taken too.
+    on: name of its level, where several bands share one; below: how many levels under it are taken too; slim, move: which keys
+    do so, for messages.
     """
 
     name: str
@@ -43,6 +44,8 @@ class Band:
     radius: float
     on: str = ""
     below: int = 0
+    slim: str = ""
+    move: str = ""
 
     @property
     def level(self) -> str:
@@ -65,6 +68,8 @@ class Axis:
     ground: bool = False
     over: int = 1
     under: int = 0
+    slim: str = ""
+    move: str = ""
 
 
 @dataclass(frozen=True)
@@ -76,9 +81,32 @@ class Wall:
     radius: float
     link: str
     on: str = ""
+    slim: str = ""
+    move: str = ""
 
 
 Thing = Band | Axis | Wall
+
+
+class Crowded(DesignError):
+    """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
+    need, and how many more such pairs there are; remedy: instead of the keys that make them slimmer, where half as thick
+    would do, or move them."""
+
+    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int, remedy: str = "") -> None:
+        self.a, self.b, self.distance, self.needed, self.theta, self.more = a, b, distance, needed, theta, more
+        others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
+        said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
+        keys = [*(each.slim for each in (a, b) if distance >= needed / 2), *(each.move for each in (a, b))]
+        mends = list(dict.fromkeys(filter(None, keys)))
+        super().__init__(
+            "distance of what cannot pass on any level", distance, needed, "mm", said,
+            remedy or f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
+        )  # fmt: skip
+
+    def mended(self, remedy: str) -> Crowded:
+        """The same with another remedy."""
+        return Crowded(self.a, self.b, self.distance, self.needed, self.theta, self.more, remedy)
 
 
 @dataclass(frozen=True)
@@ -181,11 +209,11 @@ def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
     needed, steps = a.radius + b.radius + gap, one.step + other.step
     if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
         return None  # not even their discs, as of most links of a long chain
-    between = distance(one.corners, other.corners)
-    if float((between - steps).min()) >= needed:
-        return None
+    between = distance(one.corners, other.corners) - steps
     k = int(np.argmin(between))
-    return _Rule(a, b, float(between[k]), needed, k)
+    if between[k] >= needed:
+        return None
+    return _Rule(a, b, max(0.0, float(between[k])), needed, k)
 
 
 def levels(
@@ -208,10 +236,7 @@ def levels(
     broken = [rule for rule in rules if not _kept(rule, found)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
-        said = f"{rule.a.name} and {rule.b.name}, {math.degrees(theta[rule.k]):.1f} deg"
-        cures = "use longer links, smaller parts.pin_diameter, parts.head or parts.wall"
-        cures += (", or leave [layers] out" if given else "") + "; tried were all orders of the levels"
-        raise DesignError("distance of what cannot pass on any level", rule.distance, rule.needed, "mm", said, cures)
+        raise Crowded(rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1)
     return found
 
 
@@ -349,7 +374,8 @@ def integer_program(
 
     for rule in rules:
         (a0, a, a1), (b0, b, b1) = ends(rule.a), ends(rule.b)
-        broken, upper = column(_BROKEN, 0, 1), column(0, 0, 1)
+        short = (rule.needed - rule.distance) / rule.needed
+        broken, upper = column(_BROKEN * (1 + max(0.0, short)), 0, 1), column(0, 0, 1)
         rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a))  # a over b where `upper` is 0
         rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b - big))
     table = np.zeros((len(rows), len(cost)))
