@@ -18,7 +18,8 @@ from functools import cached_property
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machines.linkage.guides import STEMS, Guide, guide
+from camgen.machines.linkage.covers import Cover, cover
+from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
 from camgen.parts.bands import ArmBand
@@ -320,7 +321,10 @@ class Layout:
     def stems_of(self, link: str) -> Sequence[str]:
         """How a link that slides may reach its rails: away from a cam that its own end touches."""
         sides = {tip.leaves for tip in self.noses(link)}
-        return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+        if sides or self.cover is None:
+            return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+        wide = any(slot.guide.body == link for slot in self.slots.values())
+        return ("both", *COVERED) if wide else COVERED
 
     def noses(self, link: str) -> list[Tip]:
         """Knives and faces of a link."""
@@ -396,10 +400,15 @@ class Layout:
         return {
             link: guide(
                 joint, self.strokes[joint.name], self.round_hubs(link), bool(self.slots_of(link)), head,
-                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link),
+                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link), self.cover,
             )
             for link, joint in self.slides.items()
         }  # fmt: skip
+
+    @cached_property
+    def cover(self) -> Cover | None:
+        """What lies on rails to hold down what slides; None where nothing slides, or none is wanted."""
+        return cover(self.sizes, self.fits, self.min_wall) if self.slides else None
 
     def _clear(self, link: str) -> tuple[float, float]:
         """Between which places on the line of its slide no rails of a link may stand, for cams on their way up, mm."""
@@ -460,6 +469,8 @@ class Layout:
         thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
+        covered = {self.level[link] for link, each in self.guides.items() if each.covered}
+        levels += [level + k for level in covered for k in range((self.cover.levels if self.cover else 0) + 1)]
         thick += [(level, self.sizes.thickness) for level in levels]
         found = [self.sizes.base_thickness]
         for level in range(1, max(self.level.values()) + 1):

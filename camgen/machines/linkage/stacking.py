@@ -112,8 +112,15 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body
-        half, under = layout.sizes.rail_width / 2, "" if on == GROUND else on
-        cures = "a smaller parts.rail_width", "another line of the slide"
-        walls += [Wall(f"rail of {link}", ways(on, ends), half, link, under, *cures) for ends in each.rails]
+        base, move = "" if on == GROUND else on, "another line of the slide"
+        if each.covered and layout.cover is not None:
+            for pair in each.pairs:
+                screws = layout.cover.places(pair, layout.sizes.rail_width)
+                corners, radius = ways(on, [screws[k] for k in hull_corners(screws)]), layout.cover.radius
+                cures = "parts.cover = false", move
+                walls.append(Wall(f"cover of {link}", corners, radius, link, base, layout.cover.levels, *cures))
+        else:
+            half, slim = layout.sizes.rail_width / 2, "a smaller parts.rail_width"
+            walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
         over += [(link, on)] if on != GROUND else []
     return levels(bands, axes, run.theta, layout.fits.slide_clearance, layout.given, walls, over, explain, searched=explain)
