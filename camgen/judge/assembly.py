@@ -101,7 +101,8 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
             case GearTeeth(a=wheel, b=mate):  # their play is measured far more finely at the pitch circle
                 yield wheel.part, mate.part, _ROLLING + spare
-            case PinEyes(a=a, b=b, pin=pin):
+            case PinEyes(a=a, b=b, pin=pin, rings=rings):
+                yield from ((ring.part, pin.part, spare) for ring in rings if pin is not None and pin.part)
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
                     if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:
