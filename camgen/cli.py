@@ -19,12 +19,13 @@ import click
 
 from camgen import __version__, guide
 from camgen.errors import CamgenError, Fault, FileError, SpecError, explained, printable
-from camgen.files.formats import FORMATS
+from camgen.files.formats import FORMATS, USUAL
 from camgen.running import complain, each, hand_over, known, refuse_one_name_twice, show, spec_name
 
 if TYPE_CHECKING:
     from camgen.running import Work
-KINDS = (*FORMATS, "report")
+
+KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")
 _COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
@@ -67,9 +68,9 @@ def _kinds(context: click.Context, parameter: click.Parameter, value: str | None
     if value is None:
         return frozenset(KINDS)
     kinds = frozenset(kind.strip() for kind in value.split(","))
-    wrong = sorted(kinds - set(KINDS))
+    wrong = sorted(kinds - set(ANY_KIND))
     if wrong:
-        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(KINDS)} was expected.")
+        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(ANY_KIND)} was expected.")
     return kinds
 
 
@@ -82,7 +83,7 @@ def cli() -> None:
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
-@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
+@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(ANY_KIND)}.")
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
 @_jobs
 @_as_json
@@ -172,6 +173,52 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
         expected = "a mechanism with a search of its own, such as thread-take-up"
         raise SpecError([Fault("mechanism", mechanism.mechanism, expected)], str(spec))
     hand_over(dump(found()), file)
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("--vary", metavar="KEY=VALUES", multiple=True, required=True, help="KEY=A:B:N, N values from A to B; or KEY=a,b,c.")
+@click.option("--grid", is_flag=True, help="Every value of each key with every one of the others: so it is anyway.")
+@click.option("--zip", "zipped", is_flag=True, help="First values together, second values together, and so on.")
+@click.option("--latin", type=click.IntRange(1), metavar="N", help="N variants spread evenly (a Latin hypercube).")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Of --latin.  [default: 0]")
+@click.option("--keep", metavar="FIGURE", multiple=True, help="Keep this figure, such as stroke_mm.  [default: all]")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="The same for every variant.")
+@click.option("--build", "build_kinds", is_flag=True, help="Make, read back and judge the files of each, not its limits alone.")
+@click.option("--only", metavar="KINDS", callback=_kinds, help="With --build: only these kinds of files.")
+@click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
+@click.option("--workers", default="local", metavar="WHERE", help="tcp://HOST:PORT of a Dask scheduler.  [default: local]")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Table, .csv or .parquet.  [default: out/<spec>-sweep.csv]")
+def sweep(
+    spec: Path, vary: Sequence[str], grid: bool, zipped: bool, latin: int | None, seed: int, keep: Sequence[str],
+    settings: Sequence[str], build_kinds: bool, only: frozenset[str], jobs: int, workers: str, out: Path | None,
+) -> None:  # fmt: skip
+    """Judge many variants of SPEC: one row each, with its figures, its verdict and why it cannot be made.
+
+    \b
+      --vary geometry.base_radius=12:32:41 --vary segment.1.law=cycloidal,modified-sine
+
+    Writes the table, and beside it a page with plots. Killed on the way, the same command goes on where it was.
+    """
+    from camgen.pipeline import sweep as sweeps
+    from camgen.pipeline.variants import variants
+    from camgen.report.terminal import Bar
+
+    if grid and (zipped or latin):
+        raise SpecError([Fault("--grid", "with --zip or --latin", "one of the three")], "command line")
+    table = out or Path("out") / f"{spec.stem}-sweep.csv"
+    folder = table.with_suffix("").with_name(f"{table.stem}-files")
+    kinds = sorted(only) if build_kinds else ()
+    task = sweeps.prepared(spec, variants(vary, zipped, latin or 0, seed), settings, keep, kinds, folder.absolute())
+    jobs = jobs or os.cpu_count() or 1
+    local = sweeps.Processes(jobs) if jobs > 1 else sweeps.here
+    with Bar() as progress:
+        swept = sweeps.sweep(task, table, local if workers == "local" else sweeps.Cluster(workers), jobs, progress)
+    click.echo(swept.told)
+    for reason, times in swept.reasons:
+        click.echo(printable(f"  {times} x {reason}"))
+    again = f", {swept.before} of them done before" if swept.before else ""
+    click.echo(f"{swept.count} rows{again}, {swept.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it")
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -313,15 +360,18 @@ def guide_(topic: str | None) -> None:
 
 @cli.command()
 def selftest() -> None:
-    """Print published constants beside those computed here; exit 1 if one is off."""
+    """Print published constants, and what the five papers print, beside ours; exit 1 if one is off."""
     from camgen.machines.selftest import rows
 
-    click.echo(f"{'constant':<44}{'published':>18}{'here':>20}")
+    click.echo(f"{'constant':<52}{'published':>14}{'here':>16}  verdict")
     found = list(rows())
     for row in found:
-        click.echo(f"{row.what:<44}{row.published:>18}{row.ours:>20.10g}{'' if row.ok else '  OFF'}")
+        click.echo(f"{row.what:<52}{row.published:>14}{0.0 if abs(row.ours) < 1e-12 else row.ours:>16.10g}  {row.verdict}")
     off = sum(not row.ok for row in found)
-    click.echo(f"{off} of {len(found)} constants are OFF" if off else f"{len(found)} constants agree")
+    refuted, undecided = sum(bool(row.refuted) for row in found), sum(bool(row.undecided) for row in found)
+    sources = f"{refuted} printed values are refuted, {undecided} cannot be decided from their sources"
+    agree = f"{len(found) - refuted - undecided} constants agree; {sources}"
+    click.echo(f"{off} of {len(found)} constants are OFF" if off else agree)
     raise click.exceptions.Exit(1 if off else 0)
 
 

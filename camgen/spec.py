@@ -97,6 +97,7 @@ class Output(Record):
 
     curves: Literal["bulge", "lines"] = "bulge"
     center_marks: bool = False
+    step: bool | None = None
 
 
 class Spec(Record):

@@ -34,7 +34,7 @@ _UNITS = {
 }  # fmt: skip
 
 # Units in what is said of a key: "mm, of the hub", "mm or deg, motion that may be lost", "slower to quicker; no unit".
-_UNIT = r"(?:mm|deg|share|1|N s/mm|N m s/rad|N/mm|N m/rad|N m|N|g/cm\^3)"
+_UNIT = r"(?:mm|deg|share|N s/mm|N m s/rad|N/mm|N m/rad|N m|N|1/s|g/cm\^3|1)"
 _SAID = re.compile(rf"(?:^|, )({_UNIT}(?: or {_UNIT})?)(?=[,;: ])|; no (unit)$")
 
 

@@ -152,7 +152,7 @@ def test_interrupt_is_130(run: Run, results: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("build",), ("check",), ("new",), ("schema",), ("bild",), ("build", "a", "--only", "step"), ("build", "--nope"),
+        ("build",), ("check",), ("new",), ("schema",), ("bild",), ("build", "a", "--only", "iges"), ("build", "--nope"),
         ("build", "a", "--only", ""), ("new", "uniform-swin"), ("schema", "uniform-swin"), ("build", "a", "--set"),
     ],
 )  # fmt: skip

@@ -36,7 +36,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
-from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact
+from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact, source_figures
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
@@ -384,6 +384,7 @@ class UniformSwing(Mechanism):
         numbers = {
             "swing_deg": g.swing_deg,
             "speed_ratio": 1 / speed,
+            **source_figures(g.pivot_distance, g.arm_offset, math.radians(g.swing_deg)),
             "uniform_share_percent": 100 * (1 - g.reversal_blend_deg / 180),
             "follower_speed_deg_s": math.degrees(speed) * rpm * math.tau / 60,
             "peak_speed_mm_s": abs(cam.follower.arm) * speed * rpm * math.tau / 60,
