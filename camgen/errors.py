@@ -91,6 +91,11 @@ def listed(thing: str, names: Sequence[str], most: int = 10) -> str:
     return f"{thing} {shown[0]}" if len(shown) == 1 else f"{thing}s {', '.join(shown[:-1])} and {shown[-1]}"
 
 
+def counted(number: int, thing: str, things: str = "") -> str:
+    """How many there are of a thing: "1 body", "2 bodies", "0 faults"."""
+    return f"{number} {thing if number == 1 else things or thing + 's'}"
+
+
 class FileError(CamgenError):
     """A file could not be written or read; carries its path and the reason."""
 
