@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
+from camgen.errors import counted
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.files.step import read_step
 from camgen.files.threemf import read_3mf
@@ -165,9 +166,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
     findings = [
         at_most(
             "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
-            f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
-            f"{faults.degenerate} degenerate triangles, {faults.turned_normals} stored normals that are not the triangle's own, "
-            f"{faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+            f"{faults.told or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
         )
     ]  # fmt: skip
     if count:
@@ -217,7 +216,7 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
+    remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
@@ -241,7 +240,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[t
     laid = [(copy.object, copy.transform) for copy in copies]
     for one, other in ((laid, places), (places, laid)):
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
-    said = f"{len(copies)} copies of {len(bodies)} parts, each as its own file has it"
+    said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
