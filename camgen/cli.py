@@ -323,6 +323,8 @@ def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, job
                         report = work(path, progress=progress, jobs=jobs)
             except (CamgenError, OSError) as error:
                 failure = explained(error)
+                if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file
+                    failure = SpecError(failure.faults, str(path))
                 worst = max(worst, failure.exit_code)
                 _complain(failure, path)
                 records.append(_failure_record(path, failure))

@@ -44,7 +44,10 @@ def build(
     if wrong:
         raise SpecError([specs.unknown("only", kind, KINDS) for kind in wrong])
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec, overrides).resolved()
+    mechanism = read_mechanism(spec, overrides)
+    if said := mechanism.beforehand(len(only & FORMATS.keys())):
+        progress(f"note: {said}")
+    mechanism = mechanism.resolved()
     staged = Staged(out / mechanism.name)
     with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")

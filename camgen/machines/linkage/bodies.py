@@ -136,6 +136,7 @@ class Bodies:
             part_name(link), f"Link {link}",
             (Layer(region, 0.0, self.sizes.thickness), *self._rails(link, self.sizes.thickness)), centres=tuple(points.values()),
             notes=(f"level {layout.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
+            points=tuple(points.items()),
         )  # fmt: skip
 
     def _rails(self, link: str, floor: float) -> list[Layer]:
@@ -186,7 +187,7 @@ class Bodies:
         return Part(
             part_name(GROUND), "Ground plate", (*layers, *self._rails(GROUND, floor)),
             centres=(*points.values(), *screws), min_wall=self.min_wall,
-            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)),
+            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
         )  # fmt: skip
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------

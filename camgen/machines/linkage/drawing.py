@@ -214,6 +214,8 @@ class Drawing:
             faults.append(Fault(f"{path}.cam", repr(cam.cam), "a link that shares a point with the ground: it turns there"))
         if not link(f"{path}.follower", cam.follower, False):
             return faults
+        if cam.follower == cam.cam:
+            return [*faults, Fault(f"{path}.follower", repr(cam.follower), "another link: a cam does not move itself")]
         slide = self._slide_of(cam.follower)
         if self._pivot(cam.follower) is None and (slide is None or slide.on != GROUND):
             faults.append(Fault(f"{path}.follower", repr(cam.follower), "a link that is pinned to the ground or slides on it"))
@@ -354,7 +356,8 @@ class Drawing:
                          to=row.to_deg if swings else row.to)
             for row in cam.segment
         )  # fmt: skip
-        return program(rows, math.radians(1) if swings else 1.0, f"{path}.segment")
+        unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
+        return program(rows, unit, f"{path}.segment", suffix=suffix)
 
     # ---- the model ------------------------------------------------------------------------------------------------
 

@@ -44,6 +44,8 @@ from camgen.spec import Output, unknown
 from camgen.study import Study, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
+_OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
@@ -78,7 +80,6 @@ def _one_drive(value: object) -> object:
 
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
-
 
     points: t.Points
     links: t.Links
@@ -130,8 +131,7 @@ class Linkage(Mechanism):
         host = self.model_dump(by_alias=True, exclude_none=True)
         top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
         found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
-        parts = (*self.bodies.parts, *(part for each in found for part in each.parts))
-        inc.distinct(parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        inc.distinct(found, self.bodies.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
         return found
 
     @cached_property
@@ -325,6 +325,11 @@ class Linkage(Mechanism):
             ))  # fmt: skip
         found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
         return [*found, *(finding for each in self.modules for finding in each.limits())]
+
+    def beforehand(self, kinds: int) -> str:
+        """How long many links take, which are closed together on what each kind of file shows."""
+        seconds = kinds * (_OF_A_KIND + _OF_THREE * len(self.links) ** 3)
+        return f"{len(self.links)} links: to make and judge it takes about {seconds:.0f} s" if seconds > _LONG else ""
 
     def texts(self) -> Mapping[str, str]:
         """The chain as drawn, as a picture and as PMKS lines."""

@@ -62,7 +62,7 @@ class Drive(Record):
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
         rows = tuple(SegmentTable(kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg)
                      for row in self.segments)  # fmt: skip
-        return program(rows, math.radians(1), "drive.segment", 360.0) if rows else None
+        return program(rows, math.radians(1), "drive.segment", 360.0, "_deg") if rows else None
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
