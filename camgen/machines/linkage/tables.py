@@ -132,6 +132,18 @@ class Cam(Record):
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(description="the program")
 
 
+class Spring(Record):
+    """An extension spring between the pins of two points, of two links; it loads the machine."""
+
+    between: Two = Field(description="two points, of two links")
+    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(description="N/mm")
+    free: Length | None = Field(None, description="mm, between both points where it does not pull yet")
+    preload: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
+        None, description="N, in place of free: its pull where it is shortest"
+    )
+    name: Name | None = Field(None, description="of its level and its figures; spring, or with its number, unless given")
+
+
 class Wanted(Record):
     """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place; and its targets."""
 
