@@ -332,6 +332,8 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
         value = _at(data, path)
+        if item["type"] == "too_short" and isinstance(value, list | tuple) and len(value) >= item["ctx"]["min_length"]:
+            continue  # items of it were wrong, told by themselves, and are not counted
         given = "" if item["type"] == "missing" or key else shown(value)
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
             given = f"a list of {len(value)}"

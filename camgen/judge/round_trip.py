@@ -30,6 +30,7 @@ from camgen.numerics import product
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
+_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
 
 
 @dataclass(frozen=True)
@@ -420,9 +421,10 @@ def _deviation(one: bytes, other: bytes) -> float:
 
 
 def _along(ring: Points) -> Points:
-    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
     way = np.roll(ring, -1) - ring
-    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    length = np.abs(way)
+    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
     edge = np.repeat(np.arange(len(ring)), count)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     return np.asarray(ring[edge] + way[edge] * step / count[edge])
