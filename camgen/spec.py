@@ -107,9 +107,16 @@ class Output(Record):
     center_marks: Annotated[
         bool, Field(description="whether the drawing to be cut (DXF) has marks at centres, on a layer CENTER; no unit")
     ] = False
-    step: Annotated[
-        bool | None, Field(description="whether a whole build makes exact solids as well (STEP); left out: it does not; no unit")
-    ] = None
+    step: Annotated[bool | None, Field(description="whether a whole build makes exact solids (STEP) as well; no unit")] = None
+
+
+class Laser(Record):
+    """What cuts flat parts of sheet, mm: kerf of its beam; sheet: width, height; gap between neighbours, half to the edge."""
+
+    kerf: Annotated[float, Field(ge=0, le=5)] = 0.15
+    thickness: Length = 3.0
+    sheet: tuple[Length, Length] = (600.0, 400.0)
+    gap: Annotated[float, Field(ge=0, le=100)] = 2.0
 
 
 class Spec(Record):
@@ -128,6 +135,7 @@ class Spec(Record):
     material: Material = Material()
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
+    laser: Laser | None = None
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one; `validate` lists it with the rest."""

@@ -20,6 +20,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
+from camgen.pipeline.laser import make_sheets
 from camgen.study import Table
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
             meshes[name], sent[name] = pair
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    if "dxf" in only and mechanism.laser is not None:
+        make_sheets(case)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:
