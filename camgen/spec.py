@@ -108,6 +108,8 @@ class Output(Record):
         bool, Field(description="whether the drawing to be cut (DXF) has marks at centres, on a layer CENTER; no unit")
     ] = False
     step: Annotated[bool | None, Field(description="whether a whole build makes exact solids (STEP) as well; no unit")] = None
+    profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90, description="deg between rows of a cam's table")] = None
+    cutter_radius: Annotated[float | None, Field(gt=0, le=1000, description="mm, of the cutter round each cam")] = None
 
 
 class Laser(Record):

@@ -42,6 +42,7 @@ from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.laser import sheet_files
+from camgen.pipeline.machining import judge_tables, table_files
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.pipeline.scope import ANY, Stage, not_judged, reading, unheard
 from camgen.report.report import Report
@@ -290,6 +291,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
+    if mechanism.output.profile_step_deg is not None or mechanism.output.cutter_radius is not None:
+        stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
     if any(kind in EXACT for kind in kinds):
         stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
@@ -347,6 +350,11 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
     theta = low + judged_angles() * ((high - low) / math.tau)
     moved = judge_motion(mechanism, "dxf", read, theta, f"{mechanism.name}-sheets, *") if numbers else None
     return Outcome([*findings, *(moved[0].findings if moved else ())], numbers, tables=tables)
+
+
+def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Tables for machine tools, against the outlines in the parts' drawings."""
+    return Outcome(judge_tables(case))
 
 
 def _written(case: Case) -> dict[str, Mesh]:
@@ -412,4 +420,4 @@ def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
     fixed = [case.file("assembly", "3mf"), case.file("assembly", "step"), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
-    return [path.name for path in (*fixed, *_plates(case), *sheet_files(case), *more) if path.exists()]
+    return [path.name for path in (*fixed, *_plates(case), *sheet_files(case), *table_files(case), *more) if path.exists()]
