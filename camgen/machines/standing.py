@@ -127,7 +127,7 @@ class StandingCams(Mechanism):
         layout = self.bench.bodies.layout
         z = layout.floor(layout.level["spring"] - layout.below(layout.springs["spring"]))
         last = (len(table.rows) + 1, "extension spring", "Return spring, hooked under the heads of its pins", 1, z, "as bought")
-        return replace(table, rows=(*table.rows, last))
+        return replace(table, rows=(*table.rows, last), copies=(*table.copies, ()))
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

@@ -351,6 +351,7 @@ def _plates(case: Case) -> list[Path]:
 
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
-    fixed = [case.file("assembly", "3mf"), case.file("parts", "csv")]
+    fixed = [case.file("assembly", "3mf"), case.file("assembly", "glb"), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
-    return [path.name for path in (*fixed, *_plates(case), *more) if path.exists()]
+    drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
+    return [path.name for path in (*fixed, *_plates(case), *more, *drawings) if path.exists()]

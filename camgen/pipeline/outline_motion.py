@@ -167,10 +167,8 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     with Staged(out / report.name) as folder:
         if columns:
             progress("writing the report")
-            from camgen.report.figures import plot_svg
-
             write_csv(folder / "motion.csv", columns)
-            write_html(folder / "report.html", report, [plot_svg(plot) for plot in report.plots])
+            write_html(folder / "report.html", report)
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     return report
