@@ -35,7 +35,7 @@ _SAMPLES = 7200  # over the turn
 _STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of the motion
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
 _FRAMES = 120  # of the moving picture
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "matplotlib", "scipy", "shapely")
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely")
 
 # ---- the motion ------------------------------------------------------------------------------------------------------
 

@@ -74,7 +74,8 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     steps = []
     for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
         found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
-        steps.append(Step(" – ".join(str(cell) for cell in row[1:3]), found))
+        words = f"{row[1]}: {row[2]}" if table.columns[2] == "how" else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+        steps.append(Step(words, found))
     return Scene(glb(mechanism.name, shapes, moving), order, plates, steps)
 
 

@@ -246,8 +246,9 @@ def player(animation: Animation, scene: bool = False) -> str:
         f"{escape(names)}.</desc>{drawing}</svg>{_CANVAS if scene else ''}</div>"
         '<div class="controls"><button type="button" id="play" hidden>Play</button>'
         '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
-        f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>{_TOOLS if scene else ""}'
-        f'<details class="legend" open><summary>Parts</summary><ul>{"".join(items)}</ul></details></figure>'
+        f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>'
+        f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'
+        f'<ul>{"".join(items)}</ul></details></figure>'
     )
 
 

@@ -236,7 +236,7 @@ def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:
                 break
         else:
             groups.append(([label], x, y, places))
-    return [_curve(_joined(labels), x, y, axes, labels[0] in plot.dots) for labels, x, y, _ in groups]
+    return [_curve(_joined(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots) for labels, x, y, _ in groups]
 
 
 def _joined(labels: Sequence[str]) -> str:

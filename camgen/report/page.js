@@ -50,6 +50,8 @@ const camgen = (() => {
 
   // ---- parts: hidden and coloured, in the drawing too ----
 
+  if (innerWidth < 1080) document.querySelector(".legend").open = false;  // the machine is to leave room for what one reads
+
   const boxes = [...document.querySelectorAll(".legend [data-body]")];
   boxes.forEach(box => {
     const k = box.dataset.body, colour = box.closest("li").querySelector("[type=color]");

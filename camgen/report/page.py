@@ -271,7 +271,7 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
         percent = f"{100 * used:.0f} %" if used < 10 else "> 1000 %"
         # Eight tenths of the bar are the limit, so that a failing bar is seen to pass the mark.
         bar = f'<span class="use"><span class="bar"><i style="width:{80 * min(used, 1.25):.1f}%"></i></span> {percent}</span>'
-    count = f" <small>of {len(group)}</small>" if len(group) > 1 else ""
+    count = f" <small>tightest of {len(group)}</small>" if len(group) > 1 else ""
     bad = "" if all(finding.ok for finding in group) else " bad"
     return f'<td class="n{bad}" data-of="{kind.upper() or "designed"}">{rounded(worst.measured)}{count}{bar}</td>'
 
@@ -326,7 +326,7 @@ def _parts(report: Report) -> str:
         facts = [str(part["title"])] if part.get("title") else []
         facts += [f"{rounded(_float(part['thickness_mm']), 3)} mm thick"] if "thickness_mm" in part else []
         facts += [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"] if "material_mm3" in part else []
-        title = f"{label} × {part['count']}" if "count" in part else label
+        title = label.replace("_", " ") + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
     return _cards(cards)
 
@@ -357,7 +357,7 @@ def _steps(scene: Scene | None) -> str:
 def _card(title: str, text: str, links: Sequence[str], view: str, shown: bool) -> str:
     canvas = f'<canvas class="small" data-view="{view}" width="320" height="220" aria-hidden="true"></canvas>' if shown else ""
     files_of = f'<p class="links">{" ".join(links)}</p>' if links else ""
-    return f'<li>{canvas}<h3>{escape(title)}</h3><p>{escape(text)}</p>{files_of}</li>'
+    return f"<li>{canvas}<h3>{escape(title)}</h3><p>{escape(text)}</p>{files_of}</li>"
 
 
 def _cards(cards: Sequence[str]) -> str:

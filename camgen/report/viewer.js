@@ -14,7 +14,7 @@
     document.head.append(library);
     let renderer;
     try {
-      renderer = new THREE.WebGLRenderer({ canvas, antialias: !software(), alpha: true, stencil: true });
+      renderer = new THREE.WebGLRenderer({ canvas, antialias: !software(), alpha: true, stencil: true, preserveDrawingBuffer: true });
     } catch {
       return;
     }
@@ -113,7 +113,7 @@
       corner.sub(centre).applyQuaternion(turned);
       far = Math.max(far, corner.z + Math.abs(corner.x) / (up * camera.aspect), corner.z + Math.abs(corner.y) / up);
     }
-    far *= 1.06;
+    far *= 1.02;
     camera.position.copy(centre).addScaledVector(ahead(), far);
     camera.near = far / 50;
     camera.far = far + 20 * radius;
