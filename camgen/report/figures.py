@@ -189,7 +189,7 @@ def _ruled(plot: Plot, axes: _Axes) -> str:
     """Grid, frame, numbers and what the axes show."""
     size = max(map(abs, axes.y))
     power = 0 if axes.log or 1e-3 <= size < 1e5 else math.floor(math.log10(size))
-    unit = plot.y_label + (f" · 10{str(power).translate(_RAISED)}" if power else "")
+    unit = plot.y_label.replace("^2", "²").replace("^3", "³") + (f" · 10{str(power).translate(_RAISED)}" if power else "")
     if axes.log:
         x_ticks, y_ticks = (
             [(t, f"{10.0**t:g}") for t in ticks(*ends) if t == round(t)] for ends in (axes.x, axes.y)

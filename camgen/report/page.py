@@ -9,6 +9,7 @@ import base64
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -56,7 +57,9 @@ def to_html(report: Report) -> str:
         change=to_change(report),
         machine=machine,
         plots=_section("Curves", _plots(report.plots)),
-        parts=_section("Parts", _parts(report)) + _section("Plates", _plates(scene)) + _section("Steps", _steps(scene)),
+        parts=_section("Parts", _parts(report))
+        + _section("Plates, ready to print", _plates(scene), "plates")
+        + _section("Assembly, step by step", _steps(scene), "steps"),
         findings=_section("Margins", margins(report.findings)),
         numbers=_section("Figures", figure_lists(report.numbers)),
         tables=_section("Tables", "".join(map(_folded, report.all_tables))),
@@ -115,8 +118,8 @@ def _link(file: str, words: str = "") -> str:
     return f'<a href="{escape(quote(file))}">{escape(words or file)}</a>'
 
 
-def _section(title: str, body: str) -> str:
-    return f'<section class="{title.lower()}"><h2>{title}</h2>{body}</section>' if body else ""
+def _section(title: str, body: str, kind: str = "") -> str:
+    return f'<section class="{kind or title.lower()}"><h2>{title}</h2>{body}</section>' if body else ""
 
 
 def _unit(unit: str) -> str:
@@ -244,7 +247,7 @@ _ALWAYS = ("MOTION_ERROR", "LASH", "PRESSURE_ANGLE", "TRANSMISSION_ANGLE", "INTE
 
 
 def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
-    head = ["Finding", *(kind.upper() or "As designed" for kind in kinds), "Limit"]
+    head = ["Finding", *(kind.upper() or "Design, assembly" for kind in kinds), "Limit"]
     rows = []
     for group in groups:
         worst = max(group, key=_urgent)
@@ -280,11 +283,39 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
 
 
 def _plots(plots: Sequence[Plot]) -> str:
-    drawn = [figure(plot, f"plot-{k}") for k, plot in enumerate(plots)]
+    drawn = [figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
     if len(drawn) <= _FIRST_PLOTS + 3:
         return "".join(drawn)
     more = f"<details><summary>{len(drawn) - _FIRST_PLOTS} more curves</summary>{''.join(drawn[_FIRST_PLOTS:])}</details>"
     return "".join(drawn[:_FIRST_PLOTS]) + more
+
+
+def once(plots: Sequence[Plot]) -> list[Plot]:
+    """The plots less those that show nothing new: all their curves are in an earlier one, which takes over their marks."""
+    kept: list[Plot] = []
+    for plot in plots:
+        at = next((k for k, other in enumerate(kept) if _shows(other, plot)), None)
+        if at is None:
+            kept.append(plot)
+        elif not kept[at].marks:
+            kept[at] = replace(kept[at], marks=plot.marks)
+    return kept
+
+
+def _shows(plot: Plot, other: Plot) -> bool:
+    """Whether a plot shows all curves of another one, to what can be seen."""
+    if (plot.x_label, plot.y_label, plot.equal) != (other.x_label, other.y_label, other.equal) or plot.equal:
+        return False
+    for _, x, y in other.series:
+        size = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
+        alike = (
+            len(s) and s[0] <= x[0] + 1 and s[-1] >= x[-1] - 1
+            and np.nanmax(np.abs(np.interp(x, s, w) - y), initial=0.0) <= 0.005 * size
+            for _, s, w in plot.series
+        )  # fmt: skip
+        if not (size > 0 and np.isfinite(y).all() and any(alike)):
+            return False
+    return bool(other.series)
 
 
 def figure_lists(numbers: Mapping[str, float]) -> str:
@@ -296,7 +327,7 @@ def figure_lists(numbers: Mapping[str, float]) -> str:
         by_kind = [each for each in members if set(each.values) != {""}]
         plain = [each for each in members if each not in by_kind]
         body = "".join(
-            f"<div><dt>{escape(each.name)}</dt><dd>{rounded(each.values[''])}{_unit(each.unit)}</dd></div>" for each in plain
+            f"<div><dt>{escape(each.name)}</dt><dd>{_known(each, '')}{_unit(each.unit)}</dd></div>" for each in plain
         )
         body = f"<dl>{body}</dl>" if body else ""
         if by_kind:
@@ -306,8 +337,13 @@ def figure_lists(numbers: Mapping[str, float]) -> str:
 
 
 def _row(each: Figure) -> tuple[str, ...]:
-    cells = (rounded(each.values[kind]) if kind in each.values else "" for kind in _KINDS)
-    return (each.name, each.unit, *cells)
+    return (each.name, each.unit, *(_known(each, kind) if kind in each.values else "" for kind in _KINDS))
+
+
+def _known(each: Figure, kind: str) -> str:
+    """A figure's value, 0 for less than a nanometre or a millionth of a degree."""
+    value = each.values[kind]
+    return "0" if each.unit in ("mm", "deg") and abs(value) < 1e-6 else rounded(value)
 
 
 # ---- parts, plates, steps --------------------------------------------------------------------------------------------
