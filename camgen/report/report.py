@@ -74,11 +74,13 @@ class Report:
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
     def _repr_html_(self) -> str:
-        """For a notebook: the verdict, what fails, the margins and the figures."""
+        """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file."""
         from camgen.report import page
 
+        kinds = ("_dxf_", "_stl_", "_3mf_")
+        figures = {name: value for name, value in self.numbers.items() if not any(kind in name for kind in kinds)}
         found = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>{page.to_change(self)}{page.margins(self.findings)}"
-        return found + page.figure_lists(self.numbers)
+        return found + page.figure_lists(figures)
 
     def as_dict(self) -> dict[str, object]:
         """The report as report.json holds it: plain values, floats of 12 digits, None for nan and inf."""
