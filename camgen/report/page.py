@@ -364,7 +364,9 @@ def _parts(report: Report) -> str:
         facts += [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"] if "material_mm3" in part else []
         title = label.replace("_", " ") + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
-    return _cards(cards)
+    whole = [file for file in report.files if file.startswith(f"{report.name}-assembly.")]
+    links = [_link(file, file.rpartition(".")[2].upper()) for file in whole]
+    return (f'<p class="links">All together: {" ".join(links)}</p>' if links else "") + _cards(cards)
 
 
 def _float(value: object) -> float:

@@ -15,6 +15,7 @@ from camgen.machine.landmarks import double_points
 from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
+from camgen.machines.linkage.troughs import open_rails
 from camgen.study import Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
@@ -74,8 +75,7 @@ def study(linkage: Linkage) -> Study:
     for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
         figure = f"hold_{cam.name.replace(' ', '_')}"
         notes.append(f"{cam.name} is held by force: no spring is made for it; {figure} is the least that it needs.")
-    for slide in (joint for joint in linkage.chain.joints if isinstance(joint, m.Slide)):
-        notes.append(f"{slide.runner.body} slides between rails that are open above: what lies on its pins alone holds it down.")
+    notes += open_rails(linkage.bodies.layout) if linkage.lacking() is None else []
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)

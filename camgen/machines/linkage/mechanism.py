@@ -103,6 +103,7 @@ class Linkage(Mechanism):
         lying = [*moving, *self._drawing.levels_of_joints()]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle)
+        found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
