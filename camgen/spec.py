@@ -98,6 +98,9 @@ class Material(Record):
 
     name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = "PLA"
     density: Annotated[float, Field(gt=0, le=25)] | None = None
+    infill: Annotated[
+        float, Field(gt=0, le=1, description="share of the volume that is plastic, walls and filling together; 1: printed solid")
+    ] = 1.0
 
 
 class Output(Record):

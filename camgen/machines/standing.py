@@ -15,7 +15,7 @@ from camgen.machine.model import Machine
 from camgen.machines.bench import Bench
 from camgen.machines.linkage.tables import Parts
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
 from camgen.study import Table
 
@@ -38,11 +38,6 @@ class StandingCams(Mechanism):
     def sizes(self) -> Sizes:
         """Of the machine's bodies."""
         return self.bodies or Sizes.model_validate({})
-
-    @property
-    def density(self) -> float:
-        """Of what is printed, kg/m^3."""
-        return 1e3 * (self.material.density or DENSITY[self.material.name])
 
     def size_faults(self, *links: str) -> list[Fault]:
         """What is wrong with [bodies] of a machine with these links."""

@@ -36,6 +36,7 @@ from camgen.machines.bench import Bench, Tip
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
 from camgen.machines.linkage.tables import Gear as GearTable
+from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
@@ -79,13 +80,13 @@ class Geometry(Record):
     closure: Literal["conjugate", "force"] = "conjugate"
 
 
-class Motor(Record):
+class Motor(Drives):
     """What drives the cam shaft."""
 
     speed_rpm: Annotated[Rpm, turning()] = 30.0
 
 
-class LoadTable(Record):
+class LoadTable(Weight):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
 
@@ -143,7 +144,7 @@ class Parts(ShaftHole):
     wall: Length = 4.0
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
 
     residual: peak torque that the unloader may leave to the cam, as a share of that without it.

@@ -37,8 +37,9 @@ from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.stacking import laid
+from camgen.machines.loads.tables import Drives
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import DENSITY, Bought, turning_text
+from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
 from camgen.study import Study, together
@@ -91,6 +92,7 @@ class Linkage(Mechanism):
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
+    motor: Drives | None = None
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
@@ -136,8 +138,7 @@ class Linkage(Mechanism):
 
     @cached_property
     def _fitted(self) -> m.Machine:
-        density = 1e3 * (self.material.density or DENSITY[self.material.name])
-        return self.bodies.weighed(density, self.masses)
+        return self.bodies.weighed(self.density, self.masses)
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -180,6 +181,16 @@ class Linkage(Mechanism):
     def speed(self) -> float:
         """Speed of the driven link, rad/s; of one that goes to and fro its greatest, a period being a turn."""
         return self.drive.speed_rpm * math.tau / 60
+
+    @property
+    def shaft_needed(self) -> float | None:
+        """Of the motor under the plate."""
+        return None if self.making.face is None else self.bodies.shaft_reach
+
+    @property
+    def motor_frame(self) -> str:
+        """Its frame."""
+        return "" if self.making.face is None else self.making.motor
 
     @property
     def angle_name(self) -> str:
