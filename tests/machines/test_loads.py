@@ -145,8 +145,9 @@ def test_flywheel_that_is_told_keeps_to_the_swing() -> None:
 
 def test_hertz_grows_as_the_root_of_the_force() -> None:
     light = numbers("indexing-cam")["hertz_pressure_contact_mpa"]
-    heavy = numbers("indexing-cam", "load.inertia_kg_m2=0.2", "load.friction_n_m=0", "motor.speed_rpm=60", "unloader={torque='none'}")
-    plain = numbers("indexing-cam", "load.friction_n_m=0", "unloader={torque='none'}")
+    bare = ("load.friction_n_m=0", "unloader={torque='none'}")
+    heavy = numbers("indexing-cam", "load.inertia_kg_m2=0.2", "motor.speed_rpm=60", *bare)
+    plain = numbers("indexing-cam", *bare)
     assert heavy["hertz_pressure_contact_mpa"] == pytest.approx(4 * plain["hertz_pressure_contact_mpa"], rel=0.02)
     for limit, ok in ((light * 1.01, True), (light * 0.99, False)):
         (each,) = found("HERTZ", "indexing-cam", f"limits.hertz_mpa={limit}")

@@ -157,7 +157,7 @@ def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
     assert any("no 3MF was made (--only)" in each["why"] for each in data["not_judged"])
     page = (tmp_path / "uniform-swing" / "report.html").read_text("utf-8")
     assert '<p class="verdict bad">' in page and "NOT JUDGED: INTERFERENCE" in page
-    assert page.count('<tr class="bad"><td class="mark"><b>NOT JUDGED</b>') == 4
+    assert page.count('<tr class="bad"><td class="mark"><b>NOT JUDGED</b>') == 5
 
 
 @pytest.mark.parametrize(
