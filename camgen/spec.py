@@ -36,6 +36,7 @@ _SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
 Length = Annotated[float, Field(ge=1e-3, le=1e6)]  # mm; a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6)]  # g
 Clearance = Annotated[float, Field(ge=0, le=10)]
+Spread = Annotated[float, Field(ge=0, le=5)] | None
 
 
 def turning(least: float = 0.0) -> AfterValidator:
@@ -91,6 +92,9 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    size_error: Annotated[Spread, Field(description="mm, standard deviation of a size; else as usual")] = None
+    place_error: Annotated[Spread, Field(description="mm, the same of a hole's centre along an axis; size_error / sqrt 2")] = None
+    form_error: Annotated[Spread, Field(description="mm, the same of an outline's waves; size_error / 4")] = None
 
 
 class Material(Record):

@@ -31,7 +31,7 @@ from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.assess import drives_of
 from camgen.machines.loads.journals import Journal, journals
-from camgen.machines.loads.tables import Drives, Weight
+from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
 from camgen.spec import Spec, validate
@@ -175,6 +175,11 @@ class Mechanism(Spec, ABC):
     def journals(self) -> Mapping[str, Journal]:
         """The plain bearings of its pins, by joint."""
         return journals(self.model, self.features(), self.parts(), self.mounts(), self.material.name)
+
+    def bears(self, joint: str) -> Bears:
+        """What the spec says of a joint's materials."""
+        allowed = getattr(self, "allowed", None)
+        return allowed if isinstance(allowed, Bears) else Bears()
 
     @property
     def angle_name(self) -> str:

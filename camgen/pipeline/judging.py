@@ -255,7 +255,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
-    return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), *reading(mechanism)]
+    return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), Stage((), work=print_errors), *reading(mechanism)]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -351,6 +351,14 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
 
     found = assess(case.mechanism)
     return Outcome(found.findings, found.study.numbers, found.study.plots, found.study.tables, not_judged=found.not_judged)
+
+
+def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
+    """What a usual print's errors do to the outputs, to first order."""
+    from camgen.pipeline.tolerance import spread_of
+
+    found = spread_of(case.mechanism).study()
+    return Outcome(numbers=found.numbers, tables=found.tables)
 
 
 def _plates(case: Case) -> list[Path]:

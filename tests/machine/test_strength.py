@@ -80,7 +80,7 @@ ENGINE = (
 
 
 def test_flywheel_of_an_engine() -> None:
-    """Shigley, example 16-6: 3368 in lbf over two turns, 268 lbf in; its largest loop, 3531 in lbf, summed crudely from 15 to 180 deg,
+    """Shigley, example 16-6: 3368 in lbf over two turns, 268 lbf in; its largest loop, 3531 in lbf, summed crudely up to 180 deg,
     and delta = 0.1 at 250 rad/s ask for 0.565 lbf s^2 in."""
     theta, torque = np.radians(15.0 * np.arange(len(ENGINE))), np.array(ENGINE, float)
     mean = flywheel.mean_torque(theta, torque)

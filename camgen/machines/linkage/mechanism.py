@@ -37,7 +37,7 @@ from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.stacking import laid
-from camgen.machines.loads.tables import Drives
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.part import Part
@@ -191,6 +191,11 @@ class Linkage(Mechanism):
     def motor_frame(self) -> str:
         """Its frame."""
         return "" if self.making.face is None else self.making.motor
+
+    def bears(self, joint: str) -> Bears:
+        """As this spec, or that of the included machine whose joint it is, says."""
+        own = (each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_"))
+        return next((each.bears(joint) for each in own), self.allowed)
 
     @property
     def angle_name(self) -> str:

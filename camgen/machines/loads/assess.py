@@ -14,7 +14,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
 from camgen.machines.loads import bearing, drive
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
 
@@ -50,8 +50,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     theta = np.linspace(*mechanism.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
     run = solve(machine, theta)
     forces = run.forces()
-    bears = getattr(mechanism, "allowed", None)
-    bears = bears if isinstance(bears, Bears) else Bears()
+    bears = mechanism.bears
     outlines: dict[str, CamOutline] = {}
     for each in mechanism.features():
         if isinstance(each, CamOutline):

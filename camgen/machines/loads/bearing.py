@@ -7,7 +7,7 @@ only beyond what every plastic bears, or beyond what the spec itself says; the t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,11 +41,10 @@ class Borne:
     friction: Any = 0.0
 
 
-def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Bears) -> Borne:
-    """PV and PIN_STRESS of every pin whose bearing is known, with a table of all."""
+def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears]) -> Borne:
+    """PV of the worst and PIN_STRESS of every pin whose bearing is known, and a table; bears: what the spec says of a joint."""
     borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
     usual = materials.PV_MOST
-    limit = bears.pv_mpa_m_s or usual
     found: list[tuple[float, Journal, strength.Sliding]] = []
     for name, journal in journals.items():
         joint = run.machine.joint(name)
@@ -61,24 +60,25 @@ def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], be
         found.append((slides.pv, journal, slides))
         rows.append((name, journal.diameter, journal.length, float(np.max(force)), float(np.max(slides.pressure)),
                      float(np.max(slides.speed)), slides.pv, slides.pv / usual, slides.power, bent, sheared))  # fmt: skip
-        borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears)
+        borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears(name))
     if not found:
         return borne
-    pv, worst, slides = max(found, key=lambda each: each[0])
+    pv, worst, slides = max(found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual))
+    given = bears(worst.joint).pv_mpa_m_s
     said = f"{slides.power:.3g} W of heat at a friction of {_friction(worst):g}"
     said += (
-        f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry" if bears.pv_mpa_m_s else
+        f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry" if given else
         f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
         "P210). Less speed or mass and a longer pin lower it; oil bears five times as much, a bush of metal more: say so by "
         "limits.pv_mpa_m_s"
     )  # fmt: skip
     where = f"pin {worst.joint}, {worst.diameter:g} x {worst.length:.4g} mm"
-    borne.findings.append(at_most("PV", pv, limit, "MPa m/s", where, said))
+    borne.findings.append(at_most("PV", pv, given or usual, "MPa m/s", where, said))
     heads = ("pin", "diameter, mm", "length, mm", "force, N", "pressure, MPa", "sliding, m/s", "p v, MPa m/s",
              f"over {usual:g}", "heat, W", "bent, MPa", "sheared, MPa")  # fmt: skip
     rows.sort(key=lambda row: -float(str(row[6])))
     borne.tables.append(Table("Plain bearings and pins, the hardest worked first", heads, rows))
-    borne.numbers |= {"pv_max_mpa_m_s": pv, "friction_heat_w": float(np.mean(borne.friction))}
+    borne.numbers |= {"pv_max_mpa_m_s": max(each[0] for each in found), "friction_heat_w": float(np.mean(borne.friction))}
     return borne
 
 
@@ -97,13 +97,14 @@ def _pin(name: str, journal: Journal, bent: float, sheared: float, force: float,
     holds = math.sqrt(limit / worse) if worse else math.inf
     by = "limits.pin_stress_mpa" if bears.pin_stress_mpa else f"{row.name} bears {row.bears:g} MPa"
     remark = f"by {force:.4g} N, {how}; {by}"
+    remark += "" if worse <= limit else "; make it thicker or shorter, or of steel and say so (limits.pin_stress_mpa = 350)"
     remark += f", {holds:.3g} times the speed where inertia alone loads it" if math.isfinite(holds) else ""
     return [at_most("PIN_STRESS", worse, limit, "MPa", f"pin {name}", remark)]
 
 
 def contacts(
     run: Run, forces: Forces, outlines: Mapping[str, CamOutline], parts: Mapping[str, Part], printed: str, roller: Bearing | None,
-    bears: Bears,
+    known: Callable[[str], Bears],
 ) -> Borne:  # fmt: skip
     """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller; outlines: by joint, the first of each.
 
@@ -116,7 +117,7 @@ def contacts(
         outline = outlines.get(joint.name)
         if not isinstance(joint, Cam) or not joint.touches or outline is None:
             continue
-        force = _finite(forces.pressing[joint.name])
+        force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
         if not np.any(force > _STILL):
             continue
         layer = parts[outline.part].layers[parts[outline.part].cut]
