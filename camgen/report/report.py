@@ -35,7 +35,8 @@ _FOLDED_FROM = 40
 
 # Units as suffixes of a number's name, the longest first.
 _UNITS = {
-    "n_rad_s": "N rad/s", "n_m_s": "N m s", "n_m": "N m", "g_mm": "g mm", "kg_m2": "kg m²", "n": "N", "j": "J", "h": "h",
+    "n_rad_s": "N rad/s", "n_m_s": "N m s", "n_m": "N m", "g_mm": "g mm", "mpa_m_s": "MPa m/s", "mpa": "MPa", "w": "W",
+    "hz": "Hz", "kg_m2": "kg m²", "n": "N", "j": "J", "h": "h",
     "deg_rad2": "deg/rad²", "mm_rad2": "mm/rad²", "deg_rad": "deg/rad", "mm_rad": "mm/rad",
     "mm_s2": "mm/s²", "mm_s": "mm/s", "deg_s2": "deg/s²", "deg_s": "deg/s", "rad_s": "rad/s",
     "mm3": "mm³", "mm2": "mm²", "mm": "mm", "deg": "deg", "rpm": "rpm", "percent": "%", "g": "g", "s": "s",
@@ -82,7 +83,7 @@ class Report:
     def verdict(self) -> str:
         """One line: how many checks hold or fail, and what was not judged."""
         failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
-        held = "The one check holds" if count == 1 else f"All {count} checks hold"
+        held = {0: "Nothing is judged here", 1: "The one check holds"}.get(count, f"All {count} checks hold")
         said = f"{failed} of {count} checks fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 

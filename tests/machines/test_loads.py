@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,12 @@ import pytest
 
 from camgen.errors import SpecError
 from camgen.findings import Finding
+from camgen.machine.balancing import with_weight
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import Assessment, assess
 from camgen.machines.loads.drive import motor_of
+from camgen.machines.loads.follower import effective_inertia
 from camgen.machines.loads.weights import weighed
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.solids import solid
@@ -209,3 +212,47 @@ def test_every_starter_bears_what_it_does(path: Path) -> None:
     assert all(each.ok for each in report.findings)
     assert {each.code for each in report.not_judged} <= {"DRIVE_TORQUE", "SHAFT_REACH"}
     assert all(math.isfinite(value) for value in report.study.numbers.values())
+
+
+# ---- elastic followers, balance --------------------------------------------------------------------------------------
+
+HEAVY = ("load.mass_kg=0.5", "load.stiffness=200", "motor.speed_rpm=300", "spring.rate=2", "spring.preload=20")
+
+
+def test_frequency_of_a_follower_is_that_of_its_mass() -> None:
+    given = numbers("disc-cam", *HEAVY)
+    assert given["follower_frequency_contact_hz"] == pytest.approx(math.sqrt(200e3 / 0.5) / math.tau, rel=1e-9)
+    assert 0 < given["vibration_in_dwells_contact_mm"] <= given["vibration_contact_mm"]
+
+
+def test_an_elastic_follower_lifts_off_where_it_is_told() -> None:
+    fast = numbers("disc-cam", *HEAVY)["lift_off_speed_contact_rpm"]
+    for share, ok in ((0.99, True), (1.01, False)):
+        (each,) = found("LIFT_OFF", "disc-cam", *HEAVY, f"motor.speed_rpm={share * fast}")
+        assert each.ok is ok and each.unit == "N"
+    stiff = numbers("disc-cam", *HEAVY, "load.stiffness=1e5")["lift_off_speed_contact_rpm"]
+    assert fast < stiff  # elasticity adds to what throws it off
+    rigid = made("disc-cam", *HEAVY, f"motor.speed_rpm={stiff}").limits()
+    assert next(each for each in rigid if each.code == "LIFT_OFF").measured == pytest.approx(0, abs=2.0)  # of 60 N
+
+
+def test_inertia_behind_gears_counts_with_the_ratio_squared() -> None:
+    machine = made("indexing-cam", "load.stiffness=300").model
+    run = solve(machine, np.linspace(0, math.tau, 13))
+    cam = machine.joint("contact")
+    ratio = made("indexing-cam").geometry.gear_ratio  # type: ignore[attr-defined]
+    assert effective_inertia(run, cam) == pytest.approx(0.05 * ratio**2)  # type: ignore[arg-type]
+
+
+def test_a_counterweight_takes_off_what_is_told() -> None:
+    """The weight is put on the disc, and the shaking force worked out anew."""
+    drive = made("eccentric-drive")
+    told = numbers("eccentric-drive")
+    machine = weighed(drive).machine
+    at = 1e-3 * told["balance_weight_g_mm"] / 10 * np.exp(0j)  # kg at 10 mm
+    place = 10 * np.exp(1j * math.radians(told["balance_weight_at_deg"]))
+    bodies = tuple(with_weight(b, float(at.real), complex(place)) if b.name == "disc" else b for b in machine.bodies)
+    theta = np.linspace(0, math.tau, 721)
+    left = np.abs(solve(replace(machine, bodies=bodies), theta).forces().shaking).max()
+    assert left == pytest.approx(told["shaking_force_balanced_n"], rel=1e-3)
+    assert left < 0.5 * told["shaking_force_n"]

@@ -13,7 +13,7 @@ import numpy as np
 from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
-from camgen.machines.loads import bearing, drive
+from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
@@ -63,11 +63,14 @@ def assess(mechanism: Mechanism) -> Assessment:
     numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
     numbers |= {f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(np.nanmax(np.abs(load), initial=0.0))
                 for name, load in forces.reactions.items()}  # fmt: skip
-    for borne in (plain, touched, turned):
+    numbers |= follower.balance(run, forces)
+    swung = follower.elastic(run, mechanism.load)
+    for borne in (plain, touched, turned, swung):
         held += borne.findings
         numbers |= borne.numbers
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
-    plots, tables = [*turned.plots, *touched.plots], [_masses(found), *plain.tables]
+    plots = [*turned.plots, *touched.plots, *swung.plots]
+    tables = [_masses(found), *plain.tables, *swung.tables]
     return Assessment(held, together([Study(kept, plots, tables)]), (*left, *more))
 
 

@@ -56,6 +56,11 @@ class Weight(Record):
         Annotated[float, Field(ge=-360, le=360)] | None,
         Field(description="deg from the x axis, whither weight pulls in its plane; -90: down the page; left out: it lies flat"),
     ] = None
+    stiffness: Annotated[
+        Positive | None,
+        Field(description="N/mm of a follower that slides, N m/rad of one that swings, from cam to mass: tells its vibration"),
+    ] = None
+    damping_ratio: Annotated[float, Field(ge=0, lt=1, description="of the same, a share of the critical one")] = 0.05
 
 
 class Bears(Record):

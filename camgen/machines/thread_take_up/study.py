@@ -12,12 +12,12 @@ from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
+from camgen.machine.balancing import balanced, crank_weight
 from camgen.machine.closed_form import four_bar, transmission_extremes
 from camgen.machine.forces import Forces
 from camgen.machine.landmarks import TURN
 from camgen.machine.model import Body, Floats, Points
 from camgen.machine.strength import SHEAR, shaft_twist
-from camgen.machines.thread_take_up.balancing import balanced, crank_weight
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.parts import materials
 from camgen.spec import Length, Record
