@@ -34,6 +34,7 @@ from camgen.machines.loads.journals import Journal, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
 
@@ -170,6 +171,11 @@ class Mechanism(Spec, ABC):
     @property
     def roller_bearing(self) -> Bearing | None:
         """The ball bearing that is a follower's tip."""
+        return None
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
         return None
 
     def journals(self) -> Mapping[str, Journal]:

@@ -17,6 +17,7 @@ from camgen.machines.linkage.tables import Parts
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
+from camgen.parts.springs import Mounted
 from camgen.study import Table
 
 
@@ -113,6 +114,12 @@ class StandingCams(Mechanism):
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
         return self.bench.bought() if self.standing else ()
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """That of the bench."""
+        spring = self.bench.spring if self.standing else None
+        return None if spring is None else Mounted(spring, *self.bench.way)
 
     def steps(self) -> Table:
         """By height, and at last the spring."""

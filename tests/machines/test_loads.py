@@ -256,3 +256,17 @@ def test_a_counterweight_takes_off_what_is_told() -> None:
     left = np.abs(solve(replace(machine, bodies=bodies), theta).forces().shaking).max()
     assert left == pytest.approx(told["shaking_force_balanced_n"], rel=1e-3)
     assert left < 0.5 * told["shaking_force_n"]
+
+
+def test_springs_of_the_bench_and_to_be_wound() -> None:
+    bench = judged("disc-cam", "parts.make='machine'")
+    codes = {each.code: each for each in bench.findings}
+    assert codes["SPRING_STRESS"].ok and codes["SURGE"].ok and codes["SURGE"].unit == "Hz"
+    surge = bench.study.numbers["spring_surge_hz"]
+    fast = judged("disc-cam", "parts.make='machine'", "spring={rate=0.5, preload=20}", "load={mass_kg=0.01}",
+                  f"motor.speed_rpm={surge * 60 / 3:.0f}")  # fmt: skip
+    assert not next(each for each in fast.findings if each.code == "SURGE").ok
+    (stress,) = found("SPRING_STRESS", "disc-cam", "load={mass_kg=0.5}", "spring={rate=0.4, preload=10}")
+    assert stress.ok and "to be wound" in stress.where
+    forced = ("geometry.closure='force'", "spring={preload=0.2, rate=0.1}", *MOVED[1:])
+    assert {each.code for each in judged("uniform-swing", *forced).findings} >= {"SPRING_STRESS", "SURGE"}

@@ -65,7 +65,7 @@ def assess(mechanism: Mechanism) -> Assessment:
                 for name, load in forces.reactions.items()}  # fmt: skip
     numbers |= follower.balance(run, forces)
     swung = follower.elastic(run, mechanism.load)
-    for borne in (plain, touched, turned, swung):
+    for borne in (plain, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         numbers |= borne.numbers
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camgen.findings import at_least
+from camgen.findings import at_least, at_most
 from camgen.machine.balancing import crank_weight
 from camgen.machine.cams.dynamics import Elastic, residual
 from camgen.machine.constraints import Constraints, solved
@@ -19,8 +19,10 @@ from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
 from camgen.numerics import Floats
+from camgen.parts.springs import Mounted
 from camgen.study import Plot, Table
 
+_SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be [Shigley, sec. 10-8: 15 to 20]
 _STILL = 1e-9  # of the greatest acceleration, below which a follower dwells
 
 
@@ -102,6 +104,28 @@ def _laws(cam: Cam, model: Elastic, speed: float) -> list[Table]:
     rows.sort(key=lambda row: float(str(row[1])))
     title = f"Laws compared after the first rise, undamped, {model.frequency * time / math.tau:.3g} periods long"
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
+
+
+def sprung(mounted: Mounted | None, speed: float) -> Borne:
+    """SPRING_STRESS and SURGE of the spring that holds a follower on its cam; speed: rad/s."""
+    borne = Borne()
+    if mounted is None:
+        return borne
+    spring, turns = mounted.spring, abs(speed) / math.tau
+    where = "return spring" if mounted.made else "return spring, to be wound"
+    stress, surge = spring.stress(mounted.longest), spring.surge
+    size = f"wire {spring.wire:g}, outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils, free length {spring.free:.4g}"
+    borne.findings += [
+        at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, f"{size} mm, stretched to {mounted.longest:.4g} mm"),
+        at_least("SURGE", surge, _SURGE * turns, "Hz", where,
+                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
+                 "it; a thicker wire on fewer coils is faster"),
+    ]  # fmt: skip
+    borne.numbers |= {
+        "spring_rate_n_mm": spring.rate, "spring_stress_mpa": stress, "spring_surge_hz": surge,
+        "spring_force_least_n": spring.force(mounted.shortest), "spring_force_greatest_n": spring.force(mounted.longest),
+    }  # fmt: skip
+    return borne
 
 
 def balance(run: Run, forces: Forces) -> Mapping[str, float]:

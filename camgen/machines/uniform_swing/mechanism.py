@@ -45,6 +45,7 @@ from camgen.numerics import greatest
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
+from camgen.parts.springs import Mounted, wound
 from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Plot, Sketch, Study, Table
 
@@ -370,6 +371,14 @@ class UniformSwing(Mechanism):
     def roller_bearing(self) -> Bearing | None:
         """The frame's tip, where it is one."""
         return self.frame.bearing if self.making.make == "machine" else None
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """Of force closure: a straight one on the spec's lever, as [spring] asks."""
+        spring, lever = self.spring, self.spring.lever
+        if self.geometry.closure != "force" or not spring.preload:
+            return None
+        return wound(1e3 * spring.rate / lever**2, 1e3 * spring.preload / lever, lever * math.radians(self.geometry.swing_deg))
 
     def journals(self) -> Mapping[str, Journal]:
         """The frames' axle in the base."""
