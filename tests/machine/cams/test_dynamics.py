@@ -15,8 +15,8 @@ RATIOS = (0.3, 0.8, 1.3, 2.2, 3.7)  # of a pulse's length to the natural period
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_residual_spectra_of_harris(ratio: float) -> None:
-    """Harris' Shock and Vibration Handbook (Ayre): residual response to pulses of length tau over the static, T the period:
-    rectangle 2 sin(pi tau/T), half sine 4 tau/T cos(pi tau/T) / (1 - 4 tau^2/T^2), versed sine sin(pi tau/T) / (1 - tau^2/T^2)."""
+    """Harris, Shock and Vibration Handbook (Ayre): residual response to pulses of length tau over the static one, T a period:
+    rectangle 2 sin(pi r), half sine 4 r cos(pi r) / (1 - 4 r^2), versed sine sin(pi r) / (1 - r^2), r = tau / T."""
     span, frequency = 0.7, math.tau * ratio / 0.7
     static = 1 / frequency**2  # of a unit of acceleration
     turn = math.pi * ratio
