@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
@@ -91,6 +92,17 @@ class MeshFaults:
         """Number of faulty edges and triangles; 0 for a watertight mesh."""
         return self.open_edges + self.flipped_edges + self.crowded_edges + self.degenerate
 
+    @property
+    def told(self) -> str:
+        """The faults that there are, for people; empty where there is none."""
+        kinds = [
+            (self.open_edges, "open edge", "open edges"), (self.flipped_edges, "edge turned over", "edges turned over"),
+            (self.crowded_edges, "edge of more than two triangles", "edges of more than two triangles"),
+            (self.degenerate, "triangle without area", "triangles without area"),
+            (self.turned_normals, "stored normal not its triangle's own", "stored normals not their triangles' own"),
+        ]  # fmt: skip
+        return ", ".join(counted(*kind) for kind in kinds if kind[0])
+
 
 def mesh_faults(mesh: Mesh) -> MeshFaults:
     """Count the faults of a mesh."""
@@ -108,7 +120,7 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
         turned_normals=0 if mesh.normals is None else _turned(mesh.normals, mesh.across),
-        bodies=_components(len(mesh.faces), face[joined], face[joined + 1]),
+        bodies=len(np.unique(components(len(mesh.faces), face[joined], face[joined + 1]))),
         volume=mesh.volume,
     )
 
@@ -120,8 +132,8 @@ def _turned(stored: Floats, own: Floats) -> int:
     return int(np.count_nonzero(~(off <= NORMAL_ROUNDING) & (size[:, 0] > 0)))
 
 
-def _components(count: int, a: Ints, b: Ints) -> int:
-    """Number of connected components of a graph with links a-b: every node takes its neighbours' least label."""
+def components(count: int, a: Ints, b: Ints) -> Ints:
+    """Connected components of a graph with links a-b, (count,): every node takes its neighbours' least label."""
     label = np.arange(count)
     while (label[a] != label[b]).any():
         least = np.minimum(label[a], label[b])
@@ -129,7 +141,7 @@ def _components(count: int, a: Ints, b: Ints) -> int:
         np.minimum.at(label, label[b], least)
         while (label[label] != label).any():
             label = label[label]
-    return int(np.count_nonzero(label == np.arange(count)))
+    return label
 
 
 def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:

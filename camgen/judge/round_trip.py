@@ -16,7 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.formats import FORMATS, read_drawing, read_solid
+from camgen.errors import counted
+from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
+from camgen.files.step import read_step
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring, thinnest_wall
@@ -28,6 +30,7 @@ from camgen.numerics import product
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
+_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,9 @@ class Expected:
     sections: of its stack of layers, from the bottom, then of what lies below or above them; cut: the one that its drawing
     shows; volume: mm^3; levels: heights of its flat faces, mm, the underside first: of a `stacked` part all, of another one
     the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
-    place; eyes: centre and diameter, mm, of joints. Of these alone the place is judged elsewhere, by how parts move.
-    undo: how a mesh was changed for the printer, None where it was not. marks: (n, 2), ends of each stroke of a
-    drawing's centre marks, none where nobody asked for them.
+    place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
+    is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
+    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, none where nobody asked for them.
     """
 
     part: str
@@ -64,6 +67,7 @@ class Expected:
     chord_tolerance: float
     bore: float | None = None
     eyes: tuple[tuple[complex, float], ...] = ()
+    rolls: bool = False
     stacked: bool = True
     undo: Undo | None = None
     marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
@@ -137,6 +141,25 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
 
 
+def judge_exact(path: Path, expected: Expected) -> Judged:
+    """Closed shell, volume, sections and walls of the one exact solid in a file."""
+    body, remarks = read_exact(path, expected.part)
+    where = path.name
+    if remarks:
+        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
+    said = f"{body.faults} edges without their two faces, {body.bodies} body(ies) of {len(body.faces)} planes and cylinders"
+    findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
+    if not findings[0].ok:
+        return Judged(tuple(findings), None)
+    findings.append(_volume(body.volume, expected, where))
+    try:
+        sections = [(section, body.section(z)) for section in expected.sections for z in section.heights]
+    except ValueError as error:
+        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
+        return Judged(tuple(findings), None)
+    return _judge_sections(sections, expected, where, 0.0, findings, _level_error(body.heights, expected))
+
+
 def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> Judged:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
@@ -144,9 +167,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
     findings = [
         at_most(
             "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
-            f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
-            f"{faults.degenerate} degenerate triangles, {faults.turned_normals} stored normals that are not the triangle's own, "
-            f"{faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+            f"{faults.told or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
         )
     ]  # fmt: skip
     if count:
@@ -196,8 +217,32 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
+    remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
+
+
+def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[tuple[str, Floats]]) -> Finding:
+    """ROUND_TRIP of an assembly of exact solids: each is the one in its part's own file, every copy stands in its place.
+
+    files: of each part; places: the wanted part and (3, 4) transform of each copy, in any order.
+    """
+    bodies, copies, remarks = read_step(path)
+    where = path.name
+    if sorted(bodies) != sorted(files) or len(copies) != len(places):
+        held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
+        remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
+    if remarks:
+        return at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks))
+    off = 0.0
+    for name, file in files.items():
+        own, body = read_exact(file, name)[0], bodies[name]
+        same = own.corners.shape == body.corners.shape and (own.edges, own.faces) == (body.edges, body.faces)
+        off = max(off, float(np.max(np.abs(own.corners - body.corners))) if same else math.inf)
+    laid = [(copy.object, copy.transform) for copy in copies]
+    for one, other in ((laid, places), (places, laid)):
+        off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
+    said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
+    return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
 def _astray(copy: tuple[str, Floats], others: Sequence[tuple[str, Floats]]) -> float:
@@ -239,15 +284,18 @@ def _judge_sections(
     limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
     off, remark = level_error, f"a flat face is {level_error:.4g} mm off its height"
     place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
+    eyes: list[tuple[complex, complex]] = []
     for k, (meant, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in meant.shapes)
         found = sum(1 + len(shape.holes) for shape in shapes)
         if found != count or len(shapes) != len(meant.shapes):
             off, remark = math.nan, f"{found} contours instead of {count}"
             break
-        here = _section_error(shapes, meant.shapes, expected, place)
+        here = _section_error(shapes, meant.shapes, expected, place, eyes)
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
+    if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):
+        off, remark = aside, "its joints' eyes lie elsewhere in its outline, all of them moved or turned together"
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
     made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
     wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
@@ -304,8 +352,13 @@ def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expec
     return min((hole.centroid - bores[0].centroid for hole in holes), key=abs) if holes and bores else 0j
 
 
-def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex) -> float:
-    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own."""
+def _section_error(
+    shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex,
+    eyes: list[tuple[complex, complex]],
+) -> float:
+    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own. Centres of
+    eyes, as meant and as found, are added to `eyes`.
+    """
     off, left = 0.0, list(shapes)
     for wanted in meant:
         shape, *left = sorted(left, key=lambda one: _apart(one.outer, wanted.outer))
@@ -316,11 +369,30 @@ def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Ex
             found, *holes = sorted(holes, key=lambda one: _apart(one, hole))
             pairs.append((found, hole))
         for found, ring in pairs:
-            shift = found.centroid - ring.centroid if _is_eye(ring, expected) else 0j
+            shift = 0j
+            if _is_eye(ring, expected):
+                shift = found.centroid - ring.centroid
+                eyes.append((ring.centroid, found.centroid))
             if ring is not wanted.outer and _is_bore(ring, expected):
                 shift = bore_shift
             off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
     return off
+
+
+def _aside(
+    eyes: Sequence[tuple[complex, complex]], sections: Sequence[tuple[Section, Sequence[Shape]]], expected: Expected
+) -> float:
+    """How far a part's eyes (meant, found) lie together from their places in its outline, mm: what a rigid motion of them all
+    explains, where it leaves less than half of that unexplained. 0 where all outlines are eyes themselves.
+    """
+    fixed = any(not _is_eye(shape.outer, expected) for section, _ in sections for shape in section.shapes)
+    if not eyes or not fixed:
+        return 0.0
+    meant, found = np.array(eyes).T
+    arms = meant - meant.mean()
+    turned = np.exp(1j * np.angle(np.vdot(arms, found - found.mean()))) * arms + found.mean()
+    common, left = (float(np.max(np.abs(off))) for off in (turned - meant, found - turned))
+    return common if common > 2 * left else 0.0
 
 
 def _apart(a: Ring, b: Ring) -> float:
@@ -349,9 +421,10 @@ def _deviation(one: bytes, other: bytes) -> float:
 
 
 def _along(ring: Points) -> Points:
-    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
     way = np.roll(ring, -1) - ring
-    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    length = np.abs(way)
+    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
     edge = np.repeat(np.arange(len(ring)), count)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     return np.asarray(ring[edge] + way[edge] * step / count[edge])
