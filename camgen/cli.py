@@ -303,6 +303,35 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     raise click.exceptions.Exit(1 if any(row.faults for bench in benches for row in bench.rows) else 0)
 
 
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as print.size_error=0.05.")
+@click.option("--samples", type=int, default=100_000, help="Printed copies.  [default: 100000]")
+@click.option("--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]")
+@click.option("--worst", type=int, default=10, help="How many of the worst are really rolled and closed.  [default: 10]")
+@click.option("--html", type=click.Path(path_type=Path), help="Write tables and curves to this page, too.")
+@_as_json
+def tolerance(
+    spec: Path, settings: Sequence[str], samples: int, seed: int, worst: int, html: Path | None, as_json: bool
+) -> None:  # fmt: skip
+    """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
+    from camgen.pipeline import tolerance_report
+    from camgen.report.terminal import Bar
+
+    with Bar() as progress:
+        report = tolerance_report.tolerance(spec, settings, samples, seed, worst, progress)
+    if html is not None:
+        from camgen.report.report import write_html
+
+        write_html(html, report)
+    if as_json:
+        from camgen.report.report import to_json
+
+        click.echo(to_json(report), nl=False)
+    else:
+        click.echo(printable(tolerance_report.to_text(report), keep="\n"))
+
+
 @cli.command("list")
 def list_() -> None:
     """List the mechanisms and the laws of motion."""

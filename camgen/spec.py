@@ -37,6 +37,7 @@ MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
 Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6, json_schema_extra={"unit": "g"})]
 Clearance = Annotated[float, Field(ge=0, le=10, json_schema_extra=MM)]
+Spread = Annotated[float, Field(ge=0, le=5, json_schema_extra=MM)] | None
 
 
 def turning(least: float = 0.0) -> AfterValidator:
@@ -83,6 +84,9 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    size_error: Spread = None
+    place_error: Spread = None
+    form_error: Spread = None
 
 
 class Material(Record):
@@ -90,6 +94,7 @@ class Material(Record):
 
     name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = "PLA"
     density: Annotated[float, Field(gt=0, le=25)] | None = None
+    infill: Annotated[float, Field(gt=0, le=1, json_schema_extra=SHARE)] = 1.0
 
 
 class Output(Record):

@@ -121,6 +121,11 @@ class Run:
         rows[0] += groups.excess[body]
         return rows
 
+    def poses(self) -> Floats:
+        """Poses of all moving bodies, (n, 3 bodies), as `Constraints` has them."""
+        rows: Floats = self._poses[0]
+        return rows
+
     @cached_property
     def _system(self) -> Constraints:
         return Constraints(self.machine)

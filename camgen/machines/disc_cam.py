@@ -42,6 +42,7 @@ from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
+from camgen.parts.springs import Mounted, wound
 from camgen.study import Plot, Sketch, Study, Table
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
@@ -246,6 +247,13 @@ class DiscCamDrive(StandingCams):
         breaks = self.program.breaks[(self.program.breaks > 0) & (self.program.breaks < math.tau)]
         theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
         return loaded(self.model, self.cam, self._load or FollowerLoad(), theta)
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """Of a machine that of the bench; of a cam alone one beside a sliding stem, as [spring] asks."""
+        if self.standing or self.spring is None or not self.spring.preload or self._unit[0] != "mm":
+            return super().return_spring
+        return wound(self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0])
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.spec import Length, Record, Rpm, turning
 
 
@@ -30,13 +31,13 @@ class Geometry(Record):
     closure: Literal["force", "conjugate", "groove"] = "force"
 
 
-class Motor(Record):
+class Motor(Drives):
     """What drives the cam."""
 
     speed_rpm: Annotated[Rpm, turning()] = 60.0
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
 
     least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
@@ -51,7 +52,7 @@ class Limits(Record):
     min_wall: Length = 0.8
 
 
-class LoadTable(Record):
+class LoadTable(Weight):
     """What the follower is and bears, a translating one in kg, N and mm, an oscillating one in kg m^2, N m and rad."""
 
     mass_kg: Annotated[float, Field(ge=0, le=1e6)] = 0.0

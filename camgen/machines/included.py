@@ -278,7 +278,7 @@ def _mechanism(each: Include, host: Mapping[str, Any], rpm: float) -> Mechanism:
     """The mechanism of an included spec, printed as the host is and at the host's speed; SpecError with its faults."""
     assert not isinstance(each.spec, str), "faults() tells it"
     data = {**each.spec, **{key: host[key] for key in _WHOLE}}
-    for table in ("motor", "drive"):
+    for table in ("drive",) if "drive" in data else ("motor",):
         if isinstance(data.get(table), Mapping):
             data[table] = {**data[table], "speed_rpm": rpm}
     return specs.validate(load(specs.choose(data, MECHANISMS)), data)

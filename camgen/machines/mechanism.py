@@ -29,8 +29,12 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, StandIn
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
-from camgen.parts.catalogue import DENSITY, Bought
+from camgen.machines.loads.assess import drives_of
+from camgen.machines.loads.journals import Journal, journals
+from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
 
@@ -55,6 +59,8 @@ class _Courses(Mapping[str, Pose]):
 
 class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
+
+    load: Weight | None = None
 
     @abstractmethod
     def machine(self) -> Machine:
@@ -141,6 +147,45 @@ class Mechanism(Spec, ABC):
         """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""
         motor = getattr(self, "motor", None)
         return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
+
+    @property
+    def density(self) -> float:
+        """Of what is printed, kg/m^3, its filling as it is."""
+        return 1e3 * (self.material.density or DENSITY[self.material.name]) * self.material.infill
+
+    @property
+    def drives(self) -> Drives | None:
+        """What the motor can give, as the spec says it."""
+        return drives_of(self)
+
+    @property
+    def shaft_needed(self) -> float | None:
+        """How far a motor's shaft has to reach over its face, mm; None where none is part of the machine."""
+        return None
+
+    @property
+    def motor_frame(self) -> str:
+        """The motor's frame, such as "nema-17"; "" where it has none."""
+        return ""
+
+    @property
+    def roller_bearing(self) -> Bearing | None:
+        """The ball bearing that is a follower's tip."""
+        return None
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
+        return None
+
+    def journals(self) -> Mapping[str, Journal]:
+        """The plain bearings of its pins, by joint."""
+        return journals(self.model, self.features(), self.parts(), self.mounts(), self.material.name)
+
+    def bears(self, joint: str) -> Bears:
+        """What the spec says of a joint's materials."""
+        allowed = getattr(self, "allowed", None)
+        return allowed if isinstance(allowed, Bears) else Bears()
 
     @property
     def angle_name(self) -> str:

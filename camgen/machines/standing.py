@@ -15,8 +15,9 @@ from camgen.machine.model import Machine
 from camgen.machines.bench import Bench
 from camgen.machines.linkage.tables import Parts
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
+from camgen.parts.springs import Mounted
 from camgen.study import Table
 
 
@@ -38,11 +39,6 @@ class StandingCams(Mechanism):
     def sizes(self) -> Sizes:
         """Of the machine's bodies."""
         return self.bodies or Sizes.model_validate({})
-
-    @property
-    def density(self) -> float:
-        """Of what is printed, kg/m^3."""
-        return 1e3 * (self.material.density or DENSITY[self.material.name])
 
     def size_faults(self, *links: str) -> list[Fault]:
         """What is wrong with [bodies] of a machine with these links."""
@@ -118,6 +114,12 @@ class StandingCams(Mechanism):
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
         return self.bench.bought() if self.standing else ()
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """That of the bench."""
+        spring = self.bench.spring if self.standing else None
+        return None if spring is None else Mounted(spring, *self.bench.way)
 
     def steps(self) -> Table:
         """By height, and at last the springs."""

@@ -2,7 +2,8 @@
 
 Motor frames: NEMA ICS 16-2001 (metric values as in BOSL2, nema_steppers.scad; NEMA 8 as tabled at piclist.com/techref/io/
 stepper/nemasizes.htm). Screw heads: ISO 7380-1 from M3, ISO 4762 below, where ISO 7380-1 has no size; clearance holes:
-ISO 273, medium; nuts: ISO 4032, greatest sizes. Bearings: boundary dimensions of ISO 15 (2RS or ZZ width where two are sold).
+ISO 273, medium; nuts: ISO 4032, greatest sizes. Bearings: boundary dimensions of ISO 15 (2RS or ZZ width where two are sold);
+dynamic load ratings: bd_warehouse 0.4, bearing tables.
 Dowel pins: diameters and lengths of ISO 2338, m6. Shoulder screws: ISO 7379 as tabled in BOSL2, screws.scad (shoulder, thread
 and its length, head), with the least height of nuts that clamps; the shoulder is f9, up to 0.05 mm under its size.
 """
@@ -44,13 +45,14 @@ class Screw:
 
 @dataclass(frozen=True)
 class Bearing:
-    """A deep groove ball bearing: bore, outside diameter and width, mm."""
+    """A deep groove ball bearing: bore, outside diameter and width, mm; rating: dynamic, C, kN, None: not published."""
 
     name: str
     bore: float
     outside: float
     width: float
     standard: str = "ISO 15"
+    rating: float | None = None  # dynamic, kN
 
 
 @dataclass(frozen=True)
@@ -151,11 +153,11 @@ BEARINGS = {
         Bearing("MR63", 3, 6, 2.5),
         Bearing("MR85", 5, 8, 2.5),
         Bearing("MR105", 5, 10, 4),
-        Bearing("623", 3, 10, 4),
-        Bearing("624", 4, 13, 5),
-        Bearing("625", 5, 16, 5),
-        Bearing("626", 6, 19, 6),
-        Bearing("608", 8, 22, 7),
+        Bearing("623", 3, 10, 4, rating=0.54),
+        Bearing("624", 4, 13, 5, rating=0.936),
+        Bearing("625", 5, 16, 5, rating=1.14),
+        Bearing("626", 6, 19, 6, rating=2.34),
+        Bearing("608", 8, 22, 7, rating=3.45),
     )
 }
 

@@ -1,5 +1,6 @@
 """Extension springs of round wire, cold coiled: EN 13906-2; patented drawn wire EN 10270-1 SH.
 
+    surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2, both ends held  [Shigley, eq. 10-25]
     rate     G d^4 / (8 D^3 n)
     stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75), w = D / d; at most 0.45 of the wire's tensile strength
 """
@@ -11,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from camgen.parts.catalogue import Bought
+from camgen.parts.catalogue import STEEL, Bought
 
 WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
 _SHEAR = 81500.0  # N/mm^2
@@ -45,6 +46,13 @@ class ExtensionSpring:
     def strength(self) -> float:
         """Stress that the wire bears, N/mm^2."""
         return _SHARE * (1980 - 740 * math.log10(self.wire))
+
+    @property
+    def surge(self) -> float:
+        """Frequency of its own coils, Hz."""
+        mean = self.outside - self.wire
+        mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL * 1e-6  # kg
+        return math.sqrt(1e3 * self.rate / mass) / 2
 
     @property
     def least_free(self) -> float:
@@ -82,3 +90,30 @@ def pulling(force: float, shortest: float, longest: float, eye: float, shares: I
         if found is not None:
             return found
     return None
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """A spring and its shortest and longest where it works, inside its eyes, mm; whether it is a part or only proposed."""
+
+    spring: ExtensionSpring
+    shortest: float
+    longest: float
+    made: bool = True
+
+
+def wound(rate: float, low: float, travel: float) -> Mounted | None:
+    """A spring to be wound that pulls with `low` N at its shortest and by `rate` N/mm more over its travel, mm; the shortest
+    whose stress its wire bears; None where none can be. Without a rate it grows by a third over its travel."""
+    stiff = rate or low / 3 / travel
+    found: list[Mounted] = []
+    for index in (6.0, 8.0, 10.0, 12.0):
+        for wire in WIRES:
+            mean = index * wire
+            coils = _SHEAR * wire**4 / (8 * mean**3 * stiff)
+            spring = ExtensionSpring(wire, mean + wire, coils, 0.0, stiff)
+            spring = ExtensionSpring(wire, mean + wire, coils, spring.least_free, stiff)
+            shortest = spring.free + low / stiff
+            if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
+                found.append(Mounted(spring, shortest, shortest + travel, False))
+    return min(found, key=lambda each: each.shortest, default=None)

@@ -120,7 +120,8 @@ def judge(
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
-        (*not_judged(asked, files, findings, lacks), *moved.not_judged, *_merged(parts)), unheard(mechanism, files),
+        (*not_judged(asked, files, findings, lacks), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
+        unheard(mechanism, files),
     )  # fmt: skip
     return report, columns
 
@@ -296,7 +297,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if any(kind in EXACT for kind in kinds):
         stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
-    return [*stages, Stage((), work=list_parts), *reading(mechanism)]
+    return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), Stage((), work=print_errors), *reading(mechanism)]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -409,6 +410,22 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
     return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table, case.mechanism.steps()])
+
+
+def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
+    """What drive, contacts, bearings and pins bear at the machine's speed."""
+    from camgen.machines.loads.assess import assess
+
+    found = assess(case.mechanism)
+    return Outcome(found.findings, found.study.numbers, found.study.plots, found.study.tables, not_judged=found.not_judged)
+
+
+def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
+    """What a usual print's errors do to the outputs, to first order."""
+    from camgen.pipeline.tolerance import spread_of
+
+    found = spread_of(case.mechanism).study()
+    return Outcome(numbers=found.numbers, tables=found.tables)
 
 
 def _plates(case: Case) -> list[Path]:

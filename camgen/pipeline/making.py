@@ -17,6 +17,7 @@ from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.catalogue import DENSITY
 from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
@@ -153,11 +154,12 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     from camgen.files.plates import parts_list
 
     material = mechanism.material
+    density = (material.density or DENSITY[material.name]) * material.infill
     parts = mechanism.parts()
     printed = [part for part in parts if part.made == "printed"]
     rows: list[tuple[object, ...]] = [
         ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
-        for row in parts_list(printed, material.name, mechanism.print.nozzle, material.density, sides)
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides)
     ]
     blank: tuple[object, ...] = ("",) * 5
     rows += [(part.made, part.name, part.title, part.count, part.count * part.volume, *blank) for part in parts

@@ -69,7 +69,7 @@ class Report:
     def verdict(self) -> str:
         """One line: how many checks hold or fail, and what was not judged."""
         failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
-        held = "The one check holds" if count == 1 else f"All {count} checks hold"
+        held = {0: "Nothing is judged here", 1: "The one check holds"}.get(count, f"All {count} checks hold")
         said = f"{failed} of {count} checks fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from camgen.cli import main
 from camgen.errors import DesignError, SpecError
 from camgen.machines.eccentric_drive.mechanism import EccentricDrive
+from camgen.machines.loads.assess import assess
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.making import assembled
@@ -134,7 +135,9 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
 @pytest.mark.parametrize("keys", MACHINES)
 def test_other_machines_build_and_move_as_asked(keys: dict[str, Any], tmp_path: Path) -> None:
     overrides = [f"{path.replace('__', '.')}={value}" for path, value in keys.items()]
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*overrides, "limits.stroke=[1, 10]"])
+    # their heavier rods ask for more than oil at this speed
+    more = ["limits.stroke=[1, 10]", "limits.pv_mpa_m_s=10"]
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*overrides, *more])
     assert [f for f in report.findings if not f.ok] == []
 
 
@@ -265,10 +268,11 @@ def test_a_collar_that_would_swallow_the_guide_is_refused() -> None:
 
 def test_the_motor_shaft_is_told_and_judged() -> None:
     """5 of the body, 4 of the slider, 3 of the rod, 1 of the washer, three plays of 0.2."""
-    m = design(motor__shaft_length=13.5)
+    m = design(motor__shaft_length=13.5, limits__pv_mpa_m_s=2.0)
     assert m.study().numbers["motor_shaft_length_mm"] == pytest.approx(13.6, abs=1e-12)
-    assert {f.code for f in m.limits() if not f.ok} == {"SHAFT_LENGTH"}
-    assert all(f.ok for f in design(motor__shaft_length=13.7).limits())
+    assert m.shaft_needed == pytest.approx(13.6, abs=1e-12)
+    assert {f.code for f in assess(m).findings if not f.ok} == {"SHAFT_REACH"}
+    assert all(f.ok for f in assess(design(motor__shaft_length=13.7, limits__pv_mpa_m_s=2.0)).findings)
     lines = {line.name: line for line in m.bought()}
     assert "shaft 2 x 13.6 over its face" in lines["motor"].size
     # 5 + 4.2 + 3 and a nut of 2; 2 * 5 + 25 and 2; 4 + 3 and 2

@@ -188,7 +188,8 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
 )
 def test_other_machines_work_too(tmp_path: Path, settings: tuple[str, ...]) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), [*settings, *COARSE])
-    assert [f for f in report.findings if not f.ok] == []
+    # tips beside the frames make it higher than the usual shaft reaches
+    assert {f.code for f in report.findings if not f.ok} == ({"SHAFT_REACH"} if "frame.tip" in settings[0] else set())
     plates = sorted(path.name for path in (tmp_path / NAME).glob("*-plate*.3mf"))
     several = "print.bed=[125,70]" in settings
     assert (len(plates) > 1) == several and plates[0] == f"{NAME}-plate{'-2' if several else ''}.3mf"
@@ -259,7 +260,7 @@ def test_a_frame_whose_tip_is_drawn_back(folder: Path) -> None:
 
 def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
     """The roller is judged about the hole that is in the file."""
-    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["frame.tip='pin'", *COARSE]).ok
+    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["frame.tip='pin'", "motor.shaft_length=40", *COARSE]).ok
     edited(tmp_path / NAME, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.2, z - 0.05j, z))
     assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(tmp_path / NAME)
 

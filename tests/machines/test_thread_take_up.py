@@ -20,6 +20,7 @@ from camgen import spec
 from camgen.errors import DesignError, SpecError
 from camgen.geometry.facets import facet_contour
 from camgen.machine.jets import thread_length
+from camgen.machines.loads.assess import assess
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.mechanism import ThreadTakeUp
 from camgen.parts.part import clearance, hull, rod
@@ -461,14 +462,15 @@ def test_crank_that_cannot_turn_is_refused_with_angles() -> None:
 
 def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
     """A beam held in the crank: M / W of a round section; B passes one layer more than A."""
-    found = {f.where: f for f in made().limits() if f.code == "PIN_STRESS"}
+    found = {f.where: f for f in assess(made()).findings if f.code == "PIN_STRESS"}
     for pin, lever in (("A", 0.2 + 2), ("B", 4.2 + 0.2 + 2)):
         stress = numbers[f"reaction_{pin.lower()}_n"] * lever / (math.pi / 32 * 3.5**3)
-        assert found[f"pin {pin}"].measured == EXACT(stress, rel=1e-9) and found[f"pin {pin}"].ok
-    print_ = [f for f in made('parts.pins="printed"').limits() if f.code == "PIN_STRESS"]
-    assert len(print_) == 2 and not any(f.ok for f in print_)
-    (rpm,) = (float(f.message.split("which is ")[1].split(" rpm")[0]) for f in print_ if f.where == "pin B")
-    assert all(f.ok for f in made('parts.pins="printed"', f"motor.speed_rpm={rpm - 1}").limits() if f.code == "PIN_STRESS")
+        assert found[f"pin {pin}"].measured == EXACT(stress, rel=1e-4) and found[f"pin {pin}"].ok  # at other angles
+    print_ = {f.where: f for f in assess(made('parts.pins="printed"')).findings if f.code == "PIN_STRESS"}
+    assert not print_["pin A"].ok and not print_["pin B"].ok and print_["pin C"].ok
+    share = float(print_["pin B"].message.rpartition(" times the speed")[0].rpartition(", ")[2])
+    slower = assess(made('parts.pins="printed"', f"motor.speed_rpm={0.999 * share * 5000}"))
+    assert all(f.ok for f in slower.findings if f.code == "PIN_STRESS")
 
 
 def test_what_is_bought() -> None:
@@ -516,7 +518,7 @@ def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> N
     overrides += ["geometry.guides=[[4000, 1500], [-8000, 16000]]", "consumption="]
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), overrides)
     codes = {f.code for f in report.findings if not f.ok}
-    assert codes <= {"PIN_STRESS", "SHAFT_STRESS", "BED_FIT"}
+    assert codes <= {"PIN_STRESS", "SHAFT_STRESS", "BED_FIT", "PV"}
 
 
 def test_a_stay_too_short_to_see_is_no_dwell() -> None:

@@ -55,6 +55,10 @@ class ProfileTouch:
         """Place, complex mm, and unit normal into the follower at cam angles theta, (n,) rad."""
         return self.cam.profile(theta), self.cam.follower.normal(theta, self.cam.program)
 
+    def radius(self, theta: Floats) -> Floats:
+        """Radius of curvature there, mm, above 0 where the cam is convex, (n,); below too."""
+        return self.cam.radius(theta)
+
 
 @dataclass(frozen=True)
 class MirroredTouch:
@@ -70,6 +74,10 @@ class MirroredTouch:
         place, normal = ProfileTouch(self.cam)(math.pi - theta)
         return -np.conj(place), -np.conj(normal)
 
+    def radius(self, theta: Floats) -> Floats:
+        """As of `ProfileTouch`."""
+        return self.cam.radius(math.pi - theta)
+
 
 @dataclass(frozen=True)
 class OuterWallTouch:
@@ -81,6 +89,10 @@ class OuterWallTouch:
         """Place and normal as in `ProfileTouch`."""
         place, normal = ProfileTouch(self.cam)(theta)
         return place + 2 * self.cam.tip.tip_radius * normal, -normal
+
+    def radius(self, theta: Floats) -> Floats:
+        """As of `ProfileTouch`: a hollow where the pitch curve is convex."""
+        return -(self.cam.radius(theta) + 2 * self.cam.tip.tip_radius)
 
 
 @dataclass(frozen=True)

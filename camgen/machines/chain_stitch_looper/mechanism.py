@@ -29,6 +29,7 @@ from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Par
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_conditions, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, crank_driven, to_and_fro
 from camgen.machines.chain_stitch_looper.study import SOURCE_DISTORTION, distorted, driven_table, study, timing_study
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
@@ -84,13 +85,13 @@ class Timing(Record):
     needle_stroke: Length | None = None
 
 
-class Motor(Record):
+class Motor(Drives):
     """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
 
     speed_rpm: Annotated[Rpm, turning()] = 3000.0
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     loop_angle_deg: Annotated[float, Field(ge=0, le=90)] = 1.0

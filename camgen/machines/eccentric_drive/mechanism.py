@@ -30,6 +30,7 @@ from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning_text
 from camgen.parts.hardware import headed, plate
@@ -52,17 +53,13 @@ class Geometry(Record):
     shaft_diameter: Length
 
 
-class Motor(Record):
-    """What drives the disc; boss_diameter: of the collar by which it sits in the body, diameter, length: of its can.
-
-    shaft_length: of its shaft over its face, a finding where it is too short.
-    """
+class Motor(Drives):
+    """What drives the disc; boss_diameter: of the collar by which it sits in the body, diameter, length: of its can."""
 
     speed_rpm: Annotated[Rpm, turning(0.001)]
     boss_diameter: Length = 6.0
     diameter: Length = 21.0
     length: Length = 25.0
-    shaft_length: Length | None = None
 
 
 class Parts(Record):
@@ -81,7 +78,7 @@ class Parts(Record):
     body_thickness: Length = 5.0
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
@@ -441,9 +438,6 @@ class EccentricDrive(Mechanism):
         where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
         message = "90 deg less the rod's greatest tilt; a longer rod enlarges it"
         found = [at_least("TRANSMISSION_ANGLE", worst, self.allowed.transmission_angle_deg, "deg", where, message)]
-        if self.motor.shaft_length is not None:
-            message = "over the motor's face, up to the keeper washer; thinner parts need less"
-            found.append(at_least("SHAFT_LENGTH", self.motor.shaft_length, self.shaft_length, "mm", "motor", message))
         stroke = round(self.outermost - self._inner[0] - self.making.slider_width / 2, 9)
         bands = (
             ("STROKE", stroke, self.allowed.stroke, "mm", "slider", "twice geometry.eccentricity, in line"),
@@ -454,6 +448,11 @@ class EccentricDrive(Mechanism):
                 found.append(at_least(code, value, band[0], unit, where, message))
                 found.append(at_most(code, value, band[1], unit, where, message))
         return found
+
+    @property
+    def shaft_needed(self) -> float | None:
+        """To the upper side of the keeper washer."""
+        return self.shaft_length
 
     def study(self) -> Study:
         """Stroke, peak speed and its angle, harmonics, travel; the published table where the lengths are the paper's."""

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.motion.segments import NamedLaw
 from camgen.parts.disc_cams import ShaftHole, Thickness
 from camgen.spec import Length, Record, Rpm, turning
@@ -37,7 +38,7 @@ class Geometry(Record):
     closure: Literal["conjugate", "force"] = "conjugate"
 
 
-class Motor(Record):
+class Motor(Drives):
     """What drives the cam shaft."""
 
     speed_rpm: Annotated[Rpm, turning()] = 30.0
@@ -51,7 +52,7 @@ class Driver(Record):
     offset: Length
 
 
-class LoadTable(Record):
+class LoadTable(Weight):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
 
@@ -110,7 +111,7 @@ class Parts(ShaftHole):
     wall: Length = 4.0
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
 
     residual: peak torque that the unloader may leave to the cam, as a share of that without it.

@@ -110,6 +110,11 @@ class Bodies:
         """Every copy of every part on its body."""
         return self._made[1]
 
+    @property
+    def shaft_reach(self) -> float:
+        """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
+        return self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
         p, face = self.sizes, self.sizes.face
@@ -117,7 +122,7 @@ class Bodies:
         shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
         motors = [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
         if face is not None:
-            reach = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+            reach = self.shaft_reach
             frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
             motors = [Bought("drive", face.standard, frame, 1),

@@ -38,8 +38,9 @@ from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.stacking import laid
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import DENSITY, Bought, turning_text
+from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown
 from camgen.study import Study, together
@@ -94,6 +95,7 @@ class Linkage(Mechanism):
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
+    motor: Drives | None = None
     masses: dict[t.Name, t.Masses] = {}
     making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
@@ -141,8 +143,7 @@ class Linkage(Mechanism):
 
     @cached_property
     def _fitted(self) -> m.Machine:
-        density = 1e3 * (self.material.density or DENSITY[self.material.name])
-        machine = self.bodies.weighed(density, self.masses)
+        machine = self.bodies.weighed(self.density, self.masses)
         return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
 
     @cached_property
@@ -193,6 +194,21 @@ class Linkage(Mechanism):
     def speed(self) -> float:
         """Speed of the driven link, rad/s; of one that goes to and fro its greatest, a period being a turn."""
         return self.drive.speed_rpm * math.tau / 60
+
+    @property
+    def shaft_needed(self) -> float | None:
+        """Of the motor under the plate."""
+        return None if self.making.face is None else self.bodies.shaft_reach
+
+    @property
+    def motor_frame(self) -> str:
+        """Its frame."""
+        return "" if self.making.face is None else self.making.motor
+
+    def bears(self, joint: str) -> Bears:
+        """As this spec, or that of the included machine whose joint it is, says."""
+        own = (each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_"))
+        return next((each.bears(joint) for each in own), self.allowed)
 
     @property
     def angle_name(self) -> str:

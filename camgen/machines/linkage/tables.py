@@ -14,6 +14,7 @@ from pydantic import ConfigDict, Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
+from camgen.machines.loads.tables import Bears
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
 from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
@@ -323,7 +324,7 @@ class Parts(Record):
         return found
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")

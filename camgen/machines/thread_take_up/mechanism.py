@@ -31,10 +31,11 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Floats, Machine, Points
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
-from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, strengths, study
+from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
 from camgen.motion.synthesis import Variable, Wish, search
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.hardware import headed
@@ -66,7 +67,7 @@ class Geometry(Record):
     frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
 
 
-class Motor(Record):
+class Motor(Drives):
     """What drives the input crank."""
 
     speed_rpm: Annotated[Rpm, turning(0.001)]
@@ -98,7 +99,7 @@ class Parts(Record):
     thread_height: Length = 6.0
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
@@ -346,9 +347,7 @@ class ThreadTakeUp(Mechanism):
             findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
         if self.masses is not None and self.motor is not None:
             p = self.making
-            levers = {"a": play / 2 + p.thickness / 2, "b": self.level + play / 2 + p.thickness / 2}
-            shaft = p.shaft_diameter - p.shaft_flat
-            findings += strengths(t, self.masses, self.motor.speed_rpm, p.pins, p.pin_diameter, levers, shaft)
+            findings.append(shaft_stress(t, self.masses, self.motor.speed_rpm, p.pins, p.shaft_diameter - p.shaft_flat))
         if self.consumption is not None:
             findings += self.consumption.findings(t, self.allowed.excess)
         figures = self._figures(t)

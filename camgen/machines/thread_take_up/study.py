@@ -12,12 +12,14 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
+from camgen.machine.balancing import balanced, crank_weight
 from camgen.machine.closed_form import four_bar, transmission_extremes
 from camgen.machine.forces import Forces
 from camgen.machine.landmarks import TURN
 from camgen.machine.model import Body, Floats, Points
-from camgen.machines.thread_take_up.balancing import balanced, crank_weight
+from camgen.machine.strength import SHEAR, shaft_twist
 from camgen.machines.thread_take_up.feed import TakeUp
+from camgen.parts import materials
 from camgen.spec import Length, Record
 from camgen.study import Plot, Study, Table
 
@@ -29,11 +31,6 @@ _DRAWN = np.linspace(0, TURN, 721)
 _DEGREES = np.degrees(_DRAWN)
 _STOPS = (0.25, 1.0)  # mm, circles round the near stop
 _ALPHA = "crank angle, deg"
-# Bending stress that a pin bears for long, MPa: half of its tensile strength, since the load changes with every turn; taken
-# as 40 for prints across their layers and 700 for steel that can still be turned.
-_BEARS = {"printed": 20.0, "steel": 350.0}
-_SHEAR = 1 / math.sqrt(3)  # of it in shear [von Mises]
-
 _NOTES = (
     "Source: Semin, Korneenko, Kirillov, Mikheeva, Two-crank four-bar thread take-up of a sewing machine (in Russian).",
     "Feed: straight thread between the centres of guides and finger; the wrap round their radii is left out.",
@@ -242,24 +239,12 @@ def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[s
     }
 
 
-def strengths(
-    t: TakeUp, masses: Masses, rpm: float, made: str, diameter: float, levers: Mapping[str, float], shaft: float
-) -> list[Finding]:
-    """PIN_STRESS of pins held in a crank at one end and bent by the peak reaction on a lever, mm, by the joint's name.
-
-    And SHAFT_STRESS of a round shaft as thick as the input shaft is over its flat, mm, twisted by the peak torque.
-    """
-    peaks, bears, found = force_numbers(t, masses.bodies(t), rpm * math.tau / 60), _BEARS[made], []
-    for pin, lever in levers.items():
-        force = peaks[f"reaction_{pin}_n"]
-        stress = 32 * force * lever / (math.pi * diameter**3)
-        holds = abs(rpm) * math.sqrt(bears / stress) if stress else math.inf
-        remark = f"bent by {force:.4g} N on an arm of {lever:.4g} mm; a {made} pin bears {bears:g} MPa, which is {holds:.0f} rpm"
-        found.append(at_most("PIN_STRESS", stress, bears, "MPa", f"pin {pin.upper()}", remark))
-    torque = 1000 * peaks["peak_torque_n_m"]
-    stress, bears = 16 * torque / (math.pi * shaft**3), _SHEAR * bears
+def shaft_stress(t: TakeUp, masses: Masses, rpm: float, made: str, shaft: float) -> Finding:
+    """SHAFT_STRESS of a round shaft as thick as the input shaft is over its flat, mm, twisted by the peak torque."""
+    torque = 1000 * force_numbers(t, masses.bodies(t), rpm * math.tau / 60)["peak_torque_n_m"]
+    bears = SHEAR * (materials.STEEL if made == "steel" else materials.MATERIALS["PLA"]).bears
     remark = f"twisted by {torque:.4g} N mm; a {made} shaft {shaft:g} mm thick bears {bears:.4g} MPa in shear"
-    return [*found, at_most("SHAFT_STRESS", stress, bears, "MPa", "input shaft", remark)]
+    return at_most("SHAFT_STRESS", shaft_twist(torque, shaft), bears, "MPa", "input shaft", remark)
 
 
 _LENGTHS = {"frame": "OC", "crank": "OA", "coupler": "AB", "output": "BC", "eye_distance": "BD"}

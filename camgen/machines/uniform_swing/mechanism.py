@@ -32,6 +32,8 @@ from camgen.machine.cams.machine import FollowerLoad, Loaded, MirroredTouch, Pro
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
+from camgen.machines.loads.journals import Journal
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
@@ -40,9 +42,10 @@ from camgen.machines.uniform_swing.study import blend_study, canvas_study, force
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
+from camgen.parts.springs import Mounted, wound
 from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Plot, Sketch, Study, Table
 
@@ -60,7 +63,7 @@ class Geometry(Record):
     reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
 
 
-class Motor(Record):
+class Motor(Drives):
     """What drives the cam."""
 
     speed_rpm: Annotated[Rpm, turning()] = 30.0
@@ -82,7 +85,7 @@ class Parts(Record):
     mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
 
 
-class Limits(Record):
+class Limits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
@@ -350,12 +353,38 @@ class UniformSwing(Mechanism):
             findings.append(keeps_contact(loaded, self._load))
         return findings
 
+    @property
+    def shaft_needed(self) -> float | None:
+        """To the clamp ring on the collet, or the top of the cams."""
+        return self._machine.shaft_needed if self.making.make == "machine" else None
+
+    @property
+    def motor_frame(self) -> str:
+        """Of the motor under the base."""
+        return self.base.motor
+
+    @property
+    def roller_bearing(self) -> Bearing | None:
+        """The frame's tip, where it is one."""
+        return self.frame.bearing if self.making.make == "machine" else None
+
+    @property
+    def return_spring(self) -> Mounted | None:
+        """Of force closure: a straight one on the spec's lever, as [spring] asks."""
+        spring, lever = self.spring, self.spring.lever
+        if self.geometry.closure != "force" or not spring.preload:
+            return None
+        return wound(1e3 * spring.rate / lever**2, 1e3 * spring.preload / lever, lever * math.radians(self.geometry.swing_deg))
+
+    def journals(self) -> Mapping[str, Journal]:
+        """The frames' axle in the base."""
+        return self._machine.journals(self.material.name) if self.making.make == "machine" else {}
+
     @cached_property
     def _load(self) -> FollowerLoad:
         """Nozzle and frames about the pivot, and the spring of force closure."""
         frames = [part for part in self.parts() if part.name == "frame"]
-        density = self.material.density or DENSITY[self.material.name]
-        inertia = self.nozzle.inertia_kg_m2 + sum(part.count * inertia_of(part, 1000 * density) for part in frames)
+        inertia = self.nozzle.inertia_kg_m2 + sum(part.count * inertia_of(part, self.density) for part in frames)
         pushed = self.geometry.closure == "force"
         return FollowerLoad(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
 

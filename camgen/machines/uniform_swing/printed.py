@@ -21,6 +21,7 @@ from camgen.geometry.outlines import Points
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
+from camgen.machines.loads.journals import Journal
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LAYOUT, LEAST_AXLE, Room, washer_wall
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable
@@ -113,6 +114,11 @@ class SwingMachine:
         return self.top + (self.collet.flange + self.collet.length if self.plain else 0.0)
 
     @property
+    def shaft_needed(self) -> float:
+        """The least height at which it holds the upper cam."""
+        return self.shaft_length - (self._collet.travel if self.plain else 0.0)
+
+    @property
     def shaft_note(self) -> str:
         """What the motor's shaft has to be, and what it usually is."""
         usual = self.base.face.shaft
@@ -125,8 +131,7 @@ class SwingMachine:
         """Diameter and length of the shaft."""
         if not self.plain:
             return f"{self.bore:g} mm thick and to reach {self.shaft_length:g} mm over its face"
-        ring = self.shaft_length - self._collet.travel
-        return f"{self.bore:g} mm thick and to reach {ring:g} to {self.shaft_length:g} mm over its face"
+        return f"{self.bore:g} mm thick and to reach {self.shaft_needed:g} to {self.shaft_length:g} mm over its face"
 
     @cached_property
     def rims(self) -> np.ndarray:
@@ -335,6 +340,11 @@ class SwingMachine:
             mounts += [Mount("cam-pin", "cam", at=z, z=low) for z in self.pins]
         made = {part.name for part in self._made}
         return tuple(mount for mount in mounts if mount.part in made)
+
+    def journals(self, printed: str) -> dict[str, Journal]:
+        """The axle at the pivot: it turns in the base and is pressed into the frames."""
+        lever = self.foot - self.base.thickness / 2
+        return {"pivot": Journal("pivot", self.axle, self.base.thickness, lever, printed, printed)}
 
     def stand_ins(self) -> tuple[StandIn, ...]:
         """Bought things as stacks of discs."""

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.machine import Body, Forces, solve
-from camgen.machines.thread_take_up.balancing import balanced, crank_weight, smallest_circle, with_weight
+from camgen.machine.balancing import balanced, crank_weight, smallest_circle, with_weight
 
 MACHINE = take_up()
 THETA = np.arange(36000) * 2 * math.pi / 36000

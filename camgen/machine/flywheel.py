@@ -1,0 +1,35 @@
+"""How evenly a shaft turns, and the flywheel that evens it.
+
+The motor gives the mean torque; what the machine asks beyond it comes out of the shaft's own energy. With the greatest swing U of
+that energy over a turn, J lets the speed swing by delta = (greatest - least) / mean = U / (J w^2).   [Shigley, Theory of
+Machines and Mechanisms, ch. 18; Norton, Design of Machinery, sec. 11.11]
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgen.numerics import Floats
+
+
+def energy_swing(theta: Floats, torque: Floats) -> float:
+    """Greatest swing of the energy, J, about the mean torque; theta: (n,) rad over a whole period, both ends; torque: N m."""
+    steps = np.diff(theta)
+    work = np.concatenate([[0.0], np.cumsum((torque[1:] + torque[:-1]) / 2 * steps)])
+    stored = work - work[-1] * (theta - theta[0]) / (theta[-1] - theta[0])
+    return float(np.ptp(stored))
+
+
+def mean_torque(theta: Floats, torque: Floats) -> float:
+    """Mean over the period, N m; as above."""
+    return float(np.sum((torque[1:] + torque[:-1]) / 2 * np.diff(theta)) / (theta[-1] - theta[0]))
+
+
+def inertia_for(energy: float, fluctuation: float, speed: float) -> float:
+    """Inertia, kg m^2, of all that turns evenly with the shaft for a swing of its speed; energy J, speed rad/s."""
+    return energy / (fluctuation * speed**2)
+
+
+def fluctuation_of(energy: float, inertia: float, speed: float) -> float:
+    """Swing of the speed as a share of its mean; inf without inertia."""
+    return energy / (inertia * speed**2) if inertia else float("inf")

@@ -1,0 +1,178 @@
+"""What errors of making do to a machine's outputs, to first order: modes, each an error of unit size somewhere in a part.
+
+    cam       its outline is off along its normal by o + e . n + waves of order 2 to 4 round the bore; the tip by its radius; mm
+    centre    the centre of a hole or pin of a Pin, Slot or Slide is off by so much along x or y of its body, mm
+
+With conditions c(q) = 0 of all joints and their slopes A, an error that shifts them by r moves the bodies by -A^-1 r. What that,
+or an outline that stands out, opens or closes at a cam's first contact the follower takes up by its s: the way of the contact
+along its normal for a unit of s is the lever. What is then left at the second contact is play.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camgen.machine.constraints import Constraints, solved
+from camgen.machine.model import Cam, Pin, Slide, Slot
+from camgen.machine.run import Run
+from camgen.numerics import Floats, Points
+
+WAVES = (2, 3, 4)  # orders of the form error; the first is a bore off its centre
+
+
+@dataclass(frozen=True)
+class Mode:
+    """An error: where it is ("contact, 1", or a joint and its body), its kind, and its standard deviation, mm.
+
+    along: of a centre, the axis of its body along which it is off.
+    """
+
+    where: str
+    kind: str
+    size: float
+    along: complex = 0j
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Standard deviations of a printer, mm: offset of a wall along its normal, form of an outline, place of a centre along an
+    axis; hole: diameter of a hole."""
+
+    offset: float
+    form: float
+    place: float
+    hole: float
+
+
+def waviness(place: Points, normal: Points) -> Floats:
+    """Displacement along the normal by each outline mode of unit size, (modes, n): offset, x, y, then cosine and sine of each
+    wave. place: complex mm about the bore, normal: unit, outwards, both (n,)."""
+    angle = np.angle(place)
+    share = 1 / np.sqrt(2 * len(WAVES))  # so that all waves together have the size that each is given
+    waves = [share * np.sqrt(2) * wave(k * angle) for k in WAVES for wave in (np.cos, np.sin)]
+    return np.stack([np.ones(len(place)), normal.real, normal.imag, *waves])
+
+
+def outline_kinds() -> list[str]:
+    """Kinds of the same modes."""
+    return ["offset", "bore", "bore", *["form"] * (2 * len(WAVES))]
+
+
+def outline_sizes(sizes: Sizes) -> list[float]:
+    """Standard deviations of the same modes, mm."""
+    return [sizes.offset, sizes.place, sizes.place, *[sizes.form] * (2 * len(WAVES))]
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Of one output over theta, (n,) each: by each mode how far 1 mm of it moves it, (modes, n), complex for a path; reach: by
+    joint with play, the most that 1 mm there moves it. held: by cam that is touched on both sides, how much more play 1 mm of
+    each mode gives the output, (modes, n), and 1 mm of air at both tips."""
+
+    modes: Any
+    reach: Mapping[str, Floats]
+    held: Mapping[str, tuple[Floats, Floats]]
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """One side of a cam at the poses: slopes of the way along its normal to the poses, (n, 3 bodies); outline: what each outline
+    mode displaces there, (modes, n) mm."""
+
+    cam: Cam
+    side: int
+    slopes: Floats
+    outline: Floats
+
+
+def sensitivities(
+    run: Run, outputs: Sequence[str], sizes: Sizes, exact: Collection[str] = ()
+) -> tuple[list[Mode], dict[str, Sensitivity]]:
+    """All modes of a machine at the run's angles, and what they do to each output; exact: cams whose tip is no print."""
+    machine, theta = run.machine, run.theta
+    system, q = Constraints(machine), run.poses()
+    slopes = system.evaluate(q, theta)[1]
+    cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
+    contacts = [_contact(cam, k, system, q) for cam in cams for k in range(min(2, len(cam.touches)))]
+    modes: list[Mode] = []
+    stands: list[Floats] = []  # by how much the mode itself stands out at each contact, (contacts, n)
+    for c, contact in enumerate(contacts):
+        kinds = [*zip(outline_kinds(), outline_sizes(sizes), strict=True)]
+        kinds += [] if contact.cam.name in exact else [("tip", sizes.offset)]
+        for (kind, size), out in zip(kinds, [*contact.outline, np.ones(len(q))], strict=False):
+            modes.append(Mode(f"{contact.cam.name}, {contact.side + 1}", kind, size))
+            stands.append(np.zeros((len(contacts), len(q))))
+            stands[-1][c] = out
+    shifts = [np.zeros((len(q), system.height)) for _ in modes]  # of the conditions
+    turning = {cam.cam for cam in cams}  # whose bores are modes of their outlines
+    for joint in machine.joints:
+        if isinstance(joint, Pin | Slot | Slide):
+            for body, along, shift in _centres(joint, system, q):
+                if not (isinstance(joint, Pin) and body in turning):
+                    modes.append(Mode(f"{joint.name}, {body}", "centre", sizes.place, along))
+                    stands.append(np.zeros((len(contacts), len(q))))
+                    shifts.append(shift)
+    gives = -solved(slopes, np.stack(shifts, axis=2))  # (n, 3 bodies, modes), the cams' s held
+    units = np.zeros((len(q), system.height, len(cams)))
+    for c, cam in enumerate(cams):
+        units[:, system.rows[cam.name].start, c] = 1.0
+    per_s = solved(slopes, units)  # (n, 3 bodies, cams): for a unit of s
+    ways = np.stack([contact.slopes for contact in contacts], axis=1) if contacts else np.zeros((len(q), 0, system.width))
+    open_ = ways @ gives - np.transpose(np.array(stands), (2, 1, 0))  # (n, contacts, modes): air there
+    levers = ways @ per_s  # (n, contacts, cams)
+    first = [c for c, contact in enumerate(contacts) if contact.side == 0]
+    if cams:  # each first contact closes again
+        slides = -solved(levers[:, first], open_[:, first])
+        gives = gives + per_s @ slides
+        open_ = open_ + levers @ slides
+    found = {}
+    for name, reach in zip(outputs, system.shares(outputs, q, theta), strict=True):
+        gradient = system.output(name, q)[1]
+        parts = np.moveaxis(gradient @ gives, 0, -1)  # (1 or 2, modes, n)
+        steep = np.linalg.norm(gradient @ per_s, axis=1)  # (n, cams): of the output for a unit of s
+        held: dict[str, tuple[Floats, Floats]] = {}
+        for k, contact in enumerate(contacts):
+            if contact.side:
+                c = cams.index(contact.cam)
+                one, two = np.abs(levers[:, first[c], c]), np.abs(levers[:, k, c])
+                held[contact.cam.name] = (open_[:, k] * (steep[:, c] / two)[:, None]).T, (1 / one + 1 / two) * steep[:, c]
+        moved: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
+        found[name] = Sensitivity(moved, {j.name: reach[j.name] for j in machine.joints if j.clearance > 0}, held)
+    return modes, found
+
+
+def _centres(joint: Pin | Slot | Slide, system: Constraints, q: Floats) -> Iterator[tuple[str, complex, Floats]]:
+    """Of each body of a joint and each axis of its frame, by what 1 mm there shifts the conditions, (n, conditions)."""
+    row = system.rows[joint.name].start
+    sides = ((joint.a, 1.0), (joint.b, -1.0)) if isinstance(joint, Pin) else ((joint.runner, 1.0), (joint.guide, -1.0))
+    for side, sign in sides:
+        turn = sign * np.exp(1j * (system.angle(side.body, q) + np.zeros(len(q))))
+        for axis in (1 + 0j, 1j):
+            shift = np.zeros((len(q), system.height))
+            if isinstance(joint, Pin):
+                shift[:, row], shift[:, row + 1] = (axis * turn).real, (axis * turn).imag
+            else:  # across the guide alone
+                along = np.exp(1j * (system.angle(joint.guide.body, q) + joint.angle))
+                shift[:, row] = np.imag(axis * turn / along)
+            if np.any(np.abs(shift) > 1e-9):
+                yield side.body, axis, shift
+
+
+def _contact(cam: Cam, side: int, system: Constraints, q: Floats) -> _Contact:
+    """One side of a cam at the poses."""
+    column = system.column[cam.cam]
+    angle = system.angle(cam.cam, q) + np.zeros(len(q))
+    place, normal = cam.touches[side](angle - cam.phase)
+    turn = np.exp(1j * angle)
+    where, push = q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn
+    way = np.zeros(q.shape)
+    for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
+        c = system.column[body]
+        way[:, c] += sign * push.real
+        way[:, c + 1] += sign * push.imag
+        way[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+    return _Contact(cam, side, way, waviness(place, normal))

@@ -1,0 +1,1 @@
+"""What every machine bears: masses of its solids, its drive, contacts, bearings and pins."""

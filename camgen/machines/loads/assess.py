@@ -1,0 +1,89 @@
+"""All that a machine bears, from its one model: masses, forces, drive, contacts, bearings, pins."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.findings import Finding, NotJudged
+from camgen.machine.features import CamOutline
+from camgen.machine.run import solve
+from camgen.machines.loads import bearing, drive, follower
+from camgen.machines.loads.tables import Drives
+from camgen.machines.loads.weights import Weighed, weighed
+from camgen.study import Study, Table, together
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+
+_FEW, _MANY, _BODIES = 361, 1441, 9  # angles of a machine with more, or at most so many bodies
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """Findings, figures, and what could not be judged."""
+
+    findings: Sequence[Finding] = ()
+    study: Study = field(default_factory=Study)
+    not_judged: Sequence[NotJudged] = ()
+
+
+def assess(mechanism: Mechanism) -> Assessment:
+    """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for."""
+    found = weighed(mechanism)
+    machine, motor = found.machine, mechanism.drives
+    held: list[Finding] = []
+    left: list[NotJudged] = []
+    needed = mechanism.shaft_needed
+    if needed is not None:
+        told = drive.reach(motor, mechanism.motor_frame, needed)
+        (held if isinstance(told, Finding) else left).append(told)  # type: ignore[arg-type]
+    if not (math.isfinite(machine.speed) and machine.speed):
+        why = "nothing says how fast the machine turns"
+        lost = [NotJudged(code, why, "motor.speed_rpm") for code in ("DRIVE_TORQUE", "PV", "PIN_STRESS")]
+        return Assessment(held, Study(tables=[_masses(found)]), (*left, *lost))
+    theta = np.linspace(*mechanism.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
+    run = solve(machine, theta)
+    forces = run.forces()
+    bears = mechanism.bears
+    outlines: dict[str, CamOutline] = {}
+    for each in mechanism.features():
+        if isinstance(each, CamOutline):
+            outlines.setdefault(each.joint, each)
+    parts = {part.name: part for part in mechanism.parts()}
+    plain = bearing.plain_bearings(run, forces, mechanism.journals(), bears)
+    touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
+    turned, more = drive.driven(run, forces, plain.friction + bearing.guides(run, forces), motor)
+    shaken = np.abs(forces.shaking)
+    numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
+    numbers |= {f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(np.nanmax(np.abs(load), initial=0.0))
+                for name, load in forces.reactions.items()}  # fmt: skip
+    numbers |= follower.balance(run, forces)
+    swung = follower.elastic(run, mechanism.load)
+    for borne in (plain, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
+        held += borne.findings
+        numbers |= borne.numbers
+    kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
+    plots = [*turned.plots, *touched.plots, *swung.plots]
+    tables = [_masses(found), *plain.tables, *swung.tables]
+    return Assessment(held, together([Study(kept, plots, tables)]), (*left, *more))
+
+
+def _masses(found: Weighed) -> Table:
+    """Mass, centre and inertia of each body, and where they come from."""
+    rows = [
+        (body.name, 1e3 * body.mass, f"{body.centre.real:.4g}, {body.centre.imag:.4g}", body.inertia, found.sources[body.name])
+        for body in found.machine.moving
+    ]  # fmt: skip
+    return Table("Masses", ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"), rows)
+
+
+def drives_of(mechanism: Mechanism) -> Drives | None:
+    """The table [motor], where there is one."""
+    motor = getattr(mechanism, "motor", None)
+    return motor if isinstance(motor, Drives) else None

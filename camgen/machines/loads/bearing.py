@@ -1,0 +1,188 @@
+"""What a machine's contacts, pins and plain bearings bear at its speed: HERTZ, PV, PIN_STRESS, BEARING_LIFE.
+
+Friction heats, and is not part of the reactions that it follows from. Where no limit is published for a plastic, a finding fails
+only beyond what every plastic bears, or beyond what the spec itself says; the table ranks all.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from camgen.findings import Finding, at_least, at_most
+from camgen.machine import strength
+from camgen.machine.features import CamOutline
+from camgen.machine.forces import Forces
+from camgen.machine.model import GROUND, Cam, Pin, Slide
+from camgen.machine.run import Run
+from camgen.machines.loads.journals import Journal
+from camgen.machines.loads.tables import Bears
+from camgen.numerics import Floats
+from camgen.parts import materials
+from camgen.parts.catalogue import Bearing
+from camgen.parts.part import Part
+from camgen.study import Plot, Table
+
+_STILL = 1e-9  # N, below which nothing presses
+
+
+@dataclass
+class Borne:
+    """What was found: for the report. friction: heat of all joints over the motion, (n,) W."""
+
+    findings: list[Finding] = field(default_factory=list)
+    numbers: dict[str, float] = field(default_factory=dict)
+    tables: list[Table] = field(default_factory=list)
+    plots: list[Plot] = field(default_factory=list)
+    friction: Any = 0.0
+
+
+def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears]) -> Borne:
+    """PV of the worst and PIN_STRESS of every pin whose bearing is known, and a table; bears: what the spec says of a joint."""
+    borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
+    usual = materials.PV_MOST
+    found: list[tuple[float, Journal, strength.Sliding]] = []
+    for name, journal in journals.items():
+        joint = run.machine.joint(name)
+        assert isinstance(joint, Pin)
+        force = _finite(np.abs(forces.reactions[name]))
+        turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
+        steel = "steel" in (journal.shaft, journal.hole)
+        friction = materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
+        slides = strength.sliding(force, turning, journal.diameter, journal.length, friction)
+        bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
+        sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
+        borne.friction = borne.friction + slides.heat
+        found.append((slides.pv, journal, slides))
+        rows.append((name, journal.diameter, journal.length, float(np.max(force)), float(np.max(slides.pressure)),
+                     float(np.max(slides.speed)), slides.pv, slides.pv / usual, slides.power, bent, sheared))  # fmt: skip
+        borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears(name))
+    if not found:
+        return borne
+    pv, worst, slides = max(found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual))
+    given = bears(worst.joint).pv_mpa_m_s
+    said = f"{slides.power:.3g} W of heat at a friction of {_friction(worst):g}"
+    said += (
+        f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry" if given else
+        f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
+        "P210). Less speed or mass and a longer pin lower it; oil bears five times as much, a bush of metal more: say so by "
+        "limits.pv_mpa_m_s"
+    )  # fmt: skip
+    where = f"pin {worst.joint}, {worst.diameter:g} x {worst.length:.4g} mm"
+    borne.findings.append(at_most("PV", pv, given or usual, "MPa m/s", where, said))
+    heads = ("pin", "diameter, mm", "length, mm", "force, N", "pressure, MPa", "sliding, m/s", "p v, MPa m/s",
+             f"over {usual:g}", "heat, W", "bent, MPa", "sheared, MPa")  # fmt: skip
+    rows.sort(key=lambda row: -float(str(row[6])))
+    borne.tables.append(Table("Plain bearings and pins, the hardest worked first", heads, rows))
+    borne.numbers |= {"pv_max_mpa_m_s": max(each[0] for each in found), "friction_heat_w": float(np.mean(borne.friction))}
+    return borne
+
+
+def _friction(journal: Journal) -> float:
+    steel = "steel" in (journal.shaft, journal.hole)
+    return materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
+
+
+def _pin(name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears) -> list[Finding]:
+    """PIN_STRESS of one pin, by what it bears least of: bending, or shear as bending that is as bad."""
+    row = materials.of(journal.shaft)
+    limit = bears.pin_stress_mpa or row.bears
+    worse, how = max((bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared"))
+    if force <= _STILL:
+        return []
+    holds = math.sqrt(limit / worse) if worse else math.inf
+    by = "limits.pin_stress_mpa" if bears.pin_stress_mpa else f"{row.name} bears {row.bears:g} MPa"
+    remark = f"by {force:.4g} N, {how}; {by}"
+    remark += "" if worse <= limit else "; make it thicker or shorter, or of steel and say so (limits.pin_stress_mpa = 350)"
+    remark += f", {holds:.3g} times the speed where inertia alone loads it" if math.isfinite(holds) else ""
+    return [at_most("PIN_STRESS", worse, limit, "MPa", f"pin {name}", remark)]
+
+
+def contacts(
+    run: Run, forces: Forces, outlines: Mapping[str, CamOutline], parts: Mapping[str, Part], printed: str, roller: Bearing | None,
+    known: Callable[[str], Bears],
+) -> Borne:  # fmt: skip
+    """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller; outlines: by joint, the first of each.
+
+    A tip that is no bearing is of the cam's own plastic.
+    """
+    borne, theta = Borne(), run.theta
+    own = materials.of(printed)
+    tip = materials.STEEL if roller else own
+    for joint in run.machine.joints:
+        outline = outlines.get(joint.name)
+        if not isinstance(joint, Cam) or not joint.touches or outline is None:
+            continue
+        force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
+        if not np.any(force > _STILL):
+            continue
+        layer = parts[outline.part].layers[parts[outline.part].cut]
+        length, angle = layer.z1 - layer.z0, _angle(run, joint.cam) - joint.phase
+        effort = forces.contacts[joint.name] * joint.leaves
+        pressure = np.zeros(len(theta))
+        for k, touch in enumerate(joint.touches[:2]):
+            mine = (effort >= 0) == (k == 0) if len(joint.touches) > 1 else np.ones(len(theta), bool)
+            radius = touch.radius(angle)  # type: ignore[attr-defined]
+            across = getattr(touch.cam.follower, "tip_radius", math.inf)  # type: ignore[attr-defined]
+            if not across:  # an edge has no width: no formula gives its pressure
+                continue
+            with np.errstate(all="ignore"):
+                curvature = np.where((radius > 0) | (radius < -across), 1 / radius + 1 / across, np.nan)
+            pressed, _ = strength.line_contact(np.where(mine, force, 0.0), length, curvature, own.elastic, tip.elastic)
+            pressure = np.fmax(pressure, pressed)
+        worst = int(np.nanargmax(pressure))
+        limit = bears.hertz_mpa or strength.YIELDS * materials.STRONGEST
+        said = f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; "
+        said += (
+            "limits.hertz_mpa" if bears.hertz_mpa else
+            f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
+            f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
+        )  # fmt: skip
+        where = f"{joint.name}, {outline.part}, cam angle {math.degrees(float(theta[worst])):.1f} deg"
+        borne.findings.append(at_most("HERTZ", float(pressure[worst]), limit, "MPa", where, said))
+        borne.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = float(pressure[worst])
+        borne.plots.append(Plot(f"Hertz pressure, {joint.name}", "cam angle, deg", "MPa",
+                                [("line contact", np.degrees(theta), pressure)]))  # fmt: skip
+        if roller is not None and roller.rating:
+            _life(borne, run, joint, force, roller, bears)
+    return borne
+
+
+def _life(borne: Borne, run: Run, joint: Cam, force: Floats, roller: Bearing, bears: Bears) -> None:
+    """BEARING_LIFE of the roller on a cam: it turns as far as the cam's profile is long."""
+    place, _ = joint.touches[0](_angle(run, joint.cam) - joint.phase)
+    turns = float(np.sum(np.abs(np.diff(place)))) / (math.pi * roller.outside)
+    load = strength.cubic_mean(np.maximum(force, 0.0), np.ones(len(force)))
+    hours = strength.bearing_life(1e3 * (roller.rating or 0.0), load) / turns / (abs(run.machine.speed) / math.tau) / 3600
+    borne.numbers[f"bearing_life_{joint.name.replace(' ', '_')}_h"] = min(hours, 1e9)
+    if bears.bearing_life_h is not None:
+        said = f"{roller.name}, C = {roller.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
+        where = f"roller of {joint.name}"
+        borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", where, said))
+
+
+def guides(run: Run, forces: Forces) -> Any:
+    """Heat of the guides of slides, (n,) W: of printed faces, by their normal force alone."""
+    heat: Any = 0.0
+    for joint in run.machine.joints:
+        if isinstance(joint, Slide):
+            speed = run.machine.speed * run.length(joint.name)[1] * 1e-3
+            heat = heat + materials.FRICTION_PRINTED * _finite(np.abs(forces.normals[joint.name])) * np.abs(speed)
+    return heat
+
+
+def _rate(run: Run, body: str) -> Any:
+    return 0.0 if body == GROUND else run.angle(body)[1]
+
+
+def _angle(run: Run, body: str) -> Any:
+    return np.zeros(len(run.theta)) if body == GROUND else run.angle(body)[0]
+
+
+def _finite(values: Any) -> Floats:
+    """Values with 0 where there is none."""
+    return np.where(np.isfinite(values), values, 0.0)

@@ -1,0 +1,145 @@
+"""What an elastic follower does on each cam, and what a counterweight on the driven shaft takes off the ground."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from camgen.findings import at_least, at_most
+from camgen.machine.balancing import crank_weight
+from camgen.machine.cams.dynamics import Elastic, residual
+from camgen.machine.constraints import Constraints, solved
+from camgen.machine.forces import Forces
+from camgen.machine.model import MM, Cam, Machine, Turning
+from camgen.machine.run import Run, solve
+from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.tables import Weight
+from camgen.motion.laws import LAWS
+from camgen.numerics import Floats
+from camgen.parts.springs import Mounted
+from camgen.study import Plot, Table
+
+_SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be [Shigley, sec. 10-8: 15 to 20]
+_STILL = 1e-9  # of the greatest acceleration, below which a follower dwells
+
+
+def elastic(run: Run, load: Weight | None) -> Borne:
+    """LIFT_OFF, vibration and the speed without contact of each cam whose follower's stiffness is given."""
+    borne = Borne()
+    cams = [joint for joint in run.machine.joints if isinstance(joint, Cam)]
+    if load is None or load.stiffness is None or len(cams) != 1:
+        return borne
+    (cam,), theta, speed = cams, run.theta[:-1], run.machine.speed
+    mass = effective_inertia(run, cam)
+    if not mass:
+        return borne
+    unit, scale = ("mm", 1.0) if cam.slide else ("deg", math.degrees(1))
+    heavy = mass * MM if cam.slide else mass  # with s in mm and k in N/mm
+    model = Elastic(math.sqrt(load.stiffness / heavy), load.damping_ratio)
+    law = cam.law(theta - cam.phase, 2)
+    x, bend = model.vibration(law, speed)
+    rests = np.abs(law) <= _STILL * np.max(np.abs(law))
+    key = cam.name.replace(" ", "_")
+    peak = float(np.max(np.abs(law))) * speed**2
+    borne.numbers |= {
+        f"follower_frequency_{key}_hz": model.frequency / math.tau,
+        f"vibration_{key}_{unit}": scale * float(np.max(np.abs(x))),
+        f"vibration_in_dwells_{key}_{unit}": scale * float(np.max(np.abs(x[rests]), initial=0.0)),
+        f"acceleration_factor_{key}": float(np.max(np.abs(bend))) / peak if peak else 1.0,
+    }
+    degrees = np.degrees(theta)
+    borne.plots.append(Plot(f"Vibration of the follower, {cam.name}", "cam angle, deg", unit, [("y - s", degrees, scale * x)]))
+    borne.plots.append(Plot(f"Acceleration of the follower, {cam.name}", "cam angle, deg", f"{unit}/s^2",
+                            [("elastic", degrees, scale * bend), ("by the cam", degrees, scale * law * speed**2)]))  # fmt: skip
+    if cam.closure == "force":
+        still = solve(_slow(run), theta).forces().contacts[cam.name] * cam.leaves
+        push = still + heavy * cam.leaves * bend
+        worst = int(np.argmin(push))
+        fast = model.loses_contact(cam.leaves * law, speed, heavy, still) * 60 / math.tau
+        said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz; contact is lost from {fast:.4g} rpm" \
+            if math.isfinite(fast) else f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"  # fmt: skip
+        borne.findings.append(at_least("LIFT_OFF", float(push[worst]), 0.0, "N" if cam.slide else "N m",
+                                       f"{cam.name}, cam angle {degrees[worst]:.1f} deg", said))  # fmt: skip
+        if math.isfinite(fast):
+            borne.numbers[f"lift_off_speed_{key}_rpm"] = fast
+    borne.tables += _laws(cam, model, abs(speed))
+    return borne
+
+
+def _slow(run: Run) -> Machine:
+    """The same so slow that inertia does nothing."""
+    return replace(run.machine, speed=1e-6 * run.machine.speed)
+
+
+def effective_inertia(run: Run, cam: Cam) -> float:
+    """Of all that moves with a cam's s, the drives held: kg, or kg m^2 where it swings; mean over the motion."""
+    system, q = Constraints(run.machine), run.poses()
+    unit = np.zeros((len(q), system.height))
+    unit[:, system.rows[cam.name].start] = 1.0
+    moves = solved(system.evaluate(q, run.theta)[1], unit)
+    total: Floats = np.zeros(len(q))
+    length = 1.0 if cam.slide else MM  # of s in mm the ratio has no unit, of rad it is mm
+    for body in run.machine.moving:
+        k = system.column[body.name]
+        arm = body.centre * np.exp(1j * q[:, k + 2])
+        way = moves[:, k] + 1j * moves[:, k + 1] + 1j * moves[:, k + 2] * arm
+        turns = moves[:, k + 2] / (MM if cam.slide else 1.0)
+        total = total + body.mass * np.abs(way * length) ** 2 + body.inertia * turns**2
+    return float(np.mean(total))
+
+
+def _laws(cam: Cam, model: Elastic, speed: float) -> list[Table]:
+    """What each law of the list would leave of vibration after the first rise, as long and as high as the cam's."""
+    segments = getattr(cam.law, "segments", ())
+    rise = next((each for each in segments if each.scale), None)
+    if rise is None:
+        return []
+    time, rows = rise.span / speed, list[tuple[object, ...]]()
+    for name, law in LAWS.items():
+        left = residual(lambda t, law=law: law(t / time, 2) / time**2, time, model.frequency)  # type: ignore[misc]
+        rows.append((name, 100 * left, "this one" if name == getattr(rise.law, "name", "") else ""))
+    rows.sort(key=lambda row: float(str(row[1])))
+    title = f"Laws compared after the first rise, undamped, {model.frequency * time / math.tau:.3g} periods long"
+    return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
+
+
+def sprung(mounted: Mounted | None, speed: float) -> Borne:
+    """SPRING_STRESS and SURGE of the spring that holds a follower on its cam; speed: rad/s."""
+    borne = Borne()
+    if mounted is None:
+        return borne
+    spring, turns = mounted.spring, abs(speed) / math.tau
+    where = "return spring" if mounted.made else "return spring, to be wound"
+    stress, surge = spring.stress(mounted.longest), spring.surge
+    size = f"wire {spring.wire:g}, outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils, free length {spring.free:.4g}"
+    borne.findings += [
+        at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, f"{size} mm, stretched to {mounted.longest:.4g} mm"),
+        at_least("SURGE", surge, _SURGE * turns, "Hz", where,
+                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
+                 "it; a thicker wire on fewer coils is faster"),
+    ]  # fmt: skip
+    borne.numbers |= {
+        "spring_rate_n_mm": spring.rate, "spring_stress_mpa": stress, "spring_surge_hz": surge,
+        "spring_force_least_n": spring.force(mounted.shortest), "spring_force_greatest_n": spring.force(mounted.longest),
+    }  # fmt: skip
+    return borne
+
+
+def balance(run: Run, forces: Forces) -> Mapping[str, float]:
+    """One counterweight on the driven body that least shakes the ground: mass times radius, where, and the force left."""
+    drive = run.machine.drives[0]
+    shaken = forces.shaking
+    if not isinstance(drive.law, Turning) or drive.slide or not np.all(np.isfinite(shaken)) or not np.any(np.abs(shaken) > 0):
+        return {}
+    if abs(float(np.ptp(run.theta)) - math.tau) > 1e-9:
+        return {}
+    turned = drive.law(run.theta, 0)
+    moment, left = crank_weight(shaken, turned, run.machine.speed * drive.law.rate)
+    best = float(np.max(np.abs(shaken)))
+    return {
+        "balance_weight_g_mm": 1e3 * abs(moment), "balance_weight_at_deg": math.degrees(float(np.angle(-moment))),
+        "shaking_force_balanced_n": min(left, best),
+    }  # fmt: skip

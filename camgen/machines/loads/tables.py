@@ -1,0 +1,54 @@
+"""Tables of every spec on what drives, loads and limits a machine; a mechanism's own tables are built on them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from camgen.spec import SHARE, Length, Record
+
+Positive = Annotated[float, Field(gt=0, le=1e6)]
+Model = Literal["42STH48-2004AC", "42STH40-1004A", "42STH20", "35STH48", "17HS19-2004S1", "17HS24"]
+
+
+def _in(unit: str) -> object:
+    return Field(gt=0, le=1e6, json_schema_extra={"unit": unit})
+
+
+class Drives(Record):
+    """What the motor can give: a torque at the speed, a model of the catalogue, or stall torque and speed without load."""
+
+    torque_n_m: Positive | None = None
+    model: Model | None = None
+    stall_torque_n_m: Positive | None = None
+    no_load_rpm: Positive | None = None
+    shaft_length: Length | None = None
+    fluctuation: Annotated[float, Field(gt=0, le=1, json_schema_extra=SHARE)] | None = None
+    flywheel_kg_m2: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        given = [key for key in ("torque_n_m", "model", "stall_torque_n_m") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"one of {' and '.join(given)}: each says by itself what the motor gives")
+        if (self.stall_torque_n_m is None) != (self.no_load_rpm is None):
+            raise ValueError("stall_torque_n_m and no_load_rpm together: between them lies the motor's line")
+        return self
+
+
+class Weight(Record):
+    """What pulls on all that is made, and how stiff a follower is."""
+
+    gravity_deg: Annotated[float, Field(ge=-360, le=360)] | None = None
+    stiffness: Positive | None = None
+    damping_ratio: Annotated[float, Field(ge=0, lt=1, json_schema_extra=SHARE)] = 0.05
+
+
+class Bears(Record):
+    """What the person who makes it knows of its materials; a finding fails beyond it."""
+
+    hertz_mpa: Annotated[float, _in("MPa")] | None = None
+    pv_mpa_m_s: Annotated[float, _in("MPa m/s")] | None = None
+    pin_stress_mpa: Annotated[float, _in("MPa")] | None = None
+    bearing_life_h: Annotated[float, _in("h")] | None = None

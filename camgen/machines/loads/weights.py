@@ -1,0 +1,80 @@
+"""A machine's bodies with the masses of what is made of them: solids by their material; what a spec says itself stays."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from camgen.machine.features import Mount
+from camgen.machine.model import GROUND, MM, Body, Gravity, Machine
+from camgen.parts.catalogue import STEEL
+from camgen.parts.inertia import centre_of, inertia_of
+from camgen.parts.part import Part
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+
+PULL = 9.80665  # m/s^2
+_SHOWN = ("dummy",)  # how parts are made that stand for others and weigh nothing here
+_SAME = 1e-6  # share by which a mass may differ and be the solids'
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """The machine with its masses; of each body where they come from."""
+
+    machine: Machine
+    sources: Mapping[str, str]
+
+
+def solid(name: str, parts: Mapping[str, Part], mounts: Sequence[Mount], density: float) -> Body:
+    """Mass, centre and inertia of all that is mounted on a body; density of what is printed, kg/m^3."""
+    rows = []
+    for mount in mounts:
+        part = parts.get(mount.part)
+        if mount.body != name or part is None or part.made in _SHOWN:
+            continue
+        heavy = density if part.made == "printed" else 1e3 * STEEL
+        mass, centre = part.volume * heavy * MM**3, centre_of(part)
+        rows.append((mass, mount.place(centre), inertia_of(part, heavy) - mass * abs(centre * MM) ** 2))
+    mass = sum(row[0] for row in rows)
+    if not mass:
+        return Body(name)
+    middle = sum(row[0] * row[1] for row in rows) / mass
+    inertia = sum(own + each * abs((place - middle) * MM) ** 2 for each, place, own in rows)
+    return Body(name, mass=mass, centre=middle, inertia=inertia)
+
+
+def weighed(mechanism: Mechanism) -> Weighed:
+    """The model with the masses of its solids where the spec gives none, and with gravity where the spec has it.
+
+    A body whose inertia about its own origin is given, such as a follower's about its pivot, keeps that; only its mass and
+    centre, which load its pivot, come from the solid.
+    """
+    model, parts, mounts = mechanism.model, {part.name: part for part in mechanism.parts()}, mechanism.mounts()
+    bodies: list[Body] = []
+    sources: dict[str, str] = {}
+    for body in model.bodies:
+        made = solid(body.name, parts, mounts, mechanism.density) if body.name != GROUND else body
+        if body.name == GROUND or not made.mass:
+            bodies.append(body)
+            sources[body.name] = "given" if body.mass or body.inertia else "none: nothing is made of it"
+        elif body.mass:
+            bodies.append(body)
+            sources[body.name] = "solids" if abs(body.mass - made.mass) <= _SAME * made.mass else "given"
+        elif not body.inertia:
+            bodies.append(replace(body, mass=made.mass, centre=made.centre, inertia=made.inertia))
+            sources[body.name] = "solids"
+        else:
+            own = body.inertia - made.mass * abs(made.centre * MM) ** 2
+            fits = own >= 0
+            bodies.append(replace(body, mass=made.mass, centre=made.centre, inertia=own) if fits else body)
+            sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
+    sources.pop(GROUND, None)
+    loads = model.loads
+    deg = None if mechanism.load is None else mechanism.load.gravity_deg
+    if deg is not None and not any(isinstance(load, Gravity) for load in loads):
+        loads = (*loads, Gravity(cmath.rect(PULL, cmath.pi * deg / 180)))
+    return Weighed(replace(model, bodies=tuple(bodies), loads=loads), sources)

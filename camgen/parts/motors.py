@@ -1,0 +1,49 @@
+"""Motors by their model: what torque they give at a speed, and how far their shafts reach.
+
+A stepper's model tells its holding torque, which no stepper gives while it turns; a motor with brushes its torque at stall
+and its speed without load, between which its torque falls in a straight line.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """A row: its frame and holding torque, N m."""
+
+    model: str
+    frame: str
+    holding: float
+
+
+# Holding torques: Klipper's motor data base (klippy/extras/motor_database of its TMC autotune), as their makers give them.
+STEPPERS = {
+    row.model: row
+    for row in (
+        Stepper("42STH48-2004AC", "nema-17", 0.59),
+        Stepper("42STH40-1004A", "nema-17", 0.49),
+        Stepper("42STH20", "nema-17", 0.18),
+        Stepper("35STH48", "nema-14", 0.40),
+        Stepper("17HS19-2004S1", "nema-17", 0.59),
+        Stepper("17HS24", "nema-17", 0.65),
+    )
+}
+
+# Usual shafts of motor frames: diameter and length over the face, mm.
+SHAFTS = {"nema-8": (4.0, 6.0), "nema-14": (5.0, 21.0), "nema-17": (5.0, 24.0), "nema-23": (6.35, 24.0)}
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Torque, N m, at standstill and what is said of it; no_load: speed without load, rad/s, inf where it is not told."""
+
+    stall: float
+    no_load: float = math.inf
+    said: str = ""
+
+    def torque(self, speed: float) -> float:
+        """What it gives at a speed, rad/s, N m; below 0 beyond its speed without load."""
+        return self.stall * (1 - abs(speed) / self.no_load)

@@ -1,0 +1,250 @@
+"""What a printer's errors do to a machine: a budget by where they arise, and many printed copies, the worst really rolled.
+
+All first order: an output's error is the sum over modes of sensitivity times error (`machine.print_errors`). Copies are drawn
+from normal distributions, the same seed gives the same copies. The worst are then made: their outlines displaced and rolled by
+the judge's own contact, their joints shifted and closed by Newton's method.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.rings import Ring, Shape
+from camgen.machine.constraints import Constraints
+from camgen.machine.features import CamOutline, Eye, judged_outputs
+from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Slide, Slot, unit_of
+from camgen.machine.print_errors import Mode, Sensitivity, Sizes, sensitivities, waviness
+from camgen.machine.run import solve
+from camgen.machines.mechanism import Mechanism
+from camgen.numerics import Floats
+from camgen.parts import materials
+from camgen.study import Study, Table
+
+_ANGLES = 145  # of the turn, at which copies are looked at
+_NOTHING = 1e-9  # mm or rad, by which rounding moves what no joint moves
+_CHUNK = 2000  # copies at a time: their errors stay in the processor's cache
+
+
+def sizes_of(mechanism: Mechanism) -> Sizes:
+    """Standard deviations of the spec's printer: as it says, else by the usual tolerance of its plastic, taken as three of them.
+
+    A wall's is half of a size's, which has two walls; that of an outline's form, a quarter, is an estimate.
+    """
+    given = mechanism.print
+    size = materials.of(mechanism.material.name).spread / 3 if given.size_error is None else given.size_error
+    place = size / math.sqrt(2) if given.place_error is None else given.place_error
+    form = size / 4 if given.form_error is None else given.form_error
+    return Sizes(size / 2, form, place, size)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A mechanism's modes and what they do to each judged output."""
+
+    mechanism: Mechanism
+    theta: Floats
+    sizes: Sizes
+    modes: Sequence[Mode]
+    outputs: Sequence[Output]
+    found: Mapping[str, Sensitivity]
+
+    def budget(self) -> Table:
+        """Largest error of each output by where it arises, at three standard deviations."""
+        heads = ["where", "what", "standard deviation, mm", *(f"{each.name}, {unit_of(each)[0]}" for each in self.outputs)]
+        groups: dict[tuple[str, str], list[int]] = {}
+        for k, mode in enumerate(self.modes):
+            groups.setdefault((mode.where, mode.kind), []).append(k)
+        rows: list[list[object]] = []
+        for (where, kind), members in groups.items():
+            errors = [3 * self._size(output, members) for output in self.outputs]
+            if max(errors, default=0.0) > _NOTHING:
+                rows.append([where, kind, self.modes[members[0]].size, *errors])
+        rows.sort(key=lambda row: -float(str(row[3])))
+        everything = range(len(self.modes))
+        rows.append(["all together", "", "", *(3 * self._size(output, everything) for output in self.outputs)])
+        return Table("Error budget of the print, three standard deviations", heads, rows)
+
+    def _size(self, output: Output, members: Sequence[int]) -> float:
+        """Standard deviation of an output's error by some modes at its worst angle, in its unit for people."""
+        sizes = np.array([self.modes[k].size for k in members])
+        moved = np.abs(self.found[output.name].modes[list(members)]) * sizes[:, None]
+        return float(np.max(np.sqrt(np.sum(moved**2, axis=0)), initial=0.0)) * unit_of(output)[1]
+
+    def study(self) -> Study:
+        """The budget, for a build's report."""
+        if not self.modes:
+            return Study()
+        numbers = {
+            f"print_error_{output.name.replace(' ', '_')}_{unit_of(output)[0]}": 3 * self._size(output, range(len(self.modes)))
+            for output in self.outputs
+        }
+        return Study(numbers, tables=[self.budget()])
+
+
+def spread_of(mechanism: Mechanism) -> Spread:
+    """Modes of a mechanism's model, cams that say how they are touched among them."""
+    machine, sizes = mechanism.model, sizes_of(mechanism)
+    outputs = judged_outputs(machine.outputs, mechanism.asked())
+    exact = [joint.name for joint in machine.joints if isinstance(joint, Cam)] if mechanism.roller_bearing else []
+    theta = np.linspace(*mechanism.range, _ANGLES)
+    modes, found = sensitivities(solve(machine, theta, 0), [each.name for each in outputs], sizes, exact)
+    sound = np.ones(len(theta), bool)
+    for each in found.values():
+        sound &= np.isfinite(each.modes).all(axis=0)
+        for gap, _ in each.held.values():
+            sound &= np.isfinite(gap).all(axis=0)
+    kept = {
+        name: Sensitivity(
+            each.modes[:, sound], {joint: reach[sound] for joint, reach in each.reach.items()},
+            {cam: (gap[:, sound], air[sound]) for cam, (gap, air) in each.held.items()},
+        )
+        for name, each in found.items()
+    }  # fmt: skip
+    told = any(np.any(np.abs(each.modes) > _NOTHING) for each in kept.values())
+    return Spread(mechanism, theta[sound], sizes, modes if told else (), outputs, kept)
+
+
+@dataclass(frozen=True)
+class Copies:
+    """Printed copies of a machine: worst error of each output, (n,) in its own unit; loosest and tightest play of each pair of
+    contacts, (n,), and the air at both tips that frees it, mm; play of the joints at each output; tight: whether some pin does
+    not go in."""
+
+    errors: Mapping[str, Floats]
+    held: Mapping[tuple[str, str], tuple[Floats, Floats, Floats]]
+    play: Mapping[str, Floats]
+    tight: Any
+
+
+def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
+    """So many copies; by first order, in blocks."""
+    machine, chance = spread.mechanism.model, np.random.default_rng(seed)
+    sizes = np.array([mode.size for mode in spread.modes])
+    pins = [joint for joint in machine.joints if joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide)]
+    errors = {output.name: np.empty(samples) for output in spread.outputs}
+    play = {output.name: np.zeros(samples) for output in spread.outputs}
+    held = {
+        (output.name, cam): (np.empty(samples), np.empty(samples), np.empty(samples))
+        for output in spread.outputs for cam in spread.found[output.name].held
+    }  # fmt: skip
+    tight = np.zeros(samples, bool)
+    for begin in range(0, samples, _CHUNK):
+        block = slice(begin, min(begin + _CHUNK, samples))
+        drawn = _drawn(chance, sizes)[: block.stop - begin]
+        fits = np.array([pin.clearance for pin in pins])
+        gaps = fits + chance.standard_normal((_CHUNK, len(pins)))[: block.stop - begin] * spread.sizes.hole * math.sqrt(2)
+        tight[block] = np.any(gaps < 0, axis=1)
+        for output in spread.outputs:
+            found = spread.found[output.name]
+            moved = found.modes
+            if np.iscomplexobj(moved):
+                errors[output.name][block] = np.sqrt(np.max((drawn @ moved.real) ** 2 + (drawn @ moved.imag) ** 2, axis=1))
+            else:
+                made = drawn @ moved
+                errors[output.name][block] = np.maximum(made.max(axis=1), -made.min(axis=1))
+            reach = np.stack([found.reach[pin.name] for pin in pins]) if pins else np.zeros((0, len(spread.theta)))
+            if pins:
+                play[output.name][block] = np.max(np.maximum(gaps, 0) @ reach, axis=1)
+            for cam, (gap, air) in found.held.items():
+                loose, least, needed = held[output.name, cam]
+                between = drawn @ gap
+                loose[block], least[block] = between.max(axis=1), between.min(axis=1)
+                needed[block] = np.maximum(0.0, -(between / air).min(axis=1))
+    return Copies(errors, held, play, tight)
+
+
+def _drawn(chance: np.random.Generator, sizes: Floats) -> Floats:
+    """Errors of a block of copies, (copies, modes), mm."""
+    return np.asarray(chance.standard_normal((_CHUNK, len(sizes))) * sizes)
+
+
+def drawn_again(spread: Spread, seed: int, which: Sequence[int]) -> Floats:
+    """Errors of some copies, (copies, modes), as `copies_of` drew them."""
+    chance, sizes = np.random.default_rng(seed), np.array([mode.size for mode in spread.modes])
+    pins = sum(joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide) for joint in spread.mechanism.model.joints)
+    rows, wanted = np.empty((len(which), len(sizes))), dict(zip(which, range(len(which)), strict=True))
+    for begin in range(0, max(which, default=-1) + 1, _CHUNK):
+        block = _drawn(chance, sizes)
+        chance.standard_normal((_CHUNK, pins))
+        for k in [k for k in wanted if begin <= k < begin + _CHUNK]:
+            rows[wanted[k]] = block[k - begin]
+    return rows
+
+
+# ---- the worst, really made ------------------------------------------------------------------------------------------
+
+
+def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
+    """Outputs of copies with these errors, (copies, modes) mm, over theta, less those of one without: by rolling and closing.
+
+    Returns (copies, n) each, in the output's own unit.
+    """
+    exact = _run(spread, np.zeros(len(spread.modes)))
+    made = [_run(spread, each) for each in errors]
+    return {output.name: np.array([each[output.name] - exact[output.name] for each in made]) for output in spread.outputs}
+
+
+def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
+    """Outputs of one copy."""
+    from camgen.judge.cams import rolled as rolled_on
+
+    mechanism, machine = spread.mechanism, spread.mechanism.model
+    given: dict[str, dict[str, list[float]]] = {}
+    for mode, error in zip(spread.modes, errors, strict=True):
+        given.setdefault(mode.where, {}).setdefault(mode.kind, []).append(float(error))
+    shifted = _shifted(machine, spread, errors)
+    laws = {}
+    parts = {part.name: part for part in mechanism.parts()}
+    first: dict[str, CamOutline] = {}
+    for each in mechanism.features():
+        if isinstance(each, CamOutline):
+            first.setdefault(each.joint, each)
+    for joint in machine.joints:
+        own = given.get(f"{joint.name}, 1")
+        if not isinstance(joint, Cam) or own is None:
+            continue
+        outline = first[joint.name]
+        mount = [m for m in mechanism.mounts() if (m.part, m.body) == (outline.part, joint.cam)][outline.copy]
+        points = facet_contour(parts[outline.part].region.outer.counter_clockwise(), mechanism.accuracy.chord_tolerance)
+        ahead = np.roll(points, -1) - np.roll(points, 1)
+        normals = -1j * ahead / np.abs(ahead)
+        places = np.array([mount.place(z) for z in points])
+        turned = np.exp(1j * mount.turned) * (-normals.conjugate() if mount.flipped else normals)
+        amounts = [*own["offset"], *own["bore"], *own["form"]]
+        off = np.asarray(amounts) @ waviness(places, turned)
+        ring = Ring(points + off * normals, np.zeros(len(points)))
+        wider = own.get("tip", [0.0])[0]
+        if isinstance(outline.tip, Eye):
+            radius = None if outline.radius is None else outline.radius + wider
+            tip = replace(outline.tip, diameter=outline.tip.diameter + 2 * wider)
+            outline = replace(outline, tip=tip if outline.radius is None else outline.tip, radius=radius)
+        laws[joint.name] = rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1]
+    joints = tuple(replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in shifted.joints)
+    system = Constraints(replace(shifted, joints=joints))
+    closed = system.close(spread.theta, solve(machine, spread.theta, 0).poses(), 1)
+    return {output.name: system.output(output.name, closed.q)[0] for output in spread.outputs}
+
+
+def _shifted(machine: Machine, spread: Spread, errors: Floats) -> Machine:
+    """The machine with its joints' centres off by the errors."""
+    moved: dict[str, complex] = {}
+    for mode, error in zip(spread.modes, errors, strict=True):
+        if mode.kind == "centre":
+            moved[mode.where] = moved.get(mode.where, 0j) + mode.along * float(error)
+    joints: list[Joint] = []
+    for joint in machine.joints:
+        if isinstance(joint, Pin):
+            a, b = (replace(p, at=p.at + moved.get(f"{joint.name}, {p.body}", 0j)) for p in (joint.a, joint.b))
+            joints.append(replace(joint, a=a, b=b))
+        elif isinstance(joint, Slot | Slide):
+            r, g = (replace(p, at=p.at + moved.get(f"{joint.name}, {p.body}", 0j)) for p in (joint.runner, joint.guide))
+            joints.append(replace(joint, runner=r, guide=g))
+        else:
+            joints.append(joint)
+    return replace(machine, joints=tuple(joints))

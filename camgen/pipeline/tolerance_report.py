@@ -1,0 +1,163 @@
+"""What `camgen tolerance` tells: budget, copies and yield as a report, its tables as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from camgen.errors import DesignError, Fault, SpecError
+from camgen.machine.model import Output, unit_of
+from camgen.numerics import Floats
+from camgen.pipeline.jobs import Progress, Source, read_mechanism, silent
+from camgen.pipeline.tolerance import Copies, Spread, copies_of, drawn_again, rolled, spread_of
+from camgen.report.report import Report
+from camgen.study import Plot, Table
+
+_SHARES = (0.5, 0.9, 0.99, 0.997)  # of copies
+_BARS = 60
+_MOST = 10_000_000  # copies
+_NOTES = (
+    "Standard deviations: print.size_error, place_error, form_error; unless given the usual tolerance of the plastic, taken as "
+    "three of them (FDM tolerance guide, toolsfast.app). Print a part and measure it for your own.",
+    "First order: errors along the normal over the contact's lever, and centres by the joints' slopes. Means are taken as right: "
+    "what is always too small is the compensation's to mend.",
+)
+
+
+def tolerance(
+    spec: Source, overrides: Sequence[str] = (), samples: int = 100_000, seed: int = 1, worst: int = 10,
+    progress: Progress = silent,
+) -> Report:  # fmt: skip
+    """So many printed copies of a mechanism, and the worst of each output really rolled and closed; nothing is written.
+
+    SpecError for counts that are none; DesignError where no joint of the model bears an error.
+    """
+    faults = [
+        Fault(key, str(value), f"from {least} to {_MOST}")
+        for key, value, least in (("--samples", samples, 1), ("--worst", worst, 0)) if not least <= value <= _MOST
+    ]  # fmt: skip
+    if seed < 0:
+        faults.append(Fault("--seed", str(seed), "0 or more"))
+    if faults:
+        raise SpecError(faults, "command line")
+    mechanism = read_mechanism(spec, overrides).resolved()
+    progress("working out what each error does", 0.1)
+    spread = spread_of(mechanism)
+    if not spread.modes:
+        raise DesignError("joints that a print can put off", 0, 1, "", mechanism.name, "its bodies follow laws by themselves")
+    progress("printing copies", 0.3)
+    copies = copies_of(spread, samples, seed)
+    numbers: dict[str, float] = {}
+    tables, plots = [spread.budget(), _quantiles(spread, copies, numbers)], list[Plot]()
+    tables += _yields(spread, copies, numbers)
+    for k, output in enumerate(spread.outputs):
+        progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
+        plots += _plots(spread, copies, output)
+        if worst:
+            tables.append(_worst(spread, copies, output, seed, min(worst, samples), numbers))
+    plots += [_histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
+              for (name, cam), (loose, _, _) in copies.held.items()]  # fmt: skip
+    notes = (f"{samples} copies, seed {seed}.", *_NOTES)
+    return Report(mechanism.name, mechanism.mechanism, (), numbers, (), plots, tables, notes)
+
+
+def _named(output: Output) -> str:
+    return output.name.replace(" ", "_")
+
+
+def least_unit(spread: Spread, name: str) -> str:
+    """What people read an output in."""
+    return unit_of(next(each for each in spread.outputs if each.name == name))[0]
+
+
+def _quantiles(spread: Spread, copies: Copies, numbers: dict[str, float]) -> Table:
+    """Worst error of a copy over its motion, which so many copies keep to."""
+    rows = []
+    for output in spread.outputs:
+        unit, scale = unit_of(output)
+        found = [float(np.quantile(copies.errors[output.name], share)) * scale for share in _SHARES]
+        numbers |= {f"{_named(output)}_error_{100 * share:g}_percent_{unit}": value
+                    for share, value in zip(_SHARES, found, strict=True)}  # fmt: skip
+        rows.append((output.name, unit, *found))
+    heads = ("output", "unit", *(f"{100 * share:g} % of copies" for share in _SHARES))
+    return Table("Largest error over the motion", heads, rows)
+
+
+def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[Table]:
+    """Share of copies that hold each finding which play and fits decide."""
+    limits = {each.output: each.lash for each in spread.mechanism.asked()}
+    good = np.ones(len(copies.tight), bool) & ~copies.tight
+    rows: list[tuple[object, ...]] = []
+    if any(joint.clearance > 0 for joint in spread.mechanism.model.joints):
+        rows.append(("PIN_GAP", "all pins go in", 0.0, "mm", 100 * float(np.mean(~copies.tight))))
+    for output in spread.outputs:
+        unit, scale = unit_of(output)
+        pairs = [found for (name, _), found in copies.held.items() if name == output.name]
+        play = copies.play[output.name] + sum((np.maximum(loose, 0) for loose, _, _ in pairs), np.zeros(len(good)))
+        limit = limits.get(output.name, np.inf)
+        if np.isfinite(limit) and np.any(play > 0):
+            rows.append(("LASH", output.name, limit * scale, unit, 100 * float(np.mean(play <= limit))))
+            good &= play <= limit
+    for (name, cam), (_, least, air) in copies.held.items():
+        rows.append(("INTERFERENCE", f"{cam} nowhere jams, {name}", 0.0, "mm", 100 * float(np.mean(least >= 0))))
+        numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(np.quantile(air, 0.99))
+        good &= least >= 0
+    if not rows:
+        return []
+    rows.append(("all", "", "", "", 100 * float(np.mean(good))))
+    numbers["yield_percent"] = 100 * float(np.mean(good))
+    told = [Table("Yield", ("finding", "what", "limit", "unit", "copies that hold, %"), rows)]
+    if copies.held:
+        shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for (_, cam), (_, _, air) in copies.held.items()]
+        heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
+        told.append(Table("Air at both tips, mm, with which a pair nowhere jams: a tip so much smaller in radius", heads, shares))
+    return told
+
+
+def _worst(
+    spread: Spread, copies: Copies, output: Output, seed: int, count: int, numbers: dict[str, float]
+) -> Table:
+    """The copies with the largest errors: by first order, and really made."""
+    unit, scale = unit_of(output)
+    order = np.argsort(-copies.errors[output.name], kind="stable")[:count]
+    made = np.abs(rolled(spread, drawn_again(spread, seed, [int(k) for k in order]))[output.name]).max(axis=1) * scale
+    rows = [(int(k), float(copies.errors[output.name][k]) * scale, float(real)) for k, real in zip(order, made, strict=True)]
+    if len(made):
+        numbers[f"{_named(output)}_error_worst_{unit}"] = float(np.max(made))
+    return Table(f"Worst copies of {output.name}, {unit}", ("copy", "first order", "rolled and closed"), rows)
+
+
+def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:
+    """How far three standard deviations reach over the motion, and how often which worst error occurs."""
+    unit, scale = unit_of(output)
+    sizes = np.array([mode.size for mode in spread.modes])
+    band = 3 * scale * np.sqrt(np.sum((np.abs(spread.found[output.name].modes) * sizes[:, None]) ** 2, axis=0))
+    angle = np.degrees(spread.theta)
+    drawn = Plot(f"Error of {output.name} by the print", f"{spread.mechanism.angle_name}, deg", unit,
+                 [("+3 standard deviations", angle, band), ("-3", angle, -band)])  # fmt: skip
+    return [drawn, _histogram(f"Largest error of {output.name}", "worst of a copy", unit, copies.errors[output.name], spread,
+                              output.name)]  # fmt: skip
+
+
+def _histogram(title: str, what: str, unit: str, values: Floats, spread: Spread, name: str) -> Plot:
+    """Share of copies in each of some steps."""
+    scale = unit_of(next(each for each in spread.outputs if each.name == name))[1]
+    counts, edges = np.histogram(values * scale, _BARS)
+    x = np.repeat(edges, 2)[1:-1]
+    return Plot(title, f"{what}, {unit}", "% of copies", [("copies", x, np.repeat(100 * counts / len(values), 2))])
+
+
+def to_text(report: Report) -> str:
+    """Its tables and notes for a terminal."""
+    blocks = [f"{report.name} ({report.mechanism})"]
+    for table in report.tables:
+        cells = [[*map(str, table.columns)], *([_cell(cell) for cell in row] for row in table.rows)]
+        widths = [max(len(row[k]) for row in cells) for k in range(len(table.columns))]
+        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
+        blocks.append("\n".join([table.title, *(f"  {line}" for line in lines)]))
+    return "\n\n".join([*blocks, "\n".join(report.notes)])
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,272 @@
+"""What machines bear: masses of their solids, gravity, drive, contacts, bearings and pins, each finding seen to fail."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import SpecError
+from camgen.findings import Finding
+from camgen.machine.balancing import with_weight
+from camgen.machine.model import GROUND
+from camgen.machine.run import solve
+from camgen.machines.loads.assess import Assessment, assess
+from camgen.machines.loads.drive import motor_of
+from camgen.machines.loads.follower import effective_inertia
+from camgen.machines.loads.weights import weighed
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.solids import solid
+from camgen.pipeline.jobs import read_mechanism
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+MOVED = ("parts.make='machine'", "nozzle.inertia_kg_m2=0.002", "motor.speed_rpm=120", "geometry.reversal_blend_deg=20")
+
+
+def made(name: str, *settings: str) -> Mechanism:
+    return read_mechanism(SPECS / f"{name}.toml", settings).resolved()
+
+
+def judged(name: str, *settings: str) -> Assessment:
+    return assess(made(name, *settings))
+
+
+def found(code: str, name: str, *settings: str) -> list[Finding]:
+    return [each for each in judged(name, *settings).findings if each.code == code]
+
+
+def numbers(name: str, *settings: str) -> dict[str, float]:
+    return dict(judged(name, *settings).study.numbers)
+
+
+# ---- masses ----------------------------------------------------------------------------------------------------------
+
+
+def test_masses_are_those_of_the_solids() -> None:
+    """By another route: triangles of the solids, as they are printed, at 1.24 g/cm^3."""
+    drive = made("eccentric-drive", "accuracy.chord_tolerance=0.001")
+    bodies = {body.name: body for body in weighed(drive).machine.bodies}
+    by_part = {part.name: solid(part, 0.001) for part in drive.parts()}
+    for body in ("disc", "rod", "slider"):
+        on = [mount.part for mount in drive.mounts() if mount.body == body]
+        total = sum(by_part[part].volume for part in on) * 1.24e-6
+        assert bodies[body].mass == pytest.approx(total, rel=1e-3)
+    assert bodies[GROUND].mass == 0
+
+
+def test_infill_and_typed_masses() -> None:
+    full, part = (weighed(made("eccentric-drive", f"material.infill={share}")).machine for share in (1.0, 0.25))
+    assert part.body("rod").mass == pytest.approx(full.body("rod").mass / 4)
+    typed = weighed(made("eccentric-drive", "masses={rod_g=9.0, rod_centre=16.0, rod_inertia_g_mm2=450.0, slider_g=1.5}"))
+    assert typed.machine.body("rod").mass == pytest.approx(0.009) and typed.sources["rod"] == "given"
+    assert typed.machine.body("disc").mass == pytest.approx(full.body("disc").mass) and typed.sources["disc"] == "solids"
+
+
+def test_a_given_inertia_stays_about_its_pivot() -> None:
+    machine = weighed(made("uniform-swing", *MOVED)).machine
+    own = machine.body("follower")
+    given = made("uniform-swing", *MOVED).model.body("follower").inertia
+    assert own.mass > 0 and own.inertia + own.mass * abs(own.centre * 1e-3) ** 2 == pytest.approx(given)
+
+
+@pytest.mark.parametrize("deg", [-90.0, 0.0, 215.0])
+def test_gravity_does_no_work_over_a_turn_and_pulls_its_way(deg: float) -> None:
+    """The ground bears the whole weight: reaction forces on it, averaged over an even turn, are m g."""
+    machine = weighed(made("linkage", f"load.gravity_deg={deg}", "drive.speed_rpm=1")).machine
+    theta = np.linspace(0, math.tau, 721)[:-1]
+    forces = solve(machine, theta).forces()
+    borne = 0j
+    for joint in machine.joints:
+        sides = (joint.a.body, joint.b.body)  # type: ignore[union-attr]
+        if GROUND in sides:
+            sign = 1 if sides[1] == GROUND else -1
+            borne += sign * np.mean(forces.reactions[joint.name])
+    weight = sum(body.mass for body in machine.moving) * 9.80665 * np.exp(1j * math.radians(deg))
+    assert borne == pytest.approx(-weight, rel=1e-6)
+    assert np.mean(next(iter(forces.drives.values()))) == pytest.approx(0, abs=1e-9 * abs(weight))
+
+
+# ---- drive -----------------------------------------------------------------------------------------------------------
+
+
+def test_what_a_motor_gives() -> None:
+    straight = motor_of(made("disc-cam", "motor.stall_torque_n_m=0.4", "motor.no_load_rpm=300").drives)
+    assert straight is not None
+    assert straight.torque(0) == 0.4 and straight.torque(-150 * math.tau / 60) == pytest.approx(0.2)
+    assert straight.torque(600 * math.tau / 60) == pytest.approx(-0.4)
+    stepper = motor_of(made("disc-cam", "motor.model=42STH48-2004AC").drives)
+    assert stepper is not None and stepper.torque(50.0) == 0.59
+    assert motor_of(made("disc-cam").drives) is None
+
+
+def test_drive_torque_holds_and_fails() -> None:
+    needed = numbers("uniform-swing", *MOVED)["drive_torque_n_m"]
+    for share, ok in ((1.01, True), (0.99, False)):
+        (each,) = found("DRIVE_TORQUE", "uniform-swing", *MOVED, f"motor.torque_n_m={share * needed}")
+        assert each.ok is ok and each.measured == pytest.approx(needed) and each.unit == "N m"
+    none = judged("uniform-swing", *MOVED)
+    (left,) = none.not_judged
+    assert left.code == "DRIVE_TORQUE" and "motor.model" in left.needs and "N m" in left.why
+    (fast,) = found("DRIVE_TORQUE", "uniform-swing", *MOVED, "motor.stall_torque_n_m=50", "motor.no_load_rpm=119")
+    assert not fast.ok and fast.limit == 0  # it never gets there
+
+
+def test_power_is_what_friction_eats() -> None:
+    """Over a turn nothing is stored: the mean power of the drive is the heat of all joints."""
+    given = numbers("linkage", "drive.speed_rpm=600")
+    heat = given["friction_heat_w"]
+    assert given["drive_power_w"] == pytest.approx(heat, rel=1e-3) and heat > 0
+
+
+def test_shaft_reach() -> None:
+    needed = made("uniform-swing").shaft_needed
+    assert needed is not None
+    (usual,) = found("SHAFT_REACH", "uniform-swing")
+    assert usual.measured == 24 and usual.ok and usual.limit == pytest.approx(needed)
+    (short,) = found("SHAFT_REACH", "uniform-swing", f"motor.shaft_length={needed - 0.01}")
+    assert not short.ok
+    assert found("SHAFT_REACH", "uniform-swing", f"motor.shaft_length={needed}")[0].ok
+    assert "SHAFT_REACH" in {each.code for each in judged("uniform-swing", "base.motor=nema-11").not_judged}
+
+
+def test_flywheel_that_is_told_keeps_to_the_swing() -> None:
+    settings = ("motor.fluctuation=0.02", "motor.speed_rpm=2000")
+    (loose,) = found("SPEED_FLUCTUATION", "eccentric-drive", *settings)
+    assert not loose.ok
+    more = numbers("eccentric-drive", *settings)["flywheel_for_2_percent_kg_m2"]
+    for share, ok in ((1.001, True), (0.99, False)):
+        (each,) = found("SPEED_FLUCTUATION", "eccentric-drive", *settings, f"motor.flywheel_kg_m2={share * more}")
+        assert each.ok is ok and each.measured == pytest.approx(0.02, rel=0.02)
+
+
+# ---- contacts, bearings, pins ----------------------------------------------------------------------------------------
+
+
+def test_hertz_grows_as_the_root_of_the_force() -> None:
+    light = numbers("indexing-cam")["hertz_pressure_contact_mpa"]
+    bare = ("load.friction_n_m=0", "unloader={torque='none'}")
+    heavy = numbers("indexing-cam", "load.inertia_kg_m2=0.2", "motor.speed_rpm=60", *bare)
+    plain = numbers("indexing-cam", *bare)
+    assert heavy["hertz_pressure_contact_mpa"] == pytest.approx(4 * plain["hertz_pressure_contact_mpa"], rel=0.02)
+    for limit, ok in ((light * 1.01, True), (light * 0.99, False)):
+        (each,) = found("HERTZ", "indexing-cam", f"limits.hertz_mpa={limit}")
+        assert each.ok is ok and each.unit == "MPa"
+    (most,) = found("HERTZ", "indexing-cam", "load.inertia_kg_m2=2", "motor.speed_rpm=90", "unloader={torque='none'}")
+    assert not most.ok and "no limit is published" in most.message
+
+
+def test_strap_of_the_needle_machine_asks_for_oil() -> None:
+    (dry,) = found("PV", "eccentric-drive", "limits.pv_mpa_m_s=")
+    assert not dry.ok and dry.limit == 0.4 and dry.where.startswith("pin E") and "no limit is published" in dry.message
+    (oiled,) = found("PV", "eccentric-drive")
+    assert oiled.ok and oiled.limit == 2 and oiled.measured == dry.measured
+    (slow,) = found("PV", "eccentric-drive", "limits.pv_mpa_m_s=", "motor.speed_rpm=6500")
+    assert slow.ok and slow.measured == pytest.approx(dry.measured / 8, rel=1e-6)  # force with the square, speed with it
+
+
+def test_pins_of_the_needle_machine_by_hand() -> None:
+    """The slider's pin: pressed into it, bent in the middle of the rod, 0.2 + 0.2 + 3 / 2 above its face."""
+    run = numbers("eccentric-drive")
+    each = next(each for each in found("PIN_STRESS", "eccentric-drive") if each.where == "pin P")
+    assert each.measured == pytest.approx(32 * run["reaction_p_n"] * 1.9 / (math.pi * 27)) and each.ok
+    broken = found("PIN_STRESS", "eccentric-drive", "limits.pin_stress_mpa=1")
+    assert [f.where for f in broken if not f.ok] == ["pin P"]
+
+
+def test_life_of_a_roller() -> None:
+    settings = (*MOVED, "frame.tip='623'", "geometry.tip_radius=5", "nozzle.friction=0.01", "nozzle.inertia_kg_m2=0.2")
+    hours = numbers("uniform-swing", *settings)["bearing_life_contact_h"]
+    faster = numbers("uniform-swing", *settings, "motor.speed_rpm=240")["bearing_life_contact_h"]
+    assert hours / faster == pytest.approx(2 * 4**3, rel=1e-3)  # twice the turns an hour, four times the load
+    for share, ok in ((0.99, True), (1.01, False)):
+        (each,) = found("BEARING_LIFE", "uniform-swing", *settings, f"limits.bearing_life_h={share * hours}")
+        assert each.ok is ok and each.unit == "h"
+    assert not found("BEARING_LIFE", "uniform-swing", *settings)
+
+
+@pytest.mark.parametrize(
+    "settings, path",
+    [
+        (("motor.torque_n_m=0.1", "motor.model=42STH48-2004AC"), "motor"),
+        (("motor.stall_torque_n_m=0.1",), "motor"),
+        (("motor.model=NEMA17",), "motor.model"),
+        (("motor.torque_n_m=-1",), "motor.torque_n_m"),
+        (("material.infill=1.5",), "material.infill"),
+        (("limits.hertz_mpa=0",), "limits.hertz_mpa"),
+        (("load.gravity_deg=down",), "load.gravity_deg"),
+    ],
+)
+def test_bad_input_is_told_by_its_key(settings: tuple[str, ...], path: str) -> None:
+    with pytest.raises(SpecError) as told:
+        made("disc-cam", *settings)
+    assert [fault.path for fault in told.value.faults] == [path]
+
+
+@pytest.mark.parametrize("path", sorted(SPECS.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_starter_bears_what_it_does(path: Path) -> None:
+    report: Any = judged(path.stem)
+    assert all(each.ok for each in report.findings)
+    assert {each.code for each in report.not_judged} <= {"DRIVE_TORQUE", "SHAFT_REACH"}
+    assert all(math.isfinite(value) for value in report.study.numbers.values())
+
+
+# ---- elastic followers, balance --------------------------------------------------------------------------------------
+
+HEAVY = ("load.mass_kg=0.5", "load.stiffness=200", "motor.speed_rpm=300", "spring.rate=2", "spring.preload=20")
+
+
+def test_frequency_of_a_follower_is_that_of_its_mass() -> None:
+    given = numbers("disc-cam", *HEAVY)
+    assert given["follower_frequency_contact_hz"] == pytest.approx(math.sqrt(200e3 / 0.5) / math.tau, rel=1e-9)
+    assert 0 < given["vibration_in_dwells_contact_mm"] <= given["vibration_contact_mm"]
+
+
+def test_an_elastic_follower_lifts_off_where_it_is_told() -> None:
+    fast = numbers("disc-cam", *HEAVY)["lift_off_speed_contact_rpm"]
+    for share, ok in ((0.99, True), (1.01, False)):
+        (each,) = found("LIFT_OFF", "disc-cam", *HEAVY, f"motor.speed_rpm={share * fast}")
+        assert each.ok is ok and each.unit == "N"
+    stiff = numbers("disc-cam", *HEAVY, "load.stiffness=1e5")["lift_off_speed_contact_rpm"]
+    assert fast < stiff  # elasticity adds to what throws it off
+    rigid = made("disc-cam", *HEAVY, f"motor.speed_rpm={stiff}").limits()
+    assert next(each for each in rigid if each.code == "LIFT_OFF").measured == pytest.approx(0, abs=2.0)  # of 60 N
+
+
+def test_inertia_behind_gears_counts_with_the_ratio_squared() -> None:
+    machine = made("indexing-cam", "load.stiffness=300").model
+    run = solve(machine, np.linspace(0, math.tau, 13))
+    cam = machine.joint("contact")
+    ratio = made("indexing-cam").geometry.gear_ratio  # type: ignore[attr-defined]
+    assert effective_inertia(run, cam) == pytest.approx(0.05 * ratio**2)  # type: ignore[arg-type]
+
+
+def test_a_counterweight_takes_off_what_is_told() -> None:
+    """The weight is put on the disc, and the shaking force worked out anew."""
+    drive = made("eccentric-drive")
+    told = numbers("eccentric-drive")
+    machine = weighed(drive).machine
+    at = 1e-3 * told["balance_weight_g_mm"] / 10 * np.exp(0j)  # kg at 10 mm
+    place = 10 * np.exp(1j * math.radians(told["balance_weight_at_deg"]))
+    bodies = tuple(with_weight(b, float(at.real), complex(place)) if b.name == "disc" else b for b in machine.bodies)
+    theta = np.linspace(0, math.tau, 721)
+    left = np.abs(solve(replace(machine, bodies=bodies), theta).forces().shaking).max()
+    assert left == pytest.approx(told["shaking_force_balanced_n"], rel=1e-3)
+    assert left < 0.5 * told["shaking_force_n"]
+
+
+def test_springs_of_the_bench_and_to_be_wound() -> None:
+    bench = judged("disc-cam", "parts.make='machine'")
+    codes = {each.code: each for each in bench.findings}
+    assert codes["SPRING_STRESS"].ok and codes["SURGE"].ok and codes["SURGE"].unit == "Hz"
+    surge = bench.study.numbers["spring_surge_hz"]
+    fast = judged("disc-cam", "parts.make='machine'", "spring={rate=0.5, preload=20}", "load={mass_kg=0.01}",
+                  f"motor.speed_rpm={surge * 60 / 3:.0f}")  # fmt: skip
+    assert not next(each for each in fast.findings if each.code == "SURGE").ok
+    (stress,) = found("SPRING_STRESS", "disc-cam", "load={mass_kg=0.5}", "spring={rate=0.4, preload=10}")
+    assert stress.ok and "to be wound" in stress.where
+    forced = ("geometry.closure='force'", "spring={preload=0.2, rate=0.1}", *MOVED[1:])
+    assert {each.code for each in judged("uniform-swing", *forced).findings} >= {"SPRING_STRESS", "SURGE"}
