@@ -25,7 +25,7 @@ def four_bar() -> tuple[list[lv.Band], list[lv.Axis]]:
         lv.Band("rocker", np.array([70 * STILL, b]), 5),
     ]  # fmt: skip
     axes = [
-        lv.Axis("O", ("crank",), 0j * STILL, 4, True, False), lv.Axis("A", ("crank", "coupler"), a, 4),
+        lv.Axis("O", ("crank",), 0j * STILL, 4, True, 0), lv.Axis("A", ("crank", "coupler"), a, 4),
         lv.Axis("B", ("coupler", "rocker"), b, 4), lv.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
     ]  # fmt: skip
     return bands, axes
