@@ -17,6 +17,7 @@ from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
 from camgen.machines.linkage.troughs import open_rails
 from camgen.study import Plot, Sketch, Study, Table
+from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
@@ -75,11 +76,24 @@ def study(linkage: Linkage) -> Study:
     for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
         figure = f"hold_{cam.name.replace(' ', '_')}"
         notes.append(f"{cam.name} is held by force: no spring is made for it; {figure} is the least that it needs.")
-    notes += open_rails(linkage.bodies.layout) if linkage.lacking() is None else []
+    notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage)] if linkage.lacking() is None else []
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def _longer_slots(linkage: Linkage) -> list[str]:
+    """What to say of slots whose pin passes their drawn ends."""
+    found, layout = [], linkage.bodies.layout
+    for slot in linkage.slots:
+        low, high = layout.strokes[layout.slots[slot.pin].name]
+        a, b = (layout.at(slot.link, point) for point in slot.along)
+        for end, over in zip(slot.along, (-low, high - abs(b - a)), strict=True):
+            if over > SAME_POINT:
+                said = f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm"
+                found.append(f"{said}; the slot is made longer.")
+    return found
 
 
 def courses(linkage: Linkage) -> list[Course]:
