@@ -10,7 +10,7 @@ import io
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -49,11 +49,18 @@ def _completed(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
     return lambda context, parameter, begun: [name for name in names() if name.lower().startswith(begun.lower())]
 
 
-def _mechanisms() -> Iterable[str]:
+def _mechanisms() -> Collection[str]:
     """Names of mechanisms."""
     from camgen.machines import MECHANISMS
 
     return MECHANISMS
+
+
+def _specs() -> Collection[str]:
+    """Names of starters and examples."""
+    from camgen import starters
+
+    return [*_mechanisms(), *starters.examples()]
 
 
 def _kinds(context: click.Context, parameter: click.Parameter, value: str | None) -> frozenset[str]:
@@ -115,18 +122,21 @@ def check(folders: Sequence[Path], jobs: int, **shown: bool) -> None:
 
 
 @cli.command()
-@click.argument("mechanism", shell_complete=_completed(_mechanisms))
+@click.argument("mechanism", shell_complete=_completed(_specs))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option("--from", "source", metavar="CHAIN", type=click.Path(path_type=Path), help="PMKS lines, or pylinkage's JSON.")
 def new(mechanism: str, file: Path | None, source: Path | None) -> None:
-    """Write a commented starter spec of a MECHANISM to FILE, or print it; it builds as it is.
+    """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; it builds as it is.
+
+    camgen list names them all.
 
     With --from a linkage is read from a file of another program: PMKS lines, J[R, P[x, y], L[ground, crank]], or the JSON of
     pylinkage's mechanism_to_dict.
     """
     from camgen import starters
+    from camgen.machines import load
 
-    cls = known(mechanism)
+    kind = starters.kind(known("MECHANISM", mechanism, _specs(), "camgen list"))
     if source is None:
         text = starters.text(mechanism)
     elif mechanism != "linkage":
@@ -136,14 +146,14 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
         from camgen.machines.linkage.bridges import read_chain, spec_text
 
         text = spec_text(read_chain(source), spec_name(file or source), source.name)
-    text = f"#:schema ./{starters.schema_name(mechanism)}\n{text}"
+    text = f"#:schema ./{starters.schema_name(kind)}\n{text}"
     hand_over(text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
         return
-    click.echo(printable(f"wrote {file}, a {mechanism} that builds as it is"), err=True)
-    if starters.write_schema(cls, mechanism, file.parent):
-        named = file.parent / starters.schema_name(mechanism)
+    click.echo(printable(f"wrote {file}, which builds as it is"), err=True)
+    if starters.write_schema(load(kind), kind, file.parent):
+        named = file.parent / starters.schema_name(kind)
         click.echo(printable(f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"), err=True)
     click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
 
@@ -304,6 +314,9 @@ def list_() -> None:
     click.echo("Mechanisms")
     for name in MECHANISMS:
         click.echo(f"  {name:<20} {starters.summary(name)}")
+    click.echo("\nExamples")
+    for name in starters.examples():
+        click.echo(f"  {name:<20} {starters.summary(name)}")
     click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
     for law in LAWS.values():
         click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
@@ -317,22 +330,18 @@ def list_() -> None:
 def schema(mechanism: str) -> None:
     """Print the JSON Schema of a MECHANISM's spec, for editors."""
     from camgen import starters
+    from camgen.machines import load
 
-    click.echo(starters.schema_text(known(mechanism), mechanism), nl=False)
+    click.echo(starters.schema_text(load(known("MECHANISM", mechanism, _mechanisms(), "camgen list")), mechanism), nl=False)
 
 
 @cli.command()
 @click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=_completed(guide.entries))
 def explain(codes: Sequence[str]) -> None:
     """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
-    from camgen.spec import unknown
-
     entries = guide.entries()
-    asked = [code.upper().replace("-", "_") for code in codes]
-    wrong = [unknown("CODE", code, entries) for code in asked if code not in entries]
-    if wrong:
-        raise SpecError(wrong, "command line")
-    if asked:
+    if codes:
+        asked = [known("CODE", code.upper().replace("-", "_"), entries, "camgen explain") for code in codes]
         show("\n".join(entries[code] for code in asked))
         return
     for code, entry in entries.items():
@@ -343,14 +352,10 @@ def explain(codes: Sequence[str]) -> None:
 @click.argument("topic", required=False, shell_complete=_completed(lambda: guide.TOPICS))
 def guide_(topic: str | None) -> None:
     """Show a page of the guide; without a TOPIC, list them."""
-    from camgen.spec import unknown
-
     if topic is None:
         click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
-    elif topic in guide.TOPICS:
-        show(guide.page(topic))
     else:
-        raise SpecError([unknown("TOPIC", topic, guide.TOPICS)], "command line")
+        show(guide.page(known("TOPIC", topic, guide.TOPICS, "camgen guide")))
 
 
 @cli.command()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -14,20 +15,18 @@ import click
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
 
 if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
     from camgen.report.report import Report
 
     Work = Callable[..., Report]
 
 
-def known(name: str) -> type[Mechanism]:
-    """The class of a mechanism; SpecError with the nearest name where there is none."""
-    from camgen.machines import MECHANISMS, load
+def known(what: str, name: str, names: Collection[str], lister: str) -> str:
+    """The name; SpecError with the nearest one where there is none like it; lister: the command that lists them."""
     from camgen.spec import unknown
 
-    if name not in MECHANISMS:
-        raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
-    return load(name)
+    if name not in names:
+        raise SpecError([replace(unknown(what, name, names), expected=f"one that '{lister}' lists")], "command line")
+    return name
 
 
 def spec_name(file: Path) -> str:
@@ -44,7 +43,7 @@ def show(markdown: str) -> None:
     from rich.markdown import Markdown
 
     console = Console()
-    console.print(Markdown(markdown), width=min(console.width, 100))
+    console.print(Markdown(markdown, code_theme="ansi_dark"), width=min(console.width, 100))
 
 
 def hand_over(text: str, file: Path | None) -> None:
@@ -104,6 +103,8 @@ def each(
                         report = work(path, progress=progress, jobs=jobs)
             except (CamgenError, OSError) as error:
                 failure = explained(error)
+                if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file
+                    failure = SpecError(failure.faults, str(path))
                 worst = max(worst, failure.exit_code)
                 complain(failure, path)
                 records.append(_failure_record(path, failure))

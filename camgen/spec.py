@@ -24,7 +24,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core.core_schema import ErrorType
 
-from camgen.errors import Fault, FileError, SpecError
+from camgen.errors import UNKNOWN, Fault, FileError, SpecError
 from camgen.schemas import in_words, keys_of, members_of, one_of, shortened, shown, step_below
 
 Data = dict[str, Any]
@@ -318,7 +318,7 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
             keys = list(keys_of(table, root))
             close = get_close_matches(str(path[-1]), keys, 1)
             nearest = close[0] if close else None
-            expected = f"unknown key; known here: {', '.join(keys)}"
+            expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
         elif key:
             held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
             expected = next((each["propertyNames"]["description"] for each in held if "propertyNames" in each), "another name")
@@ -332,6 +332,8 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
         value = _at(data, path)
+        if item["type"] == "too_short" and isinstance(value, list | tuple) and len(value) >= item["ctx"]["min_length"]:
+            continue  # items of it were wrong, told by themselves, and are not counted
         given = "" if item["type"] == "missing" or key else shown(value)
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
             given = f"a list of {len(value)}"

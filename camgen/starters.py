@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camgen import spec as specs
 from camgen.errors import file_errors
+from camgen.machines import MECHANISMS
 from camgen.schemas import step_below, tables_of
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ _UNITS = {
 }  # fmt: skip
 
 # Units in what is said of a key: "mm, of the hub", "mm or deg, motion that may be lost", "slower to quicker; no unit".
-_UNIT = r"(?:mm|deg|share|1/s|1|N s/mm|N m s/rad|N/mm|N m/rad|N m|N|g/cm\^3)"
+_UNIT = r"(?:mm|deg|share|N s/mm|N m s/rad|N/mm|N m/rad|N m|N|1/s|g/cm\^3|1)"
 _SAID = re.compile(rf"(?:^|, )({_UNIT}(?: or {_UNIT})?)(?=[,;: ])|; no (unit)$")
 
 
@@ -42,14 +44,25 @@ def folder() -> Path:
     return next(each for each in (package / "specs", package.parent / "specs") if each.is_dir())
 
 
-def text(mechanism: str) -> str:
-    """The starter of a mechanism, or the spec of this name."""
-    return (folder() / f"{mechanism}.toml").read_text(encoding="utf-8")
+def examples() -> list[str]:
+    """Names of further specs that stand alone: the gallery, and machines of the class linkage."""
+    files = {path.stem: path for path in folder().rglob("*.toml") if path.stem not in MECHANISMS}
+    return sorted(name for name, path in files.items() if "\n[[include]]" not in path.read_text(encoding="utf-8"))
 
 
-def summary(mechanism: str) -> str:
+def text(name: str) -> str:
+    """The starter of a mechanism, or an example."""
+    return next(folder().rglob(f"{name}.toml")).read_text(encoding="utf-8")
+
+
+def kind(name: str) -> str:
+    """Mechanism of a starter or an example."""
+    return name if name in MECHANISMS else str(tomllib.loads(text(name))["mechanism"])
+
+
+def summary(name: str) -> str:
     """Its first line."""
-    return text(mechanism).partition("\n")[0].lstrip("# ")
+    return text(name).partition("\n")[0].lstrip("# ")
 
 
 def rows(starter: str) -> Iterator[tuple[tuple[str, ...], str, str]]:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
@@ -43,7 +44,8 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     wanted = Counter(mount.part for mount in machine.mounts)
     found = Counter(item.name for item in package.items)
     missing = sum(((wanted - found) + (found - wanted)).values())
-    copies = at_most("ROUND_TRIP", missing, 0, "copies", where, f"{sum(wanted.values())} copies of {len(wanted)} parts in place")
+    said = f"{counted(sum(wanted.values()), 'copy', 'copies')} of {counted(len(wanted), 'part')} in place"
+    copies = at_most("ROUND_TRIP", missing, 0, "copies", where, said)
     if missing:
         return [copies], []
     bodies, numbers, spare = [], Counter[str](), 4 * machine.tolerance

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
+from camgen.errors import counted
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.files.step import read_step
 from camgen.files.threemf import read_3mf
@@ -29,6 +30,7 @@ from camgen.numerics import product
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
+_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
 
 
 @dataclass(frozen=True)
@@ -165,9 +167,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
     findings = [
         at_most(
             "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
-            f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
-            f"{faults.degenerate} degenerate triangles, {faults.turned_normals} stored normals that are not the triangle's own, "
-            f"{faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+            f"{faults.told or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
         )
     ]  # fmt: skip
     if count:
@@ -217,7 +217,7 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
+    remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
@@ -241,7 +241,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[t
     laid = [(copy.object, copy.transform) for copy in copies]
     for one, other in ((laid, places), (places, laid)):
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
-    said = f"{len(copies)} copies of {len(bodies)} parts, each as its own file has it"
+    said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
@@ -421,9 +421,10 @@ def _deviation(one: bytes, other: bytes) -> float:
 
 
 def _along(ring: Points) -> Points:
-    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
     way = np.roll(ring, -1) - ring
-    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    length = np.abs(way)
+    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
     edge = np.repeat(np.arange(len(ring)), count)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     return np.asarray(ring[edge] + way[edge] * step / count[edge])

@@ -261,7 +261,7 @@ def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
 
 def _no_levels() -> DesignError:
     remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return DesignError("levels found", 0, 1, "", "[layers]", remedy)
+    return DesignError("levels found", 0, 1, "", "[layers]", remedy, "no order of levels is free of collisions")
 
 
 def _least(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:

@@ -45,7 +45,10 @@ def build(
     if wrong:
         raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec, overrides).resolved()
+    mechanism = read_mechanism(spec, overrides)
+    if said := mechanism.beforehand(len(only & FORMATS.keys())):
+        progress(f"note: {said}")
+    mechanism = mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
     staged = Staged(out / mechanism.name)

@@ -57,7 +57,7 @@ def test_a_straight_spring_pulls_as_one_on_a_cord(motor: dict[str, Any]) -> None
     made = machine(**motor)
     drawn = replace(made.bench.drawn, loads=(*made.bench.drawn.loads, *made.bench.pulls))
     effort = solve(drawn, THETA).forces().contacts["contact"]
-    wanted = made._study.at(THETA).follower
+    wanted = made.indexing.at(THETA).follower
     assert effort == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())
     without = solve(made.bench.drawn, THETA).forces().contacts["contact"]
     turning = THETA < math.radians(120) if made.sense > 0 else THETA > math.radians(240)
@@ -114,3 +114,21 @@ def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> N
     assert ideal._made_unloader is None and not any("spring" in each.name for each in ideal.bought())
     assert any("not made" in note for note in ideal.study().notes)
     assert not any("not made" in note for note in starter.study().notes if "unloader is" in note)
+
+
+def test_a_stiffness_that_is_found_leaves_least() -> None:
+    """Two worst places, one of too much pull and one of too little; near that by energy, which at mid stroke is all in motion."""
+    data = read(SPECS / "indexing-cam.toml")
+    del data["unloader"]["stiffness_n_mm"]
+    data["load"]["friction_n_m"] = 0
+    found = validate(IndexingCam, data)
+    stiffness = found.found()["unloader.stiffness_n_mm"]
+    assert isinstance(stiffness, float)
+    for share in (0.99, 1.01):
+        data["unloader"]["stiffness_n_mm"] = share * stiffness
+        assert validate(IndexingCam, data).indexing.residual > found.indexing.residual + 1e-3
+    # 120 deg at 30 rpm are 2/3 s, at mid stroke 1.8917 times the mean speed; the spring goes from 64.8 / k long to 6
+    speed, farthest = 1.8917 * math.pi / (2 / 3), math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18))) - 84
+    energy = 2 * 0.05 * speed**2 / 2 / (farthest**2 - 6**2) * 1e3
+    assert stiffness == pytest.approx(energy, rel=0.03)
+    assert found.resolved().indexing.residual == pytest.approx(found.indexing.residual)

@@ -43,6 +43,14 @@ class Motor(Record):
     speed_rpm: Annotated[Rpm, turning()] = 30.0
 
 
+class Driver(Record):
+    """A two-crank chain (Whitworth's turning block) before the cam, which then turns fastest in the middle of each turn of the
+    link: the crank turns evenly, its pin drives an arm about an axle beside its shaft, the arm the cam 2 to 1."""
+
+    crank: Length = 20.0
+    offset: Length
+
+
 class LoadTable(Record):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
@@ -58,7 +66,8 @@ class UnloaderTable(Record):
     """The spring on the driven link.
 
     torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
-    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
+    crank pin, its stiffness, unless given, the one that leaves least to the cam; "table": points of position (0 to 0.5 of
+    the stroke) and N m; "none": no spring.
     """
 
     torque: Literal["law", "crank", "table", "none"] = "law"
@@ -76,7 +85,7 @@ UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
     "none": ((), ()),
     "law": ((), ("balance", "design_rpm")),
     "table": (("points",), ()),
-    "crank": (("stiffness_n_mm", "crank", "guide", "stretch", "lead_deg"), ()),
+    "crank": (("crank", "guide", "stretch", "lead_deg"), ("stiffness_n_mm",)),
 }
 
 
