@@ -321,6 +321,7 @@
         turn(Number(byId("theta").value));
       }
       const view = new THREE.PerspectiveCamera(28, 320 / 220, 1, 1000);
+      scene.updateMatrixWorld(true);
       look(view, new THREE.Box3().setFromObject(scene));
       sun.position.copy(view.position).addScaledVector(view.up, 50);
       small.render(scene, view);
