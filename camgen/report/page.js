@@ -16,6 +16,12 @@ const camgen = (() => {
     what(deg);
   }
   const page = { follow, show, solid: false };  // solid: a viewer shows the machine, the drawing rests
+  let folded = [];  // what is unfolded to be printed
+  addEventListener("beforeprint", () => {
+    folded = [...document.querySelectorAll("details:not([open])")];
+    folded.forEach(details => { details.open = true; });
+  });
+  addEventListener("afterprint", () => folded.forEach(details => { details.open = false; }));
   if (!data.frames) return page;
   document.body.classList.add("live");
 

@@ -335,6 +335,10 @@
       paint(entry.target);
     }), { rootMargin: "200px" });
     smalls.forEach(target => watch.observe(target));
+    addEventListener("beforeprint", () => smalls.filter(target => !target.dataset.seen).forEach(target => {
+      target.dataset.seen = "1";
+      paint(target);
+    }));
   }
 
   requestAnimationFrame(() => setTimeout(() => start().catch(error => console.error(error)), 0));
