@@ -353,7 +353,8 @@ def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(built: list[Path], tmp
     for generator in ("classic", "arachne"):
         path = tmp_path / f"{generator}.gcode"
         said("prusa-slicer", "--export-gcode", "--layer-height", 0.2, "--nozzle-diameter", 0.4, "--perimeter-generator",
-             generator, "--resolution", 0 if generator == "classic" else 0.0125, "--center", "100,100", "-o", path, stl)
+             generator, *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
+             "--center", "100,100", "-o", path, stl)
         moved = recover(read_outline(path).ring, follower).s  # type: ignore[arg-type]
         off[generator] = float(np.degrees(np.quantile(np.abs(moved - wanted), 0.99)))
     assert off["classic"] < 0.002 < off["arachne"] < 0.03

@@ -59,7 +59,7 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
         from camgen.files.plates import laid_out, write_plates
 
         progress("laying out the plates", 0.42)
-        layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides)
+        layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin)
         write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
 
 
