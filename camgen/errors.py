@@ -32,6 +32,9 @@ def _sent(kind: type[CamgenError], arguments: tuple[Any, ...], facts: dict[str, 
     return error
 
 
+UNKNOWN = "unknown key"
+
+
 @dataclass(frozen=True)
 class Fault:
     """One thing wrong with a spec: dotted path, the value found, what would be right, nearest known key."""
@@ -42,6 +45,9 @@ class Fault:
     nearest: str | None = None
 
     def __str__(self) -> str:
+        if self.expected.startswith(UNKNOWN):
+            known = f"{UNKNOWN}; did you mean '{self.nearest}'?" if self.nearest else self.expected
+            return printable(f"{self.path}: {known}")
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
         found = f": {self.value} - expected" if self.value else " -"
         return printable(f"{self.path}{found} {self.expected}{hint}")
@@ -83,6 +89,11 @@ def listed(thing: str, names: Sequence[str], most: int = 10) -> str:
     shown, more = list(names[:most]), len(names) - most
     shown += [f"{more} more"] if more > 0 else []
     return f"{thing} {shown[0]}" if len(shown) == 1 else f"{thing}s {', '.join(shown[:-1])} and {shown[-1]}"
+
+
+def counted(number: int, thing: str, things: str = "") -> str:
+    """How many there are of a thing: "1 body", "2 bodies", "0 faults"."""
+    return f"{number} {thing if number == 1 else things or thing + 's'}"
 
 
 class FileError(CamgenError):

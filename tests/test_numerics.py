@@ -92,7 +92,7 @@ matched.write_text((specs / "disc-cam.toml").read_text().replace('law = "modifie
 cams = ["parts.make='cams'"]
 for spec, only, settings in (
     (matched, "dxf", ()), (specs / "eccentric-drive.toml", "dxf", ()), (specs / "thread-take-up.toml", "dxf", ()),
-    (specs / "uniform-swing.toml", "stl", cams), (specs / "chain-stitch-looper.toml", "stl", ()),
+    (specs / "uniform-swing.toml", "stl", cams),
 ):
     pipeline.build(spec, out, frozenset([only]), settings)
 """

@@ -9,23 +9,26 @@ from pathlib import Path
 
 import pytest
 
+from camgen import __version__
 from camgen.cli import cli, main
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL) for line in block.splitlines() if line.strip()]
+SETTING_UP = [command for command in COMMANDS if command.startswith("python3")]
 SET_UP = "python3 -m venv .venv && .venv/bin/pip install -q"
 
 
-def test_first_two_commands_set_up_then_build_and_test() -> None:
-    build, test = COMMANDS[:2]
+def test_two_commands_set_up_then_build_and_test() -> None:
+    build, test = SETTING_UP
+    assert build == COMMANDS[0]
     assert build == f"{SET_UP} . && .venv/bin/camgen build specs/uniform-swing.toml"
     assert test == f"{SET_UP} -e '.[test]' && .venv/bin/pytest -q -n auto --dist loadfile"
 
 
 def test_ci_runs_exactly_these_two() -> None:
     lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
-    assert set(COMMANDS[:2]) <= set(lines)
+    assert set(SETTING_UP) <= set(lines)
     assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
 
 
@@ -34,7 +37,7 @@ def test_every_other_command_works_in_its_order(
 ) -> None:
     shutil.copytree(ROOT / "specs", tmp_path / "specs")
     monkeypatch.chdir(tmp_path)
-    ran = [COMMANDS[0].rpartition("&& ")[2], *COMMANDS[2:]]
+    ran = [COMMANDS[0].rpartition("&& ")[2], *(command for command in COMMANDS if command not in SETTING_UP)]
     for command in ran:
         program, *arguments = shlex.split(command)
         assert Path(program).name == "camgen", command
@@ -67,3 +70,13 @@ def test_every_command_and_exit_code_is_told() -> None:
 def test_linked_files_exist() -> None:
     for target in re.findall(r"\]\(([^)#:]+)\)", README):
         assert (ROOT / target).exists(), target
+
+
+def test_a_maker_reads_it_in_minutes() -> None:
+    prose = re.sub(r"```.*?```", "", README, flags=re.DOTALL)
+    assert len(prose.partition("## Commands")[0].split()) < 600 and len(prose.split()) < 900
+
+
+def test_citation_and_changes_name_this_version() -> None:
+    assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert __version__.rpartition(".")[0] in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

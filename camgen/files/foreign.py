@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.errors import FileError
+from camgen.errors import FileError, counted
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_most
@@ -96,7 +96,7 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
     """
     rank = contour or 1
     if rank > len(rings):
-        raise FileError(path, f"holds {len(rings)} closed contour(s): there is no contour={rank}")
+        raise FileError(path, f"holds {counted(len(rings), 'closed contour')}: there is no contour={rank}")
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     picked, which = ordered[rank - 1], "the largest" if rank == 1 else f"number {rank} by size"
     left, low, right, high = picked.box
@@ -104,7 +104,7 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
     if not _LEAST_SIZE <= size <= _MOST_SIZE:
         taken = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
         raise FileError(path, f"has an outline {size:.4g} mm across; {taken}")
-    said, rivals = f"{which} of {len(rings)} closed contour(s) is the outline", []
+    said, rivals = f"{which} of {counted(len(rings), 'closed contour')} is the outline", []
     if contour is None:
         starts = np.array([ring.points[0] for ring in ordered])
         inner = 1 + _enclosed(picked, starts[1:])
@@ -238,8 +238,9 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     gap, remark = nearest_gap(wide)
     closed = at_most(
         "DXF_CLOSED", gap, 0, "mm", path.name,
-        remark or f"{len(rings)} closed contour(s)"
-        + (f"; {len(loose)} open line(s) within it left out" if loose else "") + (f"; {others} passed over" if others else ""),
+        remark or counted(len(rings), "closed contour")
+        + (f"; {counted(len(loose), 'open line')} within it left out" if loose else "")
+        + (f"; {others} passed over" if others else ""),
     )  # fmt: skip
     if wide:
         return Outline(None, (units, closed), "")

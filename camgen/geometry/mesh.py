@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
@@ -90,6 +91,17 @@ class MeshFaults:
     def count(self) -> int:
         """Number of faulty edges and triangles; 0 for a watertight mesh."""
         return self.open_edges + self.flipped_edges + self.crowded_edges + self.degenerate
+
+    @property
+    def told(self) -> str:
+        """The faults that there are, for people; empty where there is none."""
+        kinds = [
+            (self.open_edges, "open edge", "open edges"), (self.flipped_edges, "edge turned over", "edges turned over"),
+            (self.crowded_edges, "edge of more than two triangles", "edges of more than two triangles"),
+            (self.degenerate, "triangle without area", "triangles without area"),
+            (self.turned_normals, "stored normal not its triangle's own", "stored normals not their triangles' own"),
+        ]  # fmt: skip
+        return ", ".join(counted(*kind) for kind in kinds if kind[0])
 
 
 def mesh_faults(mesh: Mesh) -> MeshFaults:

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen.errors import counted
 from camgen.numerics import least_squares
 
 Floats = NDArray[np.float64]
@@ -177,7 +178,7 @@ def shape_of(rings: Sequence[Ring]) -> Shape:
     outer, *holes = sorted(rings, key=lambda ring: -abs(ring.area))
     outside = sum(not outer.encloses(complex(hole.points[0])) for hole in holes)
     if outside:
-        raise ValueError(f"{outside} contour(s) lie outside the largest one")
+        raise ValueError(f"{counted(outside, 'contour')} outside the largest one")
     return Shape(outer.counter_clockwise(), tuple(holes))
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
@@ -43,7 +44,8 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     wanted = Counter(mount.part for mount in machine.mounts)
     found = Counter(item.name for item in package.items)
     missing = sum(((wanted - found) + (found - wanted)).values())
-    copies = at_most("ROUND_TRIP", missing, 0, "copies", where, f"{sum(wanted.values())} copies of {len(wanted)} parts in place")
+    said = f"{counted(sum(wanted.values()), 'copy', 'copies')} of {counted(len(wanted), 'part')} in place"
+    copies = at_most("ROUND_TRIP", missing, 0, "copies", where, said)
     if missing:
         return [copies], []
     bodies, numbers, spare = [], Counter[str](), 4 * machine.tolerance
@@ -101,7 +103,8 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
                 yield from ((tip, part, _ROLLING + spare) for tip in rolling)
             case GearTeeth(a=wheel, b=mate):  # their play is measured far more finely at the pitch circle
                 yield wheel.part, mate.part, _ROLLING + spare
-            case PinEyes(a=a, b=b, pin=pin):
+            case PinEyes(a=a, b=b, pin=pin, rings=rings):
+                yield from ((ring.part, pin.part, spare) for ring in rings if pin is not None and pin.part)
                 for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
                     if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:

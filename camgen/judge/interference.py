@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.relative_motion import AT_REST, STRAIGHT, Motion
@@ -402,6 +403,9 @@ def _deepest(overlaps: Sequence[tuple[Motion, Any, Any, Floats]], theta: float) 
     return low, theta
 
 
+_PROVEN = "proven for the whole turn, not only the samples"
+
+
 def interference(clearances: Sequence[Clearance], needed: float, angle: str = "cam angle") -> list[Finding]:
     """INTERFERENCE: each pair that comes too near or is not proven to stay clear, else the tightest of either kind.
 
@@ -413,12 +417,11 @@ def interference(clearances: Sequence[Clearance], needed: float, angle: str = "c
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
         seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {-c.gap:.4f} mm or more"
-        remark = f"gap of two bodies that must stay apart, {_of(apart)}; {seen}, the gap stated holds between the samples too"
+        remark = f"nearest of {counted(len(apart), 'pair')} that must stay apart; {seen}; {_PROVEN}"
         findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark))
     for c in _worst(touching):
         seen = f"overlap seen {max(0.0, -c.gap):.4f} mm"
-        remark = f"overlap of two bodies that touch by intent, {_of(touching)}; {seen}, what is stated bounds it between the "
-        remark += "samples too"
+        remark = f"deepest of {counted(len(touching), 'pair')} that touch by intent; {seen}; {_PROVEN}"
         where = _place(c, "overlap", angle)
         findings.append(at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", where, remark))
     return findings
@@ -428,10 +431,6 @@ def _worst(judged: Sequence[tuple[float, Clearance]]) -> list[Clearance]:
     """All that fail, else the one with the least margin."""
     ordered = sorted(judged, key=lambda item: item[0])
     return [c for margin, c in ordered if not margin >= 0] or [c for _, c in ordered[:1]]
-
-
-def _of(pairs: Sequence[object]) -> str:
-    return "the only pair" if len(pairs) == 1 else f"of {len(pairs)} pairs"
 
 
 def _place(c: Clearance, what: str, angle: str) -> str:

@@ -166,7 +166,9 @@ class _Builder:
             a, b = b, a
         new = replace(joint, a=self._placed(a, joint.a), b=self._placed(b, joint.b))
         shifts = (abs(new.a.at - joint.a.at), abs(new.b.at - joint.b.at))
-        self._fit(joint.name, (a.diameter, b.diameter), (self._size(a), self._size(b)), shifts, (a, b), feature.pin, a.shaft)
+        rings = sum(ring.outside - ring.bore for ring in feature.rings)
+        meant, made = (a.diameter - rings, b.diameter), (self._size(a) - rings, self._size(b))
+        self._fit(joint.name, meant, made, shifts, (a, b), feature.pin, a.shaft)
         return new
 
     def _size(self, eye: Eye) -> float:

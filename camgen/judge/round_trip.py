@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
+from camgen.errors import counted
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.files.step import read_step
 from camgen.files.threemf import read_3mf
@@ -29,6 +30,7 @@ from camgen.numerics import product
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
+_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,9 @@ class Expected:
     sections: of its stack of layers, from the bottom, then of what lies below or above them; cut: the one that its drawing
     shows; volume: mm^3; levels: heights of its flat faces, mm, the underside first: of a `stacked` part all, of another one
     the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
-    place; eyes: centre and diameter, mm, of joints. Of these alone the place is judged elsewhere, by how parts move.
-    undo: how a mesh was changed for the printer, None where it was not. marks: (n, 2), ends of each stroke of a
-    drawing's centre marks, none where nobody asked for them.
+    place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
+    is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
+    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, none where nobody asked for them.
     """
 
     part: str
@@ -65,6 +67,7 @@ class Expected:
     chord_tolerance: float
     bore: float | None = None
     eyes: tuple[tuple[complex, float], ...] = ()
+    rolls: bool = False
     stacked: bool = True
     undo: Undo | None = None
     marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
@@ -169,9 +172,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
     findings = [
         at_most(
             "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
-            f"{faults.open_edges} open, {faults.flipped_edges} flipped, {faults.crowded_edges} crowded edges, "
-            f"{faults.degenerate} degenerate triangles, {faults.turned_normals} stored normals that are not the triangle's own, "
-            f"{faults.bodies} body(ies) of {len(mesh.faces)} triangles",
+            f"{faults.told or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
         )
     ]  # fmt: skip
     if count:
@@ -221,7 +222,7 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
+    remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
@@ -245,7 +246,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[t
     laid = [(copy.object, copy.transform) for copy in copies]
     for one, other in ((laid, places), (places, laid)):
         off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
-    said = f"{len(copies)} copies of {len(bodies)} parts, each as its own file has it"
+    said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
@@ -288,15 +289,18 @@ def _judge_sections(
     limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
     off, remark = level_error, f"a flat face is {level_error:.4g} mm off its height"
     place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
+    eyes: list[tuple[complex, complex]] = []
     for k, (meant, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in meant.shapes)
         found = sum(1 + len(shape.holes) for shape in shapes)
         if found != count or len(shapes) != len(meant.shapes):
             off, remark = math.nan, f"{found} contours instead of {count}"
             break
-        here = _section_error(shapes, meant.shapes, expected, place)
+        here = _section_error(shapes, meant.shapes, expected, place, eyes)
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
+    if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):
+        off, remark = aside, "its joints' eyes lie elsewhere in its outline, all of them moved or turned together"
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
     made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
     wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
@@ -353,8 +357,13 @@ def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expec
     return min((hole.centroid - bores[0].centroid for hole in holes), key=abs) if holes and bores else 0j
 
 
-def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex) -> float:
-    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own."""
+def _section_error(
+    shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex,
+    eyes: list[tuple[complex, complex]],
+) -> float:
+    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own. Centres of
+    eyes, as meant and as found, are added to `eyes`.
+    """
     off, left = 0.0, list(shapes)
     for wanted in meant:
         shape, *left = sorted(left, key=lambda one: _apart(one.outer, wanted.outer))
@@ -365,11 +374,30 @@ def _section_error(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Ex
             found, *holes = sorted(holes, key=lambda one: _apart(one, hole))
             pairs.append((found, hole))
         for found, ring in pairs:
-            shift = found.centroid - ring.centroid if _is_eye(ring, expected) else 0j
+            shift = 0j
+            if _is_eye(ring, expected):
+                shift = found.centroid - ring.centroid
+                eyes.append((ring.centroid, found.centroid))
             if ring is not wanted.outer and _is_bore(ring, expected):
                 shift = bore_shift
             off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
     return off
+
+
+def _aside(
+    eyes: Sequence[tuple[complex, complex]], sections: Sequence[tuple[Section, Sequence[Shape]]], expected: Expected
+) -> float:
+    """How far a part's eyes (meant, found) lie together from their places in its outline, mm: what a rigid motion of them all
+    explains, where it leaves less than half of that unexplained. 0 where all outlines are eyes themselves.
+    """
+    fixed = any(not _is_eye(shape.outer, expected) for section, _ in sections for shape in section.shapes)
+    if not eyes or not fixed:
+        return 0.0
+    meant, found = np.array(eyes).T
+    arms = meant - meant.mean()
+    turned = np.exp(1j * np.angle(np.vdot(arms, found - found.mean()))) * arms + found.mean()
+    common, left = (float(np.max(np.abs(off))) for off in (turned - meant, found - turned))
+    return common if common > 2 * left else 0.0
 
 
 def _apart(a: Ring, b: Ring) -> float:
@@ -398,9 +426,10 @@ def _deviation(one: bytes, other: bytes) -> float:
 
 
 def _along(ring: Points) -> Points:
-    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
     way = np.roll(ring, -1) - ring
-    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    length = np.abs(way)
+    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
     edge = np.repeat(np.arange(len(ring)), count)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     return np.asarray(ring[edge] + way[edge] * step / count[edge])

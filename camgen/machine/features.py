@@ -65,13 +65,26 @@ class Flat:
 
 
 @dataclass(frozen=True)
+class Ring:
+    """A ball bearing that is pressed into a hole: its part, bore and outside diameter, mm."""
+
+    part: str
+    bore: float
+    outside: float
+
+
+@dataclass(frozen=True)
 class PinEyes:
-    """Of a Pin: its eyes, in either order. `pin`: the third that goes through both where both are holes."""
+    """Of a Pin: its eyes, in either order. `pin`: the third that goes through both where both are holes.
+
+    rings: the bearings in the holes, in which the pin turns.
+    """
 
     joint: str
     a: Eye
     b: Eye
     pin: Eye | None = None
+    rings: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camgen.errors import DesignError, listed
+from camgen.errors import DesignError, counted, listed
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Drive, Machine, Pin, Pose, Slide
 from camgen.numerics import Floats
@@ -87,7 +87,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
             raise DesignError(
                 "number of drives", found.drives, found.drives - found.spare, "", _joints(found.bound),
                 f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
-                f"{found.drives} drives for {_count(found.drives - found.spare, 'freedom')} ({_tally(found)})",
+                f"{found.drives} drives for {counted(found.drives - found.spare, 'freedom')} ({_tally(found)})",
             )  # fmt: skip
         if second:
             raise DesignError("freedoms to drive", 0, 1, "", _joints(found.bound), "take away a joint or a link",
@@ -95,14 +95,14 @@ def refuse_unsound(machine: Machine) -> Freedom:
         raise _locked(found)
     if found.moves:
         remedy = "join it to another link, or drive it" if len(found.loose) == 1 else "drive one of them, or join them"
-        said = f"{_count(found.moves, 'freedom')} left over: {listed('link', found.loose, NAMED)} still "
+        said = f"{counted(found.moves, 'freedom')} left over: {listed('link', found.loose, NAMED)} still "
         said += f"{'moves' if len(found.loose) == 1 else 'move'} with the drive held ({_tally(found)})"
         raise DesignError("freedoms left", found.moves, 0, "", listed("link", found.loose, NAMED), remedy, said)
     return found
 
 
 def _locked(found: Freedom) -> DesignError:
-    said = f"over-constrained: {_joints(found.bound)} hold the same links {_count(found.spare, 'time')} too often"
+    said = f"over-constrained: {_joints(found.bound)} hold the same links {counted(found.spare, 'time')} too often"
     return DesignError("conditions too many", found.spare, 0, "", _joints(found.bound),
                        "take away a link, or make one of its pins a slot", f"{said} ({_tally(found)})")
 
@@ -110,10 +110,6 @@ def _locked(found: Freedom) -> DesignError:
 def _tally(found: Freedom) -> str:
     sum_ = f"3 x {found.bodies} - 2 x {found.pairs} - {found.half_pairs} = {found.count}"
     return f"{sum_} {'freedom' if found.count == 1 else 'freedoms'}, {found.drives} driven"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _joints(names: Sequence[str]) -> str:

@@ -241,6 +241,34 @@ def modified_sine(constant_velocity: float = 0.0) -> Law:
     )
 
 
+def slider_crank(share: float) -> Law:
+    """Rise of a slider from its place nearest to the crank's side of the rod, crank over rod = share, 0 <= share < 1.
+
+    s = (1 - cos x + (1 - q) / share) / 2 with x = pi u, q = sqrt(1 - share^2 sin^2 x); 0 is the simple harmonic. The source
+    of the flat chain stitch calls the share a coefficient of distortion.
+    """
+    if not 0 <= share < 1:
+        raise SpecError([Fault("distortion", f"{share:g}", "crank over rod: >= 0 and < 1")])
+
+    def formula(u: Floats, order: int) -> Floats:
+        x = math.pi * np.asarray(u, float)
+        sine, cosine = np.sin(x), np.cos(x)
+        q = np.sqrt(1 - share**2 * sine**2)
+        both = sine * cosine
+        if order == 0:
+            tilt, plain = share * sine**2 / (1 + q), 2 * np.sin(x / 2) ** 2
+        elif order == 1:
+            tilt, plain = share * both / q, sine
+        elif order == 2:
+            tilt, plain = share * ((cosine**2 - sine**2) / q + share**2 * both**2 / q**3), cosine
+        else:
+            turn = 3 * share**2 * both * (cosine**2 - sine**2) / q**3 + 3 * share**4 * both**3 / q**5
+            tilt, plain = share * (turn - 4 * both / q), -sine
+        return np.asarray(math.pi**order * (plain + tilt) / 2)
+
+    return measured(f"slider-crank-{share:g}", formula, "closed loop of crank and rod")
+
+
 # ---- Fourier laws ----------------------------------------------------------------------------------------------------
 
 

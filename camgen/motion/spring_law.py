@@ -147,7 +147,8 @@ def synthesise(
     )
     x = found.x
     if not found.success or not np.all(np.isfinite(x)):
-        raise DesignError("steps of the search", found.nit, 300, "", f"weight {weight:g}", f"no law found: {found.message}")
+        said = f"no law was found for the weight {weight:g} in {found.nit} steps: {found.message}"
+        raise DesignError("steps of the search", found.nit, 300, "", f"weight {weight:g}", "use another weight", said)
     best = [float(c) for c in x[:n] / (closes @ x[:n])]  # the search closes to its tolerance, this to rounding
     return judged(torque, best[:sines], best[sines:], weight, float(x[n]) / size)
 

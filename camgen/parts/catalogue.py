@@ -3,7 +3,8 @@
 Motor frames: NEMA ICS 16-2001 (metric values as in BOSL2, nema_steppers.scad; NEMA 8 as tabled at piclist.com/techref/io/
 stepper/nemasizes.htm). Screw heads: ISO 7380-1 from M3, ISO 4762 below, where ISO 7380-1 has no size; clearance holes:
 ISO 273, medium; nuts: ISO 4032, greatest sizes. Bearings: boundary dimensions of ISO 15 (2RS or ZZ width where two are sold).
-Dowel pins: diameters and lengths of ISO 2338, m6.
+Dowel pins: diameters and lengths of ISO 2338, m6. Shoulder screws: ISO 7379 as tabled in BOSL2, screws.scad (shoulder, thread
+and its length, head), with the least height of nuts that clamps; the shoulder is f9, up to 0.05 mm under its size.
 """
 
 from __future__ import annotations
@@ -50,6 +51,33 @@ class Bearing:
     outside: float
     width: float
     standard: str = "ISO 15"
+
+
+@dataclass(frozen=True)
+class ShoulderScrew:
+    """A shoulder screw: shoulder's diameter, thread and its length, head (diameter, height), nut (across flats, height), mm."""
+
+    diameter: float
+    thread: str
+    thread_length: float
+    head: float
+    height: float
+    flats: float
+    nut: float
+
+    @property
+    def nominal(self) -> float:
+        """Diameter of the thread, mm."""
+        return float(self.thread[1:])
+
+    @property
+    def longest(self) -> float:
+        """Longest shoulder that is sold, mm."""
+        return SHOULDER_LENGTHS[-1]
+
+    def length(self, grip: float) -> float:
+        """Shortest shoulder that is sold and passes a grip, mm; 0 where all are shorter."""
+        return min((length for length in SHOULDER_LENGTHS if length >= grip - 1e-9), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -114,6 +142,9 @@ SCREWS = {
     )
 }
 
+# Core holes of coarse threads, mm [ISO 2306].
+CORE_HOLES = {"M2": 1.6, "M2.5": 2.05, "M3": 2.5, "M4": 3.3, "M5": 4.2, "M6": 5.0}
+
 BEARINGS = {
     bearing.name: bearing
     for bearing in (
@@ -127,6 +158,21 @@ BEARINGS = {
         Bearing("608", 8, 22, 7),
     )
 }
+
+SHOULDER_LENGTHS = (10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0)  # mm, of the shoulder
+SHOULDER_SCREWS = (
+    ShoulderScrew(6.5, "M5", 9.5, 10.0, 4.5, 8.0, 4.7),
+    ShoulderScrew(8.0, "M6", 11.0, 13.0, 5.5, 10.0, 5.2),
+    ShoulderScrew(10.0, "M8", 13.0, 16.0, 7.0, 13.0, 6.8),
+    ShoulderScrew(13.0, "M10", 16.0, 18.0, 9.0, 16.0, 8.4),
+)
+
+
+def narrowest(bore: float) -> Bearing | None:
+    """The narrowest ball bearing of a bore, mm, of these the smallest outside."""
+    found = (each for each in BEARINGS.values() if each.bore == bore)
+    return min(found, key=lambda each: (each.width, each.outside), default=None)
+
 
 DOWEL_STANDARD = "ISO 2338"
 # Diameter -> shortest and longest, mm.

@@ -76,7 +76,8 @@ def _check_simple(name: str, rim: Points) -> None:
     reason = shapely.is_valid_reason(shapely.Polygon(np.column_stack([rim.real, rim.imag])))
     if reason != "Valid Geometry":
         place = reason.replace("[", " at (").replace("]", ") mm")
-        raise DesignError(f"crossings in the edge of the {name}", 1, 0, "", place, "its sizes do not go together")
+        said = f"the edge of the {name} crosses itself: {place}"
+        raise DesignError(f"crossings in the edge of the {name}", 1, 0, "", place, "its sizes do not go together", said)
 
 
 # ---- shaft and axles -------------------------------------------------------------------------------------------------

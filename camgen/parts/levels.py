@@ -4,7 +4,7 @@
              what must lie beside each other, such as a cam and its roller, are bands of one level
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
-    wall     stands beside a link that slides, on the link or plate that guides it, as high as the link
+    wall     stands beside a link that slides, on the link or plate that guides it, as high as the link, or its cover over it
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
     wanted   the fewest levels, then the shortest pins: depth first, or an integer program
@@ -35,7 +35,8 @@ _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which ta
 class Band:
     """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
 
-    on: name of its level, where several bands share one; below: how many levels under it are taken too.
+    on: name of its level, where several bands share one; below: how many levels under it are taken too; slim, move: which keys
+    do so, for messages.
     """
 
     name: str
@@ -43,6 +44,8 @@ class Band:
     radius: float
     on: str = ""
     below: int = 0
+    slim: str = ""
+    move: str = ""
 
     @property
     def level(self) -> str:
@@ -54,8 +57,8 @@ class Band:
 class Axis:
     """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
 
-    links: names of their levels; radius: of its head and spacers, mm; headed: whether its head takes the level over its
-    highest link, or where it is `hung` the one under its lowest.
+    links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
+    link; under: the same of what is under its lowest.
     """
 
     name: str
@@ -63,32 +66,51 @@ class Axis:
     place: Points
     radius: float
     ground: bool = False
-    headed: bool = True
-    hung: bool = False
-
-    @property
-    def over(self) -> int:
-        """Levels that its head takes over the highest link."""
-        return int(self.headed and not self.hung)
-
-    @property
-    def under(self) -> int:
-        """The same under the lowest."""
-        return int(self.headed and self.hung)
+    over: int = 1
+    under: int = 0
+    slim: str = ""
+    move: str = ""
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm."""
+    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm.
+
+    over: how many levels it takes over that link too.
+    """
 
     name: str
     corners: Points
     radius: float
     link: str
     on: str = ""
+    over: int = 0
+    slim: str = ""
+    move: str = ""
 
 
 Thing = Band | Axis | Wall
+
+
+class Crowded(DesignError):
+    """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
+    need, and how many more such pairs there are; remedy: instead of the keys that make them slimmer, where half as thick
+    would do, or move them."""
+
+    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int, remedy: str = "") -> None:
+        self.a, self.b, self.distance, self.needed, self.theta, self.more = a, b, distance, needed, theta, more
+        others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
+        said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
+        keys = [*(each.slim for each in (a, b) if distance >= needed / 2), *(each.move for each in (a, b))]
+        mends = list(dict.fromkeys(filter(None, keys)))
+        super().__init__(
+            "distance of what cannot pass on any level", distance, needed, "mm", said,
+            remedy or f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
+        )  # fmt: skip
+
+    def mended(self, remedy: str) -> Crowded:
+        """The same with another remedy."""
+        return Crowded(self.a, self.b, self.distance, self.needed, self.theta, self.more, remedy)
 
 
 @dataclass(frozen=True)
@@ -191,11 +213,11 @@ def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
     needed, steps = a.radius + b.radius + gap, one.step + other.step
     if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
         return None  # not even their discs, as of most links of a long chain
-    between = distance(one.corners, other.corners)
-    if float((between - steps).min()) >= needed:
-        return None
+    between = distance(one.corners, other.corners) - steps
     k = int(np.argmin(between))
-    return _Rule(a, b, float(between[k]), needed, k)
+    if between[k] >= needed:
+        return None
+    return _Rule(a, b, max(0.0, float(between[k])), needed, k)
 
 
 def levels(
@@ -218,10 +240,7 @@ def levels(
     broken = [rule for rule in rules if not _kept(rule, found)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
-        said = f"{rule.a.name} and {rule.b.name}, {math.degrees(theta[rule.k]):.1f} deg"
-        cures = "use longer links, smaller parts.pin_diameter, parts.head or parts.wall"
-        cures += (", or leave [layers] out" if given else "") + "; tried were all orders of the levels"
-        raise DesignError("distance of what cannot pass on any level", rule.distance, rule.needed, "mm", said, cures)
+        raise Crowded(rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1)
     return found
 
 
@@ -230,7 +249,7 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
     if isinstance(thing, Band):
         return level[thing.level] - thing.below, level[thing.level]
     if isinstance(thing, Wall):
-        return level.get(thing.on, 0) + 1, level[thing.link]
+        return level.get(thing.on, 0) + 1, level[thing.link] + thing.over
     held = [level[link] for link in thing.links]
     return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
 
@@ -242,12 +261,15 @@ def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
 
 def _no_levels() -> DesignError:
     remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return DesignError("levels found", 0, 1, "", "[layers]", remedy)
+    return DesignError("levels found", 0, 1, "", "[layers]", remedy, "no order of levels is free of collisions")
 
 
-def _least(bands: Sequence[Band]) -> dict[str, int]:
+def _least(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
     """Lowest level that each name may have."""
-    return {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
+    least = {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
+    for axis in (axis for axis in axes if not axis.ground):
+        least |= {link: max(least[link], 1 + axis.under) for link in axis.links}
+    return least
 
 
 def search(
@@ -255,7 +277,7 @@ def search(
     over: Sequence[tuple[str, str]] = (), nodes: int = _NODES,
 ) -> dict[str, int] | None:  # fmt: skip
     """The best levels that keep all rules, by depth first on ever more levels; None where so many nodes do not find them."""
-    least = _least(bands)
+    least = _least(bands, axes)
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
     touching = {name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)] for name in names}
@@ -325,7 +347,7 @@ def integer_program(
     """The same by branch and bound; rules that cannot be kept are broken at a price."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
-    least = _least(bands)
+    least = _least(bands, axes)
     most = max([2 * len(least) + 1, *given.values()])
     cost, bounds = [_LEVEL], [(0.0, float(most))]  # the first column is the highest level
     rows: list[tuple[dict[int, float], float]] = []  # sum >= right
@@ -346,19 +368,20 @@ def integer_program(
             rows.append(({level[link]: 1, low: -1}, axis.under))
     big, plate = 2.0 * most + 4, column(0, 0, 0)
 
-    def ends(thing: Thing) -> tuple[int, int, int]:
-        """Column of the lowest level and what is added to it, and column of the highest."""
+    def ends(thing: Thing) -> tuple[int, int, int, int]:
+        """Column of the lowest level and what is added to it, and the same of the highest."""
         if isinstance(thing, Wall):
-            return level.get(thing.on, plate), 1, level[thing.link]
+            return level.get(thing.on, plate), 1, level[thing.link], thing.over
         if isinstance(thing, Band):
-            return level[thing.level], -thing.below, level[thing.level]
-        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1]
+            return level[thing.level], -thing.below, level[thing.level], 0
+        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1], 0
 
     for rule in rules:
-        (a0, a, a1), (b0, b, b1) = ends(rule.a), ends(rule.b)
-        broken, upper = column(_BROKEN, 0, 1), column(0, 0, 1)
-        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a))  # a over b where `upper` is 0
-        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b - big))
+        (a0, a, a1, a_over), (b0, b, b1, b_over) = ends(rule.a), ends(rule.b)
+        short = (rule.needed - rule.distance) / rule.needed
+        broken, upper = column(_BROKEN * (1 + max(0.0, short)), 0, 1), column(0, 0, 1)
+        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over))  # a over b where `upper` is 0
+        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b + a_over - big))
     table = np.zeros((len(rows), len(cost)))
     for k, (row, _) in enumerate(rows):
         table[k, list(row)] = list(row.values())

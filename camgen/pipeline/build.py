@@ -2,35 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from camgen import spec as specs
 from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
-from camgen.files.formats import FORMATS, USUAL
+from camgen.files.formats import FORMATS, SOLID, USUAL
 from camgen.findings import at_most
-from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.machine.features import PartPose
-from camgen.machine.model import unit_of
-from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
 from camgen.pipeline.judging import judge
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.machining import table_files
 from camgen.pipeline.making import make
-from camgen.report.animation import Animation, Body
+from camgen.pipeline.shown import animation, scene
 from camgen.report.report import Report, write_csv, write_html, write_json
 
 KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "matplotlib")
-_DRAWN = 0.01  # mm, arc tolerance of the report's moving picture
-_FRAMES = 120  # of the moving picture
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut")
 
 
 def build(
@@ -47,14 +38,20 @@ def build(
     if wrong:
         raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec, overrides).resolved()
+    mechanism = read_mechanism(spec, overrides)
+    if said := mechanism.beforehand(len(only & FORMATS.keys())):
+        progress(f"note: {said}")
+    mechanism = mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
     staged = Staged(out / mechanism.name)
     with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)
-        make(case, only, workers, progress)
+        plates, seen = make(case, only, workers, progress), None
+        if "report" in only and only & set(SOLID):
+            seen = scene(mechanism, plates)
+            case.file("assembly", "glb").write_bytes(seen.glb)
         report, columns = judge(case, [kind for kind in ANY_KIND if kind in only], workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
@@ -62,10 +59,7 @@ def build(
             for name, text in mechanism.texts().items():
                 (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
-            from camgen.report.figures import plot_svg
-
-            figures = list(workers.map(plot_svg, report.plots))
-            write_html(folder / "report.html", replace(report, animation=animation(mechanism)), figures)
+            write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
@@ -73,7 +67,7 @@ def build(
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
-        remarks.append(f"the earlier {staged.target} had {count}, which are gone with it: a build without --only makes all")
+        remarks.append(f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all")
     return replace(report, remarks=remarks, folder=staged.target)
 
 
@@ -105,23 +99,3 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
 def _files(case: Case, kind: str) -> list[Path]:
     """The files of a kind that a build may have made."""
     return [case.folder / "report.html"] if kind == "report" else [case.file(name, kind) for name in case.parts]
-
-
-def animation(mechanism: Mechanism) -> Animation:
-    """One turn of the exact mechanism, as the report shows it moving."""
-    theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
-    if mechanism.sense < 0:  # as time goes on
-        theta = np.mod(-theta, 2 * math.pi)
-    poses, courses, bodies = mechanism.poses(theta), mechanism.courses(theta), []
-    for part in mechanism.parts():
-        region = part.region
-        rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
-        bodies.append(Body(part.name, poses[part.name], rings))
-    for s in mechanism.study().sketches:
-        body = courses[s.body]
-        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles))
-    if not mechanism.features():
-        return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
-    output = mechanism.model.outputs[0]
-    unit, scale = unit_of(output)
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit)

@@ -61,6 +61,7 @@ def expected(
         chord_tolerance=tolerance,
         bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
         eyes=eyes_of(part.name, features),
+        rolls=any(cam.part == part.name for cam in cams),
         stacked=part.crossed is None,
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if marked else ()),

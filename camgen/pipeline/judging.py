@@ -420,6 +420,8 @@ def _plates(case: Case) -> list[Path]:
 
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
-    fixed = [case.file("assembly", "3mf"), case.file("assembly", "step"), case.file("parts", "csv")]
+    fixed = [*(case.file("assembly", ending) for ending in ("3mf", "glb", "step")), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
-    return [path.name for path in (*fixed, *_plates(case), *sheet_files(case), *table_files(case), *more) if path.exists()]
+    drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
+    others = (*_plates(case), *sheet_files(case), *table_files(case), *more, *drawings)
+    return [path.name for path in (*fixed, *others) if path.exists()]

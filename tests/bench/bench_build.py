@@ -13,6 +13,7 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent.parent
 RUNS = 5
+CAMS, BUILD = ["--set", "parts.make='cams'"], ["build", "specs/uniform-swing.toml"]
 
 
 def process(top: Path, arguments: list[str]) -> tuple[float, float]:
@@ -24,20 +25,26 @@ def process(top: Path, arguments: list[str]) -> tuple[float, float]:
     return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
-def whole_processes(tops: list[Path], out: Path) -> None:
-    """The least time, for a machine may be busy, and the greatest memory of each command; the checkouts take turns."""
-    print(f"command | limit, s | {' | '.join(f'{name}: s, MB' for name in ('this checkout', 'the other')[: len(tops)])}")
-    cams = ["--set", "parts.make='cams'"]
-    build = ["build", "specs/uniform-swing.toml", "-o", str(out)]
-    for name, arguments, limit in (
-        ("camgen --help", ["--help"], 0.1),
-        ("camgen build --only dxf, the cam alone", [*build, *cams, "--only", "dxf"], 0.6),
-        ("camgen build, the cam alone", [*build, *cams], 2.5),
-        ("camgen build, the whole machine", build, 5.5),
-    ):
-        runs = [[process(top, arguments) for top in tops] for _ in range(RUNS)]
-        told = (f"{min(s for s, _ in own):.2f}, {max(mb for _, mb in own):.0f}" for own in zip(*runs, strict=True))
-        print(f"{name} | {limit} | {' | '.join(told)}", flush=True)
+COMMANDS = (  # what, arguments, most seconds
+    ("`camgen --help`", ["--help"], 0.1),
+    ("the cam alone (`--set parts.make='cams'`), `--only dxf`", [*BUILD, *CAMS, "--only", "dxf"], 0.6),
+    ("the cam alone, everything", [*BUILD, *CAMS], 2.5),
+    ("the whole machine, everything", BUILD, 5.5),
+)
+
+
+def whole_processes(tops: list[Path], out: Path) -> list[list[str]]:
+    """Rows of a table: command, limit, then seconds and memory of each checkout.
+
+    The least time, for a machine may be busy, and the greatest memory of each command; the checkouts take turns."""
+    rows = []
+    for name, arguments, limit in COMMANDS:
+        written = [*arguments, "-o", str(out)] if arguments[0] == "build" else arguments
+        runs = [[process(top, written) for top in tops] for _ in range(RUNS)]
+        told = [f"{min(s for s, _ in own):.2f} s, {max(mb for _, mb in own):.0f} MB" for own in zip(*runs, strict=True)]
+        rows.append([name, f"{limit} s", *told])
+        print(" | ".join(rows[-1]), flush=True)
+    return rows
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
 """Against what a user would pick instead: prints the whole table in one run, commands alternated, medians.
 
-    python tests/bench/peers.py [--python PEERS] [--rounds 7] [--readme]
+    python tests/bench/peers.py [--python PEERS] [--rounds 7] [--results]
 
 PEERS: an interpreter that has the peers, which stay out of camgen's own environment:
 
     python3 -m venv peers && peers/bin/pip install build123d mechanism numba pylinkage
 
 (never cadquery beside build123d); shapely and trimesh are camgen's own or its tests'. A peer that is missing is named and its
-row has no ratio; one that takes longer than a minute is timed once. --readme puts the table into README.md. A whole run takes
+row has no ratio; one that takes longer than a minute is timed once. --results puts the table into RESULTS.md. A whole run takes
 some minutes, most of them for the outline of 10,000 vertices in build123d.
 """
 
@@ -34,7 +34,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "geometry"), str(ROOT)]
 PATIENCE = 60.0  # s
-BEGIN, END = "<!-- peers: python tests/bench/peers.py --readme -->", "<!-- end of peers -->"
+BEGIN, END = "<!-- peers: python tests/bench/peers.py --results -->", "<!-- end of peers -->"
 
 
 @dataclass(frozen=True)
@@ -421,11 +421,11 @@ def slicing(folder: Path, rounds: int) -> Iterator[Row]:
 
 
 def main() -> None:
-    """Print the table; with --readme put it into README.md as well."""
+    """Print the table; with --results put it into RESULTS.md as well."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--python", help="interpreter that has the peers")
     parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--readme", action="store_true")
+    parser.add_argument("--results", action="store_true")
     options = parser.parse_args()
     peers = Peers(options.python)
     with tempfile.TemporaryDirectory() as name:
@@ -448,11 +448,11 @@ def main() -> None:
     if peers.missing:
         lines.append("Missing: " + ", ".join(sorted(peers.missing)) + ".")
     print(*lines[len(lines) - (2 if peers.missing else 1) :], sep="\n")
-    if options.readme:
-        readme = ROOT / "README.md"
-        before, rest = readme.read_text(encoding="utf-8").split(BEGIN)
+    if options.results:
+        page = ROOT / "tests" / "bench" / "RESULTS.md"
+        before, rest = page.read_text(encoding="utf-8").split(BEGIN)
         text = "\n".join([before + BEGIN, *lines, END]) + rest.split(END)[1]
-        readme.write_text(text, encoding="utf-8")
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -538,3 +538,25 @@ def test_spreaders_lie_on_their_undersides(tmp_path: Path) -> None:
             area = np.abs(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])[:, 2]).sum() / 2
             assert area == pytest.approx(173, abs=1) == float(rows[item.name]["on the bed, mm^2"])
             assert float(rows[item.name]["overhang, mm^2"]) < 15 and "-y" in rows[item.name]["lies"]
+
+
+SHIPPED = Path(__file__).parents[2] / "specs" / "chain-stitch-looper.toml"
+
+
+def test_rods_as_the_source_has_them_cost_clearance() -> None:
+    """Crank over rod 0.1 and 0.2: captures where the slider-crank stands at the rises, by bisection on its closed form."""
+    m = pipeline.read_mechanism(SHIPPED, ["timing.distortion=[0.1, 0.2]"])
+
+    def risen(phi: float) -> float:
+        return (1 - math.cos(phi) + 10 - math.sqrt(100 - math.sin(phi) ** 2)) / 2 * m.design.needle_stroke
+
+    for k, rise in enumerate(m.stitch.rise):
+        low, high = 0.0, math.pi
+        for _ in range(60):
+            low, high = ((low + high) / 2, high) if risen((low + high) / 2) < rise else (low, (low + high) / 2)
+        assert m.design.capture[k] == pytest.approx(low, abs=1e-9)
+    table = next(table for table in m.study().tables if table.title.startswith("Driven by cranks"))
+    assert [row[:2] for row in table.rows] == [(0.0, 0.0), (0.1, 0.2)]
+    assert float(table.rows[1][7]) < float(table.rows[0][7]) and float(table.rows[1][8]) < float(table.rows[0][8])  # type: ignore[arg-type]
+    with pytest.raises(SpecError, match="timing.distortion"):
+        pipeline.read_mechanism(SHIPPED, ["timing.distortion=[0.1, 0.2]", "timing.needle='cycloidal'"])

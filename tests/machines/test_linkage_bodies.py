@@ -153,9 +153,12 @@ def test_known_linkages_are_built(tmp_path: Path, name: str) -> None:
 
 
 def test_jansens_leg_and_peaucelliers_cell_need_few_levels(root: Path) -> None:
-    """Jansen: crank and both rods share a pin, so three; Peaucellier: three links on each of A, B, Q, P, and a crank."""
+    """Jansen: crank and both rods share a pin, so three; two legs on one crank: four rods, so five; Peaucellier: three links on
+    each of A, B, Q, P, and a crank."""
     leg = validate(Linkage, read(root / "specs" / "walking-leg.toml"))
     assert max(leg.bodies.layout.given.values()) == 3
+    walker = validate(Linkage, read(root / "specs" / "two-leg-walker.toml"))
+    assert max(walker.bodies.layout.given.values()) == 5
     cell = validate(Linkage, {"mechanism": "linkage", "name": "own", **KNOWN["peaucellier"]})
     assert max(cell.bodies.layout.given.values()) == 4
 

@@ -64,8 +64,8 @@ def test_the_indexing_cams_forces_are_its_torques(overrides: list[str]) -> None:
     """Link, friction and unloader through gears, by the Jacobian and by sums; the normal by the pressure angle."""
     made = pipeline.read_mechanism(SPECS / "indexing-cam.toml", overrides)
     assert isinstance(made, IndexingCam)
-    theta = made._study.fine
-    forces, torques, closing = made.solve(theta).forces(), made._study.at(theta), made.load.closing_n_m
+    theta = made.indexing.fine
+    forces, torques, closing = made.solve(theta).forces(), made.indexing.at(theta), made.load.closing_n_m
     np.testing.assert_allclose(forces.contacts["contact"], torques.follower + closing, atol=1e-12)
     np.testing.assert_allclose(forces.drives["motor"], torques.shaft + closing * made.program(theta, 1), atol=1e-12)
     cams = list(made.cams.values())

@@ -57,7 +57,7 @@ def test_rounded_with_sharp_corners_is_the_polygon() -> None:
 
 
 def test_plate_with_an_edge_that_crosses_itself() -> None:
-    with pytest.raises(DesignError, match="crossings in the edge of the cam"):
+    with pytest.raises(DesignError, match="the edge of the cam crosses itself"):
         plate("cam", polygon([0j, 10 + 10j, 10 + 0j, 12j]), {}, 1.0)
 
 

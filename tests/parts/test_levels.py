@@ -25,7 +25,7 @@ def four_bar() -> tuple[list[lv.Band], list[lv.Axis]]:
         lv.Band("rocker", np.array([70 * STILL, b]), 5),
     ]  # fmt: skip
     axes = [
-        lv.Axis("O", ("crank",), 0j * STILL, 4, True, False), lv.Axis("A", ("crank", "coupler"), a, 4),
+        lv.Axis("O", ("crank",), 0j * STILL, 4, True, 0), lv.Axis("A", ("crank", "coupler"), a, 4),
         lv.Axis("B", ("coupler", "rocker"), b, 4), lv.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
     ]  # fmt: skip
     return bands, axes
@@ -77,6 +77,16 @@ def test_spans_of_what_meets_never_share_a_level() -> None:
             if band.name not in axis.links and lv.distance(band.corners, axis.place[None]).min() < band.radius + axis.radius:
                 (low, high), (at, _) = lv.span(axis, found), lv.span(band, found)
                 assert at < low or at > high
+
+
+@pytest.mark.parametrize("over, level", [(0, 2), (1, 3), (2, 4)])
+def test_what_passes_a_cover_lies_over_it(monkeypatch: pytest.MonkeyPatch, over: int, level: int) -> None:
+    """A wall takes so many levels over its link on level 1; what crosses it lies on the next one, by both searches."""
+    bands = [lv.Band("runner", np.array([0 * STILL, 10 * STILL]), 2), lv.Band("other", np.array([5j * STILL, 30j * STILL]), 2)]
+    walls = [lv.Wall("cover", np.array([5j * STILL]), 3, "runner", "", over)]
+    for _ in range(2):
+        assert lv.levels(bands, [], THETA, 0.2, {"runner": 1}, walls) == {"runner": 1, "other": level}
+        monkeypatch.setattr(lv, "search", lambda *_: None)
 
 
 def test_a_pin_in_the_way_is_named() -> None:

@@ -58,7 +58,7 @@ def test_a_case_is_reopened_from_its_folder(tmp_path: Path) -> None:
     assert again.file("cam", "dxf") == tmp_path / "uniform-swing-cam.dxf"
 
 
-@pytest.mark.parametrize("name, changes", [("uniform-swing", CAMS), ("chain-stitch-looper", []), ("eccentric-drive", [])])
+@pytest.mark.parametrize("name, changes", [("uniform-swing", CAMS), ("eccentric-drive", [])])
 def test_same_bytes_with_several_cores(built: Callable[..., Path], tmp_path: Path, name: str, changes: list[str]) -> None:
     told: list[float] = []
     report = build(

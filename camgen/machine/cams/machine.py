@@ -228,7 +228,8 @@ class Loaded:
             force[len(force) // 2] = -math.inf
         k = int(np.argmin(force))
         where = f"cam angle {math.degrees(float(self.theta[k])):.1f} deg"
-        message = "the follower stays on the cam" if force[k] >= 0 else f"the follower leaves the cam: {remedy}"
+        leaves = f"the follower leaves the cam; {remedy[:1].lower()}{remedy[1:]}"
+        message = "the follower stays on the cam" if force[k] >= 0 else leaves
         return at_least("LIFT_OFF", float(force[k]), 0.0, "N", where, message)
 
 

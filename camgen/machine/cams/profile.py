@@ -143,7 +143,8 @@ class DiscCam(Generic[F]):
         kept, cuts = trim(pieces)
         if cuts:
             raise DesignError(
-                "crossings of the groove's outer wall", len(cuts), 0, "", "", "use a smaller tip or a larger base_radius"
+                "crossings of the groove's outer wall", len(cuts), 0, "", "", "use a smaller tip or a larger base_radius",
+                "the groove's outer wall crosses itself",
             )
         return Contour(tuple(kept)).counter_clockwise()
 

@@ -27,8 +27,8 @@ from camgen.machine.features import Apart, Mount
 from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Pose, Slide
 from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_conditions, ratio_range
-from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, to_and_fro
-from camgen.machines.chain_stitch_looper.study import study, timing_study
+from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, crank_driven, to_and_fro
+from camgen.machines.chain_stitch_looper.study import SOURCE_DISTORTION, distorted, driven_table, study, timing_study
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
@@ -47,6 +47,9 @@ ALLOWED = {
     "protrusion": (1.0, 2.0, "mm"),
     "protrusion_deg": (75.0, 90.0, "deg"),
 }
+
+
+Distortion = Annotated[float, Field(ge=0, lt=1, json_schema_extra={"unit": "1"})]
 
 
 class Geometry(Record):
@@ -76,6 +79,7 @@ class Timing(Record):
     spreader: Law = "simple-harmonic"
     needle_segment: tuple[SegmentTable, ...] = ()
     spreader_segment: tuple[SegmentTable, ...] = ()
+    distortion: tuple[Distortion, Distortion] = (0.0, 0.0)
     lag_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
     needle_stroke: Length | None = None
 
@@ -123,6 +127,10 @@ class ChainStitchLooper(Mechanism):
             for name, choice, tables in self._moves()
             for fault in (program_faults(tables, f"timing.{name}_segment") if tables else _law_faults(choice, f"timing.{name}"))
         ]
+        plain = all(choice == "simple-harmonic" and not tables for _, choice, tables in self._moves())
+        if any(self.timing.distortion) and not plain:
+            given = f"{list(self.timing.distortion)}"
+            found.append(Fault("timing.distortion", given, "[0, 0] with other laws than simple-harmonic"))
         if not found:
             for name, _, tables in self._moves():
                 top = max((float(s.start) for s in program(tables).segments), default=1.0) if tables else 1.0
@@ -161,6 +169,8 @@ class ChainStitchLooper(Mechanism):
         """What the spec gives, in the source's terms."""
         g, t = self.geometry, self.timing
         needle, spreader = (_program(choice, tables) for _, choice, tables in self._moves())
+        if any(t.distortion):
+            needle, spreader = map(crank_driven, t.distortion)
         setback = g.p6_setback if g.mode == "corrected" else 0.0  # the source has none
         return Stitch(
             g.needle_spacing, g.point_lengths, g.nose_over_eye, g.loop_rise, g.needle_diameter, g.plate_to_spreader,
@@ -364,12 +374,21 @@ class ChainStitchLooper(Mechanism):
         }
         found = study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
         timing = timing_study(self.bodies.clock)
+        driven = [distorted(each.timing.distortion, each.design, each.bodies.clock) for each in self._driven()]
         published = self.geometry.mode == "published" and self.geometry.p6_setback
         left_out = ["Left out: p6_setback, for the published design has none."] if published else []
         return replace(
-            found, numbers={**found.numbers, **timing.numbers}, tables=[*timing.tables, *found.tables],
+            found, numbers={**found.numbers, **timing.numbers}, tables=[*timing.tables, *driven_table(driven), *found.tables],
             notes=[*found.notes, *timing.notes, *left_out],
         )  # fmt: skip
+
+    def _driven(self) -> Sequence[ChainStitchLooper]:
+        """This machine, and the same driven by cranks and rods as the source has them; none with other laws or lag."""
+        if self._moves() != [("needle", "simple-harmonic", ()), ("spreader", "simple-harmonic", ())]:
+            return ()
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        pairs = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, self.timing.distortion])
+        return [validate(type(self), data | {"timing": data["timing"] | {"distortion": pair}}) for pair in pairs]
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import DesignError
-from camgen.motion.laws import LAWS, Law
+from camgen.motion.laws import LAWS, Law, reversed_law, slider_crank
 from camgen.motion.program import Program, Segment
 from camgen.numerics import roots
 
@@ -37,9 +37,15 @@ HAIR = 1e-12  # share of the stroke
 VANISHING = 1e-9  # share of the stroke that is none
 
 
-def to_and_fro(law: Law) -> Program:
-    """Rise by 1 over the first half turn and return over the second, both by one law."""
-    return Program((Segment("rise", math.pi, 0.0, 1.0, law), Segment("return", math.pi, 1.0, -1.0, law)))
+def to_and_fro(law: Law, back: Law | None = None) -> Program:
+    """Rise by 1 over the first half turn and return over the second, by the same law or another."""
+    return Program((Segment("rise", math.pi, 0.0, 1.0, law), Segment("return", math.pi, 1.0, -1.0, back or law)))
+
+
+def crank_driven(distortion: float) -> Program:
+    """The same by crank and rod, crank over rod = distortion: the return is the rise passed backwards."""
+    law = slider_crank(distortion)
+    return to_and_fro(law, reversed_law(law)) if distortion else HARMONIC
 
 
 HARMONIC = to_and_fro(LAWS["simple-harmonic"])

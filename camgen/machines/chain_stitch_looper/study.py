@@ -45,6 +45,25 @@ def study(
     return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
 
 
+SOURCE_DISTORTION = (0.1, 0.2)  # crank over rod of the source's needles and spreaders, which it then leaves out
+
+
+def distorted(distortion: tuple[float, float], d: Design, clock: Clock) -> tuple[object, ...]:
+    """A row: crank over rod of needles and spreaders, and what they make of stroke, timing and clearance."""
+    t = clock.timing()
+    strike = math.degrees(min(t.strike_lag, t.strike_lead))
+    return (*distortion, d.needle_stroke, *_deg(d.capture), *_deg(d.pierce), clock.gap(), strike)
+
+
+def driven_table(rows: Sequence[tuple[object, ...]]) -> list[Table]:
+    """What the rods' lengths do; empty without rows."""
+    columns = (
+        "needles' crank / rod", "spreaders'", "needle stroke, mm", "capture 1, deg", "capture 2, deg", "pierce 1, deg",
+        "pierce 2, deg", "least clearance, mm", "strikes when off by, deg",
+    )  # fmt: skip
+    return [Table("Driven by cranks and rods: harmonic, as the source has them, and as here", columns, rows)] if rows else []
+
+
 def timing_study(clock: Clock) -> Study:
     """How many degrees the spreaders may run late or early: of a finished machine, and of designs with another lag_deg."""
     rows: list[tuple[object, ...]] = []

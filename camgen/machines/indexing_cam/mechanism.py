@@ -33,146 +33,52 @@ from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Bench, Tip
+from camgen.machines.indexing_cam import tables as t
+from camgen.machines.indexing_cam.comparison import compared
+from camgen.machines.indexing_cam.driver import CHAIN, TwoCranks, driver_faults
+from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.study import IndexingStudy
-from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
+from camgen.machines.indexing_cam.unloader import (
+    CrankSpring,
+    Load,
+    OnLink,
+    SpringTorque,
+    antisymmetric,
+    fitting,
+    law_torque,
+    peak,
+)
 from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
-from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
+from camgen.motion.segments import MATCHED, backwards, law_of, turning_rows
 from camgen.motion.spring_law import characteristic, trade_off
-from camgen.parts.disc_cams import ShaftHole, Thickness, holes_in, turning_note
+from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
-from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.spec import validate
 from camgen.study import Plot, Sketch, Study
 
-_LASH = (
-    "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
-    "unloader presses one roller on, so the link stands there without play"
-)
 _LINK = "driven-link"
+_EVEN = "angle of the even drive", "even drive, once a turn of the cam"
+_NOT_MADE = 'The unloader is not made, and the driven link goes without it: unloader.torque = "crank" is one that can be made.'
 _SPRING_POINTS = 101  # of a table that stands for a spring
-Span = Annotated[float, Field(ge=1, lt=360)]
-NotNegative = Annotated[float, Field(ge=0, le=1e6)]
-Positive = Annotated[float, Field(gt=0, le=1e6)]
-
-
-class Arm(Record):
-    """The follower: a roller on an arm, and its axle."""
-
-    arm: Length
-    pivot_distance: Length
-    roller_radius: Length
-
-
-class Geometry(Record):
-    """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
-
-    follower: Arm
-    base_radius: Length
-    law: NamedLaw
-    rise_deg: Span
-    dwell_deg: Annotated[float, Field(ge=0, lt=360)]
-    return_deg: Span | None = None
-    index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
-    gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
-    closure: Literal["conjugate", "force"] = "conjugate"
-
-
-class Motor(Record):
-    """What drives the cam shaft."""
-
-    speed_rpm: Annotated[Rpm, turning()] = 30.0
-
-
-class LoadTable(Record):
-    """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
-    presses the follower on a cam with closure "force"."""
-
-    inertia_kg_m2: Positive
-    follower_inertia_kg_m2: NotNegative = 0.0
-    friction_n_m: NotNegative = 0.0
-    dwell_torque_n_m: NotNegative = 0.0
-    closing_n_m: NotNegative = 0.0
-
-
-class UnloaderTable(Record):
-    """The spring on the driven link.
-
-    torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
-    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
-    """
-
-    torque: Literal["law", "crank", "table", "none"] = "law"
-    balance: Annotated[float, Field(gt=0, le=2)] | None = None
-    design_rpm: Positive | None = None
-    points: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None = None
-    stiffness_n_mm: Positive | None = None
-    crank: Length | None = None
-    guide: Length | None = None
-    stretch: NotNegative | None = None
-    lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
-
-
-_KEYS = {  # keys of an unloader by its kind: needed, allowed
-    "none": ((), ()),
-    "law": ((), ("balance", "design_rpm")),
-    "table": (("points",), ()),
-    "crank": (("stiffness_n_mm", "crank", "guide", "stretch", "lead_deg"), ()),
-}
-
-
-class SynthesisTable(Record):
-    """Laws sought for the unloader's spring: one for each weight q of Q = C^2 + q Y^2."""
-
-    weights: Annotated[tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)]
-    sines: Annotated[int, Field(ge=1, le=8)] = 5
-    cosines: Annotated[int, Field(ge=0, le=3)] = 1
-
-
-class Parts(ShaftHole):
-    """The cams as bodies."""
-
-    thickness: Thickness = 8.0
-    bore: Length = 12.0
-    shaft: Literal["plain", "keyway", "d-flat"] = "keyway"
-    key_width: Length = 4.0
-    key_depth: Length = 1.8
-    flat_depth: Length = 1.0
-    windows: Annotated[int, Field(ge=0, le=24)] = 0
-    wall: Length = 4.0
-
-
-class Limits(Record):
-    """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
-
-    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
-    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    acceleration_jump: NotNegative = 3.0
-    residual: Annotated[float, Field(ge=0, le=100)] = 0.25
-    min_wall: Length = 0.8
-
-
 class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
-    geometry: Geometry
-    motor: Motor = Motor()
-    load: LoadTable
-    unloader: UnloaderTable = UnloaderTable()
-    synthesis: SynthesisTable | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    geometry: t.Geometry
+    motor: t.Motor = t.Motor()
+    driver: t.Driver | None = None
+    load: t.LoadTable
+    unloader: t.UnloaderTable = t.UnloaderTable()
+    synthesis: t.SynthesisTable | None = None
+    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts()
+    allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         g, p, u, nozzle = self.geometry, self.making, self.unloader, self.print.nozzle
-        spans = math.fsum((g.rise_deg, g.dwell_deg, self._return_deg))
+        spans = math.fsum((g.rise_deg, g.dwell_deg, self.return_deg))
         checks = [
             (spans <= 360, "geometry.dwell_deg", g.dwell_deg,
              f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}"),
@@ -186,11 +92,11 @@ class IndexingCam(StandingCams):
              f"more than the crank, {u.crank or 0:g} mm"),
         ]  # fmt: skip
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        needed, further = _KEYS[u.torque]
+        needed, further = t.UNLOADER_KEYS[u.torque]
         takes = ", ".join((*needed, *further)) or "nothing more"
         missing = f"missing: torque '{u.torque}' needs it"
         found += [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(u, key) is None]
-        for key in UnloaderTable.model_fields:
+        for key in t.UnloaderTable.model_fields:
             if key != "torque" and getattr(u, key) is not None and key not in (*needed, *further):
                 found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{u.torque}' takes {takes}"))
         if u.torque == "table" and u.points is not None:
@@ -200,6 +106,8 @@ class IndexingCam(StandingCams):
                 found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
+        if self.driver is not None:
+            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg), self.standing)
         return [*found, *p.misfits(), *self.size_faults("follower", _LINK), *self._law_faults()]
 
     def _law_faults(self) -> Sequence[Fault]:
@@ -234,7 +142,8 @@ class IndexingCam(StandingCams):
     # ---- motion -----------------------------------------------------------------------------------------------------
 
     @property
-    def _return_deg(self) -> float:
+    def return_deg(self) -> float:
+        """Cam angle of the turn back."""
         return self.geometry.rise_deg if self.geometry.return_deg is None else self.geometry.return_deg
 
     @cached_property
@@ -249,23 +158,49 @@ class IndexingCam(StandingCams):
 
     @cached_property
     def program(self) -> Program:
-        """Rise from theta = 0, outer dwell, return, inner dwell; on a clockwise cam backwards."""
-        g, swing = self.geometry, self.swing
-        spans = [g.rise_deg, g.dwell_deg, self._return_deg]
-        spans.append(360 - math.fsum(spans))
+        """Rise from theta = 0, outer dwell, return, inner dwell; where theta runs clockwise backwards."""
+        g = self.geometry
+        return self.turns(self.law, g.rise_deg, g.dwell_deg, self.return_deg)
+
+    @cached_property
+    def cam_program(self) -> Program:
+        """The same over the cam's own angle, which with [driver] is not theta."""
+        return self.program if self.two_cranks is None else self.paced(self.two_cranks)
+
+    def paced(self, chain: TwoCranks, sized: bool = True) -> Program:
+        """Over the cam's angle behind a chain; sized: whether its laws know their peaks."""
+        turn = math.degrees(chain.turn)
+        return self.turns(chain.paced(self.law, sized), turn, 180 - turn, turn)
+
+    def turns(self, law: Law, *degrees: float) -> Program:
+        """There and back by a law: rise, dwell and return of so many degrees."""
+        spans, swing = [*degrees, 360 - math.fsum(degrees)], self.swing
         shape = [("rise", 0.0, swing), ("dwell", swing, 0.0), ("return", swing, -swing), ("dwell", 0.0, 0.0)]
         segments = [
-            Segment(kind, math.radians(span), start, scale, self.law)
+            Segment(kind, math.radians(span), start, scale, law)
             for span, (kind, start, scale) in zip(spans, shape, strict=True) if span > 1e-9
         ]  # fmt: skip
         made = Program(tuple(segments))
         return made if self.sense > 0 else made.backwards()
 
+    @cached_property
+    def two_cranks(self) -> TwoCranks | None:
+        """The chain before the cam."""
+        if self.driver is None:
+            return None
+        return self.chain(self.driver.crank, self.driver.offset, self.geometry.rise_deg)
+
+    def chain(self, crank: float, offset: float, rise_deg: float) -> TwoCranks:
+        """A chain of these sizes, mm, for turns of the driven link in so many degrees of 180."""
+        return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, complex(-self.geometry.follower.pivot_distance))
+
     def found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
-        found = {**super().found(), "geometry.return_deg": self._return_deg}
+        found = {**super().found(), "geometry.return_deg": self.return_deg}
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
+        elif isinstance(self._spring, CrankSpring):
+            found["unloader.stiffness_n_mm"] = self._spring.stiffness
         return found
 
     @property
@@ -280,20 +215,23 @@ class IndexingCam(StandingCams):
     def cams(self) -> Mapping[str, DiscCam]:
         """The cam engine for each cam by its part's name; DesignError where there is no such follower."""
         f = self.geometry.follower
-        reach, far = self.geometry.base_radius + f.roller_radius, f.pivot_distance
-        inner, _ = self._opening(reach, "geometry.base_radius", "the inner dwell")
-        outer = inner + self.swing
-        if outer >= math.pi:
+        first = self.arm(self.geometry.base_radius)
+        if self.geometry.closure == "force":
+            return {"cam": DiscCam(self.cam_program, first)}
+        back = first.arm.conjugate() * cmath.exp(-1j * self.swing)
+        second = SwingingArm(first.pivot, back, f.roller_radius, leaves=-1)
+        return {"cam": DiscCam(self.cam_program, first), "return-cam": DiscCam(self.cam_program, second)}
+
+    def arm(self, base: float) -> SwingingArm:
+        """The follower on a base circle; DesignError where it cannot stand or swing there."""
+        f = self.geometry.follower
+        inner, _ = self._opening(base + f.roller_radius, "geometry.base_radius", "the inner dwell")
+        if inner + self.swing >= math.pi:
             raise DesignError(
                 "the follower's swing", math.degrees(self.swing), math.degrees(math.pi - inner), "deg", "the outer dwell",
                 "the arm would pass the line of shaft and axle: use a larger gear_ratio or a smaller index_deg",
             )  # fmt: skip
-        pivot = complex(far)
-        first = SwingingArm(pivot, f.arm * cmath.exp(1j * (math.pi + inner)), f.roller_radius, leaves=1)
-        if self.geometry.closure == "force":
-            return {"cam": DiscCam(self.program, first)}
-        second = SwingingArm(pivot, f.arm * cmath.exp(1j * (math.pi - outer)), f.roller_radius, leaves=-1)
-        return {"cam": DiscCam(self.program, first), "return-cam": DiscCam(self.program, second)}
+        return SwingingArm(complex(f.pivot_distance), f.arm * cmath.exp(1j * (math.pi + inner)), f.roller_radius, leaves=1)
 
     def _opening(self, radius: float, quantity: str, where: str) -> tuple[float, float]:
         """Angle OAC and the distance OC for a roller centre so far from the shaft."""
@@ -318,23 +256,41 @@ class IndexingCam(StandingCams):
         f, load = self.geometry.follower, self.load
         sizes = Sizes.model_validate({_LINK: {"hub_diameter": f.arm}, **self.sizes.model_dump(exclude_none=True)})
         gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -self.geometry.gear_ratio})
+        drawn, gears = self._drawn(0.0), {"gears": gear}
+        points: dict[str, dict[str, complex]] = {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}}
+        strung, made = {}, self._made_unloader
+        if made is not None:
+            drawn, gears["unloader gears"] = made.added(self._drawn(0.0, False), _LINK), made.gear
+            points[GROUND] |= {"crank": made.axle, "anchor": made.post}
+            points[CRANK] = {"crank": 0j, "hook": made.hook(drawn.start_of(CRANK).angle)}
+            strung = {"unloader": made.strung()}
         return Bench(
-            self._drawn(0.0), self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
+            drawn, self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
             self.allowed.min_wall, self.density, FollowerLoad(preload=load.closing_n_m),
-            [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])],
-            {"gears": gear}, {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}},
+            [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])], gears, points, strung,
         )  # fmt: skip
+
+    @cached_property
+    def _made_unloader(self) -> StandingUnloader | None:
+        """The unloader of a machine that is made; None where its spring is none that can be."""
+        if not isinstance(self._spring, CrankSpring):
+            return None
+        return StandingUnloader(
+            self._spring, self._link_centre, self.geometry.follower.arm / 2, [*self.cams.values()], self.swing, self.sizes
+        )
 
     def _alone(self) -> Machine:
         """Cam, follower and driven link; outputs "swing" of the follower and "link", rad."""
         return self._drawn(self.load.closing_n_m)
 
-    def _drawn(self, closing: float) -> Machine:
+    def _drawn(self, closing: float, unloaded: bool = True) -> Machine:
+        """The model; unloaded: whether with the unloader's torque, as no part gives it."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=closing)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
+        drive = drive if self.two_cranks is None else self.two_cranks.before(drive)
         link, ratio = Body(_LINK, inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
-        spring = None if self._spring is None else OnLink(self._spring, ratio * self.swing)
+        spring = None if self._spring is None or not unloaded else OnLink(self._spring, ratio * self.swing)
         borne = Resistance("unloader and friction", Angle(link.name), friction=self.load.friction_n_m, law=spring)
         return replace(
             drive,
@@ -352,7 +308,7 @@ class IndexingCam(StandingCams):
 
     def reachable(self, theta: Floats) -> Floats:
         """Angle s that the exact cam gives: the wanted one less any undercut, (n,) rad."""
-        return self.cams["cam"].reachable(theta)
+        return self.cams["cam"].reachable(theta if self.two_cranks is None else self.two_cranks.cam(theta))
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -399,13 +355,15 @@ class IndexingCam(StandingCams):
         return {name: steepest(cam) for name, cam in self.cams.items()}
 
     @cached_property
-    def _study(self) -> IndexingStudy:
+    def indexing(self) -> IndexingStudy:
+        """What is asked of the drive."""
         load = self.load
         spring, omega = self._spring, self.speed
         given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
         return IndexingStudy(
             self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
             None if self.geometry.closure != "force" else self.bench.closing if self.standing else load.closing_n_m, self._ideal,
+            *(() if self.driver is None else _EVEN),
         )  # fmt: skip
 
     @cached_property
@@ -417,16 +375,21 @@ class IndexingCam(StandingCams):
             assert u.points is not None
             return antisymmetric(characteristic(u.points))
         if u.torque == "crank":
-            assert None not in (u.stiffness_n_mm, u.crank, u.guide, u.stretch, u.lead_deg)
-            return CrankSpring(u.stiffness_n_mm, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)  # type: ignore[arg-type]
+            assert u.crank is not None and u.guide is not None and u.stretch is not None and u.lead_deg is not None
+            spring = CrankSpring(u.stiffness_n_mm or 1.0, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)
+            return fitting(spring, self.law, self._unit) if u.stiffness_n_mm is None else spring
         return self._ideal
+
+    @property
+    def _unit(self) -> float:
+        """Torque of the inertia on the driven link where the law's c is 1, N m."""
+        period = math.radians(self.geometry.rise_deg) / (self._design_rpm * math.tau / 60)
+        return self.load.inertia_kg_m2 * math.radians(self.geometry.index_deg) / period**2
 
     @cached_property
     def _ideal(self) -> SpringTorque:
         """A spring, which cannot be built, that does by itself what the law asks."""
-        stroke, omega = math.radians(self.geometry.index_deg), self._design_rpm * math.tau / 60
-        period = math.radians(self.geometry.rise_deg) / omega
-        return law_torque(self.law, self._balance * self.load.inertia_kg_m2 * stroke / period**2)
+        return law_torque(self.law, self._balance * self._unit)
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""
@@ -437,7 +400,7 @@ class IndexingCam(StandingCams):
         findings = []
         for name, cam in self.cams.items():
             findings += cam_limits(f"exact {name}", cam, self._pressure[name], allowed, self.accuracy.chord_tolerance)
-        return [*findings, *self._study.findings(self.allowed.acceleration_jump, self.allowed.residual)]
+        return [*findings, *self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual)]
 
     def study(self) -> Study:
         """Torques with and without the unloader, the law's curves, and what was taken from the source."""
@@ -456,16 +419,22 @@ class IndexingCam(StandingCams):
                         "spring_force_greatest_n": self._spring.stiffness * high}  # fmt: skip
         wanted = self.synthesis
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
-        found = self._study.study(self.cams, asked)
-        theta = self._study.fine
+        found = self.indexing.study(self.cams, asked)
+        theta = self.indexing.fine
         forces = self.solve(theta).forces()
         pressing = forces.pressing["contact"]
         numbers |= dict(found.numbers)
         numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
                     "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
-        drawn = Plot("Contact force", "cam angle, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
+        drawn = Plot("Contact force", f"{self.indexing.angle}, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
         sketches = () if self.standing else self._sketches()
-        return Study(numbers, (*found.plots, drawn), found.tables, sketches, found.notes)
+        notes = [*found.notes, *([_NOT_MADE] if self.standing and self._spring and self._made_unloader is None else [])]
+        beside = compared(self)
+        tables = [*found.tables, *([] if beside is None else [beside])]
+        if self.two_cranks is not None:
+            numbers |= self.two_cranks.numbers
+            notes.append(CHAIN)
+        return Study(numbers, (*found.plots, drawn), tables, sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""
@@ -479,4 +448,5 @@ class IndexingCam(StandingCams):
         arrow = [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])]
         table = Sketch("driven-link", arrow, [(0j, size)], "driven-link")
         bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
-        return Sketch("follower", strokes, rollers, "follower"), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])
+        chain = () if self.two_cranks is None else self.two_cranks.sketches()
+        return *chain, Sketch("follower", strokes, rollers, "follower"), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])

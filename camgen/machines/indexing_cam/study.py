@@ -12,6 +12,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.cams.profile import DiscCam
+from camgen.machines.indexing_cam.card import card
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, peak, torques
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
@@ -44,6 +45,7 @@ class IndexingStudy:
     swing: of the follower, rad; omega: cam shaft, rad/s, below 0 clockwise; dwell_torque: of the process on the link in a
     dwell, N m; closing: torque at the follower that presses it on the one cam, N m, None for a conjugate pair; ideal: a
     spring, which no one makes, that does by itself what the law asks: what a real one is compared with. It may be `spring`.
+    angle: what theta is called, shaft: what turns by it.
     """
 
     program: Program
@@ -55,6 +57,8 @@ class IndexingStudy:
     dwell_torque: float
     closing: float | None
     ideal: SpringTorque
+    angle: str = "cam angle"
+    shaft: str = "cam shaft"
 
     def at(self, theta: Floats, speed: float = 1.0, spring: SpringTorque | None = None) -> Torques:
         """Torques over cam angles (n,), the shaft at a multiple of its speed; with another spring where one is given."""
@@ -125,7 +129,7 @@ class IndexingStudy:
                 "by the law's design: the unloader already pulls in the dwell" if self.spring and order == 2 else
                 "an impact at each" if order == 1 else "a knock at each: choose a law that starts with acceleration 0"
             )  # fmt: skip
-            found.append(at_most("JOINT_JUMP", worst, most, "1", f"{name}, cam angle {math.degrees(theta):.3f} deg",
+            found.append(at_most("JOINT_JUMP", worst, most, "1", f"{name}, {self.angle} {math.degrees(theta):.3f} deg",
                                  f"jump in units of the stroke and the turn's period: {said}"))  # fmt: skip
         return found
 
@@ -143,7 +147,8 @@ class IndexingStudy:
         seat = found.follower + self.closing - np.where(turning, 0.0, held)
         worst = int(np.argmin(seat))
         return at_least(
-            "FORCE_CLOSURE", float(seat[worst]), 0.0, "N m", f"follower's axle, cam angle {math.degrees(theta[worst]):.3f} deg",
+            "FORCE_CLOSURE", float(seat[worst]), 0.0, "N m",
+            f"follower's axle, {self.angle} {math.degrees(theta[worst]):.3f} deg",
             f"torque between roller and cam with a closing torque of {self.closing:g} N m; "
             f"{max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
         )  # fmt: skip
@@ -152,7 +157,8 @@ class IndexingStudy:
 
     def study(self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None) -> Study:
         """Numbers, plots, tables and notes; asked: weights, sines and cosines of laws to look for."""
-        tables = [self._peaks(), self._card()]
+        table, curves, figures = card(self.law)
+        tables = [self._peaks(), table]
         tables += [self._unloaders(), self._speeds()] if self.spring else []
         if asked is not None and self.spring is not None:
             tables.append(self._synthesis(self.spring, *asked))
@@ -164,7 +170,7 @@ class IndexingStudy:
                 f"The law starts with c = {float(self.law(0.0, 2)):.6g}: it assumes that the spring pulls before the link moves, "
                 "so that the cam gives way rather than pushes. Without the unloader each end of the turn is a knock."
             )
-        return Study(self._numbers(), self._plots(cams), tables, (), notes)
+        return Study(self._numbers() | figures, [*self._plots(cams), *curves], tables, (), notes)
 
     def _numbers(self) -> dict[str, float]:
         _, turning, found = self._fine
@@ -197,7 +203,7 @@ class IndexingStudy:
 
     def _plots(self, cams: Mapping[str, DiscCam]) -> list[Plot]:
         theta = np.linspace(0, math.tau, _ROWS)
-        x, label = np.degrees(theta), "cam angle, deg"
+        x, label = np.degrees(theta), f"{self.angle}, deg"
         found, ratio = self.at(theta), self.load.ratio
         link = [np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)]
         units = ("deg", "deg/s", "deg/s²", "deg/s³")
@@ -209,7 +215,7 @@ class IndexingStudy:
 
         plots += [
             Plot("Torque at the follower's axle, positive outwards", label, "N m", pair(found.follower_bare, found.follower)),
-            Plot("Torque on the cam shaft", label, "N m", pair(found.shaft_bare, found.shaft)),
+            Plot(f"Torque on the {self.shaft}", label, "N m", pair(found.shaft_bare, found.shaft)),
         ]
         if self.spring is not None:
             kappa = np.linspace(0, 1, 601)
@@ -219,7 +225,7 @@ class IndexingStudy:
             curves = [("inertia", position, inertia), (name, position, self.spring(position))]
             plots.append(Plot("Torque on the driven link, forwards", "share of the stroke", "N m", curves))
         pressure = [(name, x, np.degrees(cam.pressure_angle(theta))) for name, cam in cams.items()]
-        return [*plots, Plot("Pressure angle", label, "deg", pressure)]
+        return [*plots, Plot("Pressure angle", "cam angle, deg", "deg", pressure)]
 
     def _peaks(self) -> Table:
         """Peaks of the law on its 61-point table and on the continuum."""
@@ -233,12 +239,6 @@ class IndexingStudy:
         for name, f in curves:
             rows.append([name, float(np.max(np.abs(f(points)))), largest(f, breaks)])
         return Table(f"Peaks of the law {law.name}", ("invariant", f"{len(points)}-point table", "continuum"), rows)
-
-    def _card(self) -> Table:
-        z = np.arange(0, _Z + 1, 2)
-        values = [np.round(self.law(z / (2 * _Z), order), 12) for order in range(3)]
-        rows = [[int(z[k]), *(float(v[k]) for v in values), float(values[1][k] * values[2][k])] for k in range(len(z))]
-        return Table("Position invariants over the run-up, kappa = z/60", ("z", "a", "b", "c", "b c"), rows)
 
     def _unloaders(self) -> Table:
         """The spring beside none, and beside the ideal one."""

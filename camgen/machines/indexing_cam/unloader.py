@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ import numpy as np
 from camgen.motion.laws import Floats, Law
 
 SpringTorque = Callable[[Floats], Floats]
+_FITTED = 1001  # shares of the time of a run-up at which a spring is fitted to its law
 _INVERSE = 20_001  # positions at which a law is tabulated to find its time from its displacement: 1e-9 of the turn
 
 
@@ -79,6 +80,18 @@ class CrankSpring:
         pull = self.stiffness * (self.stretch + cord - (self.guide - self.crank))
         lever = self.crank * self.guide * np.sin(phi) / cord
         return np.asarray(pull * lever * 1e-3 * turn / self.stroke)
+
+
+def fitting(spring: CrankSpring, law: Law, unit: float) -> CrankSpring:
+    """The same with the stiffness of which the least is left of the law's torque unit * c at its worst."""
+    from scipy.optimize import minimize_scalar
+
+    kappa = np.linspace(0, 0.5, _FITTED)
+    pull, asked = replace(spring, stiffness=1.0)(law(kappa)), unit * law(kappa, 2)
+    size = float(np.abs(asked).max() / np.abs(pull).max())  # convex in the stiffness: one least
+    found = minimize_scalar(lambda share: float(np.abs(asked - share * size * pull).max()), bounds=(0.0, 4.0), method="bounded",
+                            options={"xatol": 1e-9})  # fmt: skip
+    return replace(spring, stiffness=float(found.x) * size)
 
 
 @dataclass(frozen=True)

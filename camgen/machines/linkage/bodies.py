@@ -2,11 +2,10 @@
 
     link     a band round its hubs, a plate where it has three and more; it lies on its level
     slot     straight, as long as its pin's way; its link lies over the one with the pin
-    slide    a bar between rails of the plate or of the link that guides it; it is held down by the links on its pins
+    slide    a bar between rails of the plate or of the link that guides it; a cover on the rails holds it down
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
     pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
-             a level the plate's pins have their heads under it and are pressed into their highest link; or a steel
-             dowel with a cap pressed on
+             a level the plate's pins have their heads under it and are pressed into their highest link; other kinds: pins.py
     spacer   round a pin, where levels between its links are empty
     shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar;
              what drives may be the shaft of a motor that is screwed under the plate
@@ -30,10 +29,25 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces, StandIn
+from camgen.machine.features import (
+    CamOutline,
+    Eye,
+    Faces,
+    Feature,
+    Flat,
+    GearTeeth,
+    Mark,
+    Mount,
+    PinEyes,
+    Ring,
+    SlotFaces,
+    StandIn,
+)
 from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
+from camgen.machines.linkage.troughs import covers, rails
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, Bought, dowel, nut
+from camgen.parts.catalogue import STEEL, Bought, nut
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -42,9 +56,9 @@ from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
 _MM = 1e-3
 _HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
-_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin"}
-
-Placed = tuple[Part, Mount]
+_ABOUT = {
+    "pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "nut": "Nut {} of a pin", "cover": "Cover {} of a guide",
+}  # fmt: skip
 
 
 class _Disc(Disc):
@@ -73,7 +87,8 @@ class Bodies:
         mounts += [Mount(part_name(name), name, z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
         for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
-                            *(each for point in layout.pivots for each in self._stack(point))]:  # fmt: skip
+                            *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
+                            *hand_crank(layout)]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -100,15 +115,17 @@ class Bodies:
         p, face = self.sizes, self.sizes.face
         screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
         shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
-        motors = [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
+        motors = [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
         if face is not None:
-            reach = self.layout.top(max(self.layout.levels_at(self.layout.shaft_of(self.layout.driven))))
+            reach = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
             frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
             motors = [Bought("drive", face.standard, frame, 1),
                       Bought("screw of the motor", face.screw.standard, f"{face.screw.thread} x {length:g}", 4)]  # fmt: skip
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
-        return [*motors, Bought("screw of the plate, from behind", "", screw, 2)]
+        covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
+        screws = self.layout.cover.bought(covers) if self.layout.cover else []
+        return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws]
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate."""
@@ -121,7 +138,7 @@ class Bodies:
     # ---- links and plate --------------------------------------------------------------------------------------------
 
     def _link(self, link: str) -> Part:
-        layout, points = self.layout, self.layout.points_of(link)
+        layout, points, thick = self.layout, self.layout.points_of(link), self.layout.thickness(link)
         holes: dict[str, Contour] = {}
         for point, z in points.items():
             holes[f"hole {point}"] = circle(z, layout.hole(point, link) / 2)
@@ -134,20 +151,10 @@ class Bodies:
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         return Part(
             part_name(link), f"Link {link}",
-            (Layer(region, 0.0, self.sizes.thickness), *self._rails(link, self.sizes.thickness)), centres=tuple(points.values()),
+            (Layer(region, 0.0, thick), *rails(layout, link, thick)), centres=tuple(points.values()),
             notes=(f"level {layout.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
+            points=tuple(points.items()),
         )  # fmt: skip
-
-    def _rails(self, link: str, floor: float) -> list[Layer]:
-        """The rails that stand on a link or the plate, from a height of it, mm; in steps, as some are higher than others."""
-        layout = self.layout
-        rails = [
-            (round(layout.top(layout.level[runner]) - layout.floor(layout.level[link]), 9),
-             Region(hull([(z, self.sizes.rail_width / 2) for z in ends])))
-            for runner, guide in layout.guides.items() if guide.joint.guide.body == link for ends in guide.rails
-        ]  # fmt: skip
-        steps = [floor, *sorted({top for top, _ in rails})]
-        return [Layer(rail, low, high) for low, high in pairwise(steps) for top, rail in rails if top >= high]
 
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
@@ -184,9 +191,9 @@ class Bodies:
             under, region = floor - self.sizes.pocket, plate("ground plate", outer, holes | pockets, self.min_wall)
             layers = [Layer(layers[0].region, 0.0, under), Layer(region, under, floor)]
         return Part(
-            part_name(GROUND), "Ground plate", (*layers, *self._rails(GROUND, floor)),
+            part_name(GROUND), "Ground plate", (*layers, *rails(layout, GROUND, floor)),
             centres=(*points.values(), *screws), min_wall=self.min_wall,
-            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)),
+            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
         )  # fmt: skip
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
@@ -203,8 +210,8 @@ class Bodies:
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
-        held = sorted(layout.levels_at(point))
-        at, top = layout.at(body, point), layout.top(held[-1])
+        held = layout.on(point)
+        at, top = layout.at(body, point), held[-1][1]
         bought = layout.on_motor(point, GROUND)  # the motor's own shaft
         if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
@@ -215,21 +222,14 @@ class Bodies:
             )  # fmt: skip
             yield collar, Mount("collar", body, at, z=-play - s.thickness)
         elif not bought:
-            bottom, hung = layout.floor(held[0]), point in layout.hung
-            grip = top + play - bottom
-            if s.pin == "printed":
-                yield self._headed(grip), Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
-            else:
-                steel, cap = self._dowel(grip, point)
-                low = bottom - (play + cap.thickness) * hung
-                yield steel, Mount("pin", body, at, z=low)
-                yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
-        for low, high in zip(held, held[1:], strict=False):
-            height = layout.floor(high) - layout.top(low) - 2 * play
-            if high - low > 1:
+            yield from pin(layout, point)
+        yield from bearings(layout, point)
+        for (_, under), (high, _) in pairwise(held):
+            height = layout.floor(high) - under - 2 * play
+            if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 wide = layout.turning(point)
                 ring_part = spacer("spacer", "Spacer", wide + play, wide + 2 * s.head, height, self.min_wall)
-                yield ring_part, Mount("spacer", body, at, z=layout.top(low) + play)
+                yield ring_part, Mount("spacer", body, at, z=under + play)
 
     def _shaft(self, link: str, top: float, at: complex) -> Placed:
         """A link's shaft; the one that drives is longer below the plate."""
@@ -241,33 +241,11 @@ class Bodies:
         part = Part(name, title, (layer,), centres=(0j,), notes=(f"glued into link {link} and the collar",))
         return part, Mount(name, link, at, z=-below)
 
-    def _headed(self, length: float) -> Part:
-        """A round pin so long below its head, printed head down."""
-        s = self.sizes
-        head = Layer(Region(circle(0j, s.pin_diameter / 2 + s.head)), 0.0, s.head)
-        shank = Layer(Region(circle(0j, s.pin_diameter / 2)), s.head, s.head + length)
-        return Part("pin", "Pin", (head, shank), centres=(0j,), notes=("pressed and glued in",), cut=1)
-
-    def _dowel(self, grip: float, point: str) -> tuple[Part, Part]:
-        """A dowel through so much, mm, and the cap on what stands out; DesignError where none of such a length is sold."""
-        s = self.sizes
-        length = dowel(s.pin_diameter, grip + s.thickness)
-        least = grip + max(self.min_wall, s.head / 2)
-        if length < least:
-            raise DesignError(
-                "length of the dowel", length, least, "mm", f"pin {point}",
-                'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
-            )  # fmt: skip
-        notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
-        steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
-        hole, wide = s.pin_diameter + self.fits.press_clearance, s.pin_diameter + 2 * s.head
-        return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, self.min_wall)
-
     # ---- cams -------------------------------------------------------------------------------------------------------
 
     def _cam(self, tip: Tip) -> Iterator[Placed]:
         """A cam on its link's shaft, and the roller that runs on it."""
-        layout, link, s = self.layout, tip.joint.cam, self.sizes
+        layout, link = self.layout, tip.joint.cam
         at, turned = layout.at(link, layout.shaft_of(link)), float(np.angle(tip.turn))
         floor = layout.floor(layout.level[tip.level])
         said = (f"drawn at theta = 0, level {layout.level[tip.level]}", f"pressed and glued on the shaft of {link}")
@@ -276,15 +254,17 @@ class Bodies:
             yield replace(part, notes=said), Mount(part.name, link, at + place * tip.turn, turned, z=floor - under)
         if not tip.rolls:
             return
-        hole, ring = s.pin_diameter + self.fits.slide_clearance, f"roller-{tip.name}"
-        roller = spacer(ring, f"Roller of cam {tip.joint.name}", hole, 2 * tip.radius, s.thickness, self.min_wall)
+        hole, ring = layout.turning(tip.point) + self.fits.slide_clearance, f"roller-{tip.name}"
+        thick, title = layout.wheel_thickness(link), f"Roller of cam {tip.joint.name}"
+        roller = spacer(ring, title, hole, 2 * tip.radius, thick, self.min_wall)
         yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
 
     def _discs(self, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         """The parts of a cam as drawn at theta = 0, how far the underside of each lies under the level's floor, and where, mm."""
         s, play, press = self.sizes, self.fits.slide_clearance, self.fits.press_clearance
+        thick = self.layout.wheel_thickness(tip.joint.cam)
         made = _Disc(
-            turn=float(-np.angle(tip.turn)), thickness=s.thickness, bore=s.shaft_diameter + press, shaft="d-flat",
+            turn=float(-np.angle(tip.turn)), thickness=thick, bore=s.shaft_diameter + press, shaft="d-flat",
             flat_depth=s.shaft_flat, pin_diameter=s.pin_diameter, rim=groove_rim(s), back=s.thickness + play,
         )  # fmt: skip
         edge, wall = outline(tip), groove_wall(tip, play)
@@ -298,7 +278,7 @@ class Bodies:
             return
         for part in parts:
             yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + s.thickness)
+            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
     def _gear(self, wheel: Toothed) -> Placed:
@@ -311,8 +291,9 @@ class Bodies:
             f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
             f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
+        layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
-            wheel.part, f"Wheel of {wheel.link}", (Layer(region, 0.0, self.sizes.thickness),), centres=(0j,), notes=notes,
+            wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
             bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
         )  # fmt: skip
         at = layout.at(wheel.link, layout.shaft_of(wheel.link))
@@ -361,7 +342,9 @@ class Bodies:
                     walls = Faces(part_name(b), middle, joint.angle, layout.hole(point, b))
                     found.append(SlotFaces(joint.name, walls, self._eye(point, a), pin))
                 else:
-                    found.append(PinEyes(joint.name, self._eye(point, a), self._eye(point, b), pin))
+                    held = (layout.bearing_in(point, link) for link in (a, b))
+                    rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
+                    found.append(PinEyes(joint.name, self._eye(point, a), self._eye(point, b), pin, rings))
         for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
             turns = self._pivot(one.link), self._pivot(other.link)
             found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))

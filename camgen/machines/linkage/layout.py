@@ -3,7 +3,8 @@
     pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
     shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
     rider    what sits on a pin or shaft beside the links: rollers, wheels
-    level    a link's or a wheel's: one thickness and one play high, so that flat faces run on each other; 0 is the plate
+    level    a link's or a wheel's: as high as the thickest on it and one play, so that flat faces run on each other; what is
+             thinner stands on its floor, and spacers on that; 0 is the plate
 """
 
 from __future__ import annotations
@@ -11,19 +12,18 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-
-import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machine.run import Run
-from camgen.machines.linkage.guides import STEMS, Guide, guide
+from camgen.machines.linkage.covers import Cover, cover
+from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
-from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
+from camgen.parts.bands import ArmBand
+from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.part import hull, with_bar
 from camgen.spec import Print
 
@@ -138,7 +138,7 @@ class Layout:
 
     def below(self, spring: Stretched) -> int:
         """How many levels a spring takes under its own."""
-        return max(0, math.ceil((spring.diameter - self.sizes.thickness) / (self.sizes.thickness + self.fits.slide_clearance)))
+        return max(0, math.ceil((spring.diameter - self._least) / (self._least + self.fits.slide_clearance)))
 
     @cached_property
     def alone(self) -> dict[str, str]:
@@ -180,7 +180,8 @@ class Layout:
         if self.sizes.face is not None:
             return set()
         grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
-        return {point for point in grounded - self.hooked if point not in self.slots} if self.sunk else set()
+        grounded = {point for point in grounded - self.hooked if point not in self.slots}
+        return {point for point in grounded if self.kind(point) in ("printed", "dowel")} if self.sunk else set()
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
@@ -210,7 +211,47 @@ class Layout:
 
     def turning(self, point: str) -> float:
         """Diameter of what turns at a point, mm."""
-        return self.sizes.shaft_diameter if point in self.shafts else self.sizes.pin_diameter
+        thin = self.sizes.shoulder.diameter if self.kind(point) == "shoulder" else self.sizes.pin_diameter
+        return self.sizes.shaft_diameter if point in self.shafts else thin
+
+    def kind(self, point: str) -> str:
+        """The kind of pin of a point; of a shaft "bearing" or "printed"; in a slot no bearing runs."""
+        found = self.sizes.pins.get(point, "printed" if point in self.shafts else self.sizes.pin)
+        return "printed" if found == "bearing" and point in self.slots else found
+
+    def bearing(self, point: str) -> Bearing | None:
+        """The narrowest ball bearing on the pin of a point."""
+        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
+
+    def bearing_in(self, point: str, link: str) -> Bearing | None:
+        """The ball bearing in a link's hole at a point."""
+        return None if self.kind(point) != "bearing" or link == self.pressed_in(point) else self.bearing(point)
+
+    def head_radius(self, point: str) -> float:
+        """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
+        found = self.turning(point) / 2 + self.sizes.head
+        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
+
+    def beyond(self, point: str) -> tuple[int, int]:
+        """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
+        if point in self.shafts:
+            return 0, 0
+        if self.kind(point) == "shoulder":
+            screw, least = self.sizes.shoulder, self._least
+            step = least + self.fits.slide_clearance
+            return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
+        return (0, 1) if point in self.hung else (1, 0)
+
+    def head_room(self, point: str) -> float:
+        """Height of the levels that are kept free over a pin's highest link, mm."""
+        over, play = self.beyond(point)[0], self.fits.slide_clearance
+        return over * (self._least + play) - play
+
+    @property
+    def _least(self) -> float:
+        """Thickness of the thinnest link, mm."""
+        return min([self.sizes.thickness, *(self.thickness(body.name) for body in self.machine.moving)])
 
     def pressed_in(self, point: str) -> str:
         """The link in which the pin or the shaft of a point is fixed."""
@@ -221,23 +262,34 @@ class Layout:
             return max(links, key=lambda link: self.level[link])
         return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
 
+    def _fixing(self, point: str) -> tuple[str, ...]:
+        """Where a pin or shaft is fixed on whichever level its links lie; nothing where that depends on it."""
+        if point in self.shafts:
+            return (self.shafts[point],)
+        return (GROUND,) if self.pivots[point][0] == GROUND else ()
+
     def hole(self, point: str, link: str) -> float:
         """Diameter of a link's hole at a point, mm."""
         if point in self.pens:
             return self.sizes.pen_diameter
         if self.on_motor(point, link):
             return self.sizes.face.boss + self.fit(point, link)  # type: ignore[union-attr]
+        bearing = self.bearing_in(point, link)
+        if bearing is not None:
+            return bearing.outside + self.fit(point, link)
         return self.turning(point) + self.fit(point, link)
 
     def fit(self, point: str, link: str) -> float:
         """Diametral fit of a link's hole at a point, mm."""
-        fixed = link == self.pressed_in(point) or self.on_motor(point, link)
+        fixed = link == self.pressed_in(point) or self.on_motor(point, link) or self.kind(point) == "bearing"
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         wide = max(self.fits.press_clearance, self.fits.slide_clearance)
-        hole = self.sizes.pen_diameter if point in self.pens else self.turning(point) + wide
+        bearing = None if point in self.pens else self.bearing(point)
+        turning = bearing.outside if bearing is not None and link not in self._fixing(point) else self.turning(point)
+        hole = self.sizes.pen_diameter if point in self.pens else turning + wide
         if self.on_motor(point, link):
             hole = self.hole(point, link)
         return (self.sizes.shape(link).hub_diameter or hole + 2 * self.sizes.wall) / 2
@@ -269,7 +321,10 @@ class Layout:
     def stems_of(self, link: str) -> Sequence[str]:
         """How a link that slides may reach its rails: away from a cam that its own end touches."""
         sides = {tip.leaves for tip in self.noses(link)}
-        return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+        if sides or self.cover is None:
+            return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+        wide = any(slot.guide.body == link for slot in self.slots.values())
+        return ("both", *COVERED) if wide else COVERED
 
     def noses(self, link: str) -> list[Tip]:
         """Knives and faces of a link."""
@@ -313,10 +368,25 @@ class Layout:
                 found += [(z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends]
         return found
 
+    def arm_band(self, link: str) -> ArmBand | None:
+        """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
+        shape, hubs = self.sizes.shape(link), self.hubs(link)
+        if not shape.bow and shape.width is None:
+            return None
+        key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
+        if len(hubs) != 2 or link in self.guides or self.noses(link) or link == GROUND or self.slots_of(link):
+            remedy = "leave it out: it is for a link with two round holes and nothing else"
+            raise DesignError(key, shape.bow or shape.width or 0.0, 0, "mm", f"link {link}", remedy)
+        (a, first), (b, second) = hubs
+        return ArmBand(link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow)
+
     def outline(self, link: str) -> Contour:
         """A link's edge."""
         if link in self.guides:
             return self.guides[link].outline
+        arm = self.arm_band(link)
+        if arm is not None:
+            return arm.outline()
         edge = hull(self.hubs(link))
         for tip in self.noses(link):
             bar = self.arm(tip)
@@ -330,10 +400,15 @@ class Layout:
         return {
             link: guide(
                 joint, self.strokes[joint.name], self.round_hubs(link), bool(self.slots_of(link)), head,
-                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link),
+                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link), self.cover,
             )
             for link, joint in self.slides.items()
         }  # fmt: skip
+
+    @cached_property
+    def cover(self) -> Cover | None:
+        """What lies on rails to hold down what slides; None where nothing slides, or none is wanted."""
+        return cover(self.sizes, self.fits, self.min_wall) if self.slides else None
 
     def _clear(self, link: str) -> tuple[float, float]:
         """Between which places on the line of its slide no rails of a link may stand, for cams on their way up, mm."""
@@ -361,80 +436,51 @@ class Layout:
         links = [body.name for body in self.machine.moving if body.name not in self.alone]
         return list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels), *self.springs]))
 
-    def levels(self, run: Run, explain: bool) -> dict[str, int] | None:
-        """Level of all that lies on one, those given kept; run: samples over the whole motion.
+    def on(self, point: str) -> list[tuple[int, float]]:
+        """What sits on a pin or shaft, from below: level and top, mm; links, rollers, wheels, springs, a groove's back plate."""
+        links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
+        wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
+        wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
+        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
+        names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
+        springs = {name for name in self.riders.get(point, ()) if name in self.springs}
+        levels = {self.level[name] for name in springs} | {level for name in names | springs for level in self._beneath(name)}
+        return sorted(found | {(level, self.top(level)) for level in levels})
 
-        Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
-        """
-        bands, axes, over = [], [], []
+    def _beneath(self, name: str) -> list[int]:
+        """Levels that a groove's back plate or a spring takes under its own."""
+        below = self.below(self.springs[name]) if name in self.springs else 1
+        return [self.level[name] - 1 - k for k in range(below)]
 
-        def ways(link: str, places: Sequence[complex]) -> np.ndarray:
-            """Places of a link on the ground, (k, n)."""
-            if link == GROUND:
-                return np.array([np.full(run.theta.shape, z, complex) for z in places])
-            pose = run.pose(link)
-            return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
+    def thickness(self, link: str) -> float:
+        """Of a link, or of the wheel that it is alone, mm; of the ground's plate."""
+        return self.sizes.base_thickness if link == GROUND else self.sizes.shape(link).thickness or self.sizes.thickness
 
-        def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str = "") -> Band:
-            corners = hull_corners([z for z, _ in discs])
-            return Band(name, ways(link, [discs[k][0] for k in corners]), max(radius for _, radius in discs), on)
+    def wheel_thickness(self, link: str) -> float:
+        """Of the wheels on a link's shaft and of the rollers on them, mm."""
+        return self.thickness(link) if link in self.alone else self.sizes.thickness
 
-        for body in (body for body in self.machine.moving if body.name not in self.alone):
-            if body.name in self.guides:
-                bands += [band(body.name, body.name, discs) for discs in self.guides[body.name].bands]
-            else:
-                bands.append(band(body.name, body.name, self.hubs(body.name)))
-            for start, way, half, length, _ in (bar for tip in self.noses(body.name) if (bar := self.arm(tip)) is not None):
-                bands.append(band(f"face of {body.name}", body.name, [(start, half), (start + length * way, half)], body.name))
-        for tip in self.tips:
-            cam, follower = tip.wheel, tip.joint.follower
-            at = self.at(GROUND, self.shaft_of(cam.link))
-            disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level)
-            roller = band(f"roller of {cam.about}", follower, [(self.at(follower, tip.point), tip.radius)], tip.level)
-            # under a groove's roller there is the back plate, under one that hangs the head of its pin
-            bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
-            over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
-        for wheel in (each.wheel for each in self.toothed):
-            at = self.at(GROUND, self.shaft_of(wheel.link))
-            bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level))
-        for name, spring in self.springs.items():
-            ends = [ways(body, [self.at(body, point)])[0] for body, point in (spring.a, spring.b)]
-            bands.append(Band(name, np.array(ends), spring.diameter / 2, below=self.below(spring)))
-            beside = [(*self.pivots[point], *self.riders[point]) for _, point in (spring.a, spring.b)]
-            over += [(name, other) for others in beside for other in others if other not in (GROUND, name)]
-        for point, links in self.pivots.items():
-            moving, shaft = tuple(link for link in links if link != GROUND), self.shafts.get(point)
-            moving = tuple(dict.fromkeys(self.alone.get(link, link) for link in moving))
-            upper = self.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
-            if shaft is not None or point in self.slots:
-                over += [(upper, link) for link in moving if link != upper]
-            held = (*moving, *self.riders.get(point, ()))
-            place = ways(links[0], [self.at(links[0], point)])[0]
-            radius = self.turning(point) / 2 + self.sizes.head
-            axes.append(Axis(point, held, place, radius, links[0] == GROUND, shaft is None, point in self.hung))
-        walls = []
-        for link, each in self.guides.items():
-            on = each.joint.guide.body
-            walls += [
-                Wall(f"rail of {link}", ways(on, ends), self.sizes.rail_width / 2, link, "" if on == GROUND else on)
-                for ends in each.rails
-            ]
-            over += [(link, on)] if on != GROUND else []
-        return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain, searched=explain)
-
-    def levels_at(self, point: str) -> list[int]:
-        """Levels that are taken on a pin or shaft: by links, rollers and wheels, and a groove's back plate."""
-        riders = self.riders.get(point, ())
-        more = [self.level[tip.level] - 1 for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
-        for name in (name for name in riders if name in self.springs):
-            more += [self.level[name] - 1 - k for k in range(self.below(self.springs[name]))]
-        return [*(self.level[name] for name in (*self.pivots[point], *riders)), *more]
+    @cached_property
+    def _heights(self) -> list[float]:
+        """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
+        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        thick = [(self.level[link], self.thickness(link)) for link in links]
+        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
+        levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
+        covered = {self.level[link] for link, each in self.guides.items() if each.covered}
+        levels += [level + k for level in covered for k in range((self.cover.levels if self.cover else 0) + 1)]
+        thick += [(level, self.sizes.thickness) for level in levels]
+        found = [self.sizes.base_thickness]
+        for level in range(1, max(self.level.values()) + 1):
+            found.append(max([high for at, high in thick if at == level] or [self.sizes.thickness]))
+        return [found[0], *(max(high, self.sizes.head) for high in found[1:])]
 
     def floor(self, level: int) -> float:
         """Height of a level's floor over the plate's underside, mm."""
-        step = self.sizes.thickness + self.fits.slide_clearance
-        return 0.0 if level == 0 else self.sizes.base_thickness + self.fits.slide_clearance + (level - 1) * step
+        return round(sum(self._heights[:level]) + level * self.fits.slide_clearance, 9)  # so that like pins are one part
 
     def top(self, level: int) -> float:
-        """Height of a level's upper side, mm."""
-        return self.floor(level) + (self.sizes.thickness if level else self.sizes.base_thickness)
+        """Height of the upper side of the thickest on a level, mm."""
+        return self.floor(level) + self._heights[level]

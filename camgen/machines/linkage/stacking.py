@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
+
+import numpy as np
 
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
+from camgen.machines.linkage.cures import cured, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
-from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.pins import refuse
+from camgen.parts.levels import Axis, Band, Crowded, Wall, hull_corners, levels
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -18,6 +24,7 @@ def laid(layout: Layout, run: Run) -> Layout:
     Stems are tried in their order, the first that leaves room for all counts. The ground's pins have their heads on top, or
     under the plate where that saves a level. DesignError of the first layout where none can be laid.
     """
+    refuse(layout)
     ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
     strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
     tries = [
@@ -28,7 +35,7 @@ def laid(layout: Layout, run: Run) -> Layout:
         refused: DesignError | None = None
         for tried in tries:
             try:
-                found = [(each, each.levels(run, explain)) for each in (tried, replace(tried, sunk=True))]
+                found = [(each, found_levels(each, run, explain)) for each in (tried, replace(tried, sunk=True))]
             except DesignError as error:
                 refused = refused or error
                 continue
@@ -36,6 +43,84 @@ def laid(layout: Layout, run: Run) -> Layout:
             if best is not None and best[1] is not None:
                 return replace(best[0], given=best[1])
     assert refused is not None
-    e, rails = refused, f", and rails {', '.join(STEMS)}" if len(tries) > 1 else ""
-    remedy = f"{e.remedy}, heads over and under the plate{rails}"
-    raise DesignError(e.quantity, e.value, e.limit, e.unit, e.where, remedy)
+    if not isinstance(refused, Crowded):
+        raise refused
+    ways_tried = ["all orders of the levels", "heads over and under the plate"]
+    ways_tried += [f"rails {', '.join(STEMS)}"] if len(tries) > 1 else []
+    raise refused.mended(cured(tries[0], run, refused, found_levels, ways_tried))
+
+
+def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
+    """Level of all that lies on one, those given kept; run: samples over the whole motion.
+
+    Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
+    """
+    bands, axes, over = [], [], []
+
+    def ways(link: str, places: Sequence[complex]) -> np.ndarray:
+        """Places of a link on the ground, (k, n)."""
+        if link == GROUND:
+            return np.array([np.full(run.theta.shape, z, complex) for z in places])
+        pose = run.pose(link)
+        return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
+
+    def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str, slim: str, move: str) -> Band:
+        corners = hull_corners([z for z, _ in discs])
+        places = ways(link, [discs[k][0] for k in corners])
+        return Band(name, places, max(radius for _, radius in discs), on, slim=slim, move=move)
+
+    for body in (body for body in layout.machine.moving if body.name not in layout.alone):
+        link, arm = body.name, None if body.name in layout.guides else layout.arm_band(body.name)
+        discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
+        if arm is not None:
+            reach = arm.width / 2 + arm.sagitta
+            discs = [*([hub] for hub in layout.hubs(link)), *([(a, reach), (b, reach)] for a, b in pairwise(arm.middle()))]
+        bands += [band(f"link {link}", link, each, link, *slimmer(layout, link)) for each in discs]
+        for start, way, half, length, _ in (bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None):
+            ends = [(start, half), (start + length * way, half)]
+            bands.append(band(f"face of link {link}", link, ends, link, "", f"other points of link {link}"))
+    for tip in layout.tips:
+        cam, follower = tip.wheel, tip.joint.follower
+        at = layout.at(GROUND, layout.shaft_of(cam.link))
+        smaller = f"a smaller {cam.about} (points.{tip.point} nearer to its shaft, or a smaller lift)"
+        disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level, smaller, f"points.{layout.shaft_of(cam.link)} elsewhere")
+        rolls, smaller = [(layout.at(follower, tip.point), tip.radius)], f"a smaller radius of the roller of {cam.about}"
+        roller = band(f"roller of {cam.about}", follower, rolls, tip.level, smaller, f"points.{tip.point} elsewhere")
+        # under a groove's roller there is the back plate, under one that hangs the head of its pin
+        bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
+        over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
+    for wheel in (each.wheel for each in layout.toothed):
+        at = layout.at(GROUND, layout.shaft_of(wheel.link))
+        smaller = f"a smaller {wheel.about} (shafts nearer to each other)"
+        elsewhere = f"points.{layout.shaft_of(wheel.link)} elsewhere"
+        bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level, smaller, elsewhere))
+    for name, spring in layout.springs.items():
+        ends = [ways(body, [layout.at(body, point)])[0] for body, point in (spring.a, spring.b)]
+        bands.append(Band(name, np.array(ends), spring.diameter / 2, below=layout.below(spring), slim="a thinner spring"))
+        beside = [(*layout.pivots[point], *layout.riders[point]) for _, point in (spring.a, spring.b)]
+        over += [(name, other) for others in beside for other in others if other not in (GROUND, name)]
+    for point, links in layout.pivots.items():
+        moving, shaft = tuple(link for link in links if link != GROUND), layout.shafts.get(point)
+        moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
+        upper = layout.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
+        if shaft is not None or point in layout.slots:
+            over += [(upper, link) for link in moving if link != upper]
+        held = (*moving, *layout.riders.get(point, ()))
+        place = ways(links[0], [layout.at(links[0], point)])[0]
+        wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
+        axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point)))
+    walls = []
+    for link, each in layout.guides.items():
+        on = each.joint.guide.body
+        base, move = "" if on == GROUND else on, "another line of the slide"
+        if each.covered and layout.cover is not None:
+            for pair in each.pairs:
+                screws = layout.cover.places(pair, layout.sizes.rail_width)
+                corners, radius = ways(on, [screws[k] for k in hull_corners(screws)]), layout.cover.radius
+                cures = "parts.cover = false", move
+                walls.append(Wall(f"cover of {link}", corners, radius, link, base, layout.cover.levels, *cures))
+        else:
+            half, slim = layout.sizes.rail_width / 2, "a smaller parts.rail_width"
+            walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
+        over += [(link, on)] if on != GROUND else []
+    return levels(bands, axes, run.theta, layout.fits.slide_clearance, layout.given, walls, over, explain, searched=explain)

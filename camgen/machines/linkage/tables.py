@@ -16,10 +16,10 @@ from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS, MOTOR_FACES, MotorFace
+from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
-_SUNK = 0.2  # mm, by which a screw's head lies below the surface
+SUNK = 0.2  # mm, by which a screw's head lies below the surface
 
 Name = Annotated[
     str,
@@ -62,7 +62,7 @@ class Drive(Record):
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
         rows = tuple(SegmentTable(kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg)
                      for row in self.segments)  # fmt: skip
-        return program(rows, math.radians(1), "drive.segment", 360.0) if rows else None
+        return program(rows, math.radians(1), "drive.segment", 360.0, "_deg") if rows else None
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
@@ -132,6 +132,18 @@ class Cam(Record):
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(description="the program")
 
 
+class Spring(Record):
+    """An extension spring between the pins of two points, of two links; it loads the machine."""
+
+    between: Two = Field(description="two points, of two links")
+    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(description="N/mm")
+    free: Length | None = Field(None, description="mm, between both points where it does not pull yet")
+    preload: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
+        None, description="N, in place of free: its pull where it is shortest"
+    )
+    name: Name | None = Field(None, description="of its level and its figures; spring, or with its number, unless given")
+
+
 class Wanted(Record):
     """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place; and its targets."""
 
@@ -189,7 +201,15 @@ def pair(key: str) -> tuple[str, str] | None:
 class Shape(Record):
     """The body of one link, where it differs from the others."""
 
-    hub_diameter: Length | None = Field(None, description="mm, of the hubs and of the bands between them")
+    hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
+    width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
+    bow: Annotated[float, Field(ge=-1e6, le=1e6)] = Field(
+        0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
+    )
+    thickness: Length | None = Field(None, description="mm; that of all links unless given")
+
+
+PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
 
 
 class Parts(Record):
@@ -199,7 +219,10 @@ class Parts(Record):
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
     thickness: Length = Field(4.0, description="mm, of a link")
-    pin: Literal["printed", "dowel"] = Field("printed", description="printed with a head, or bought, of steel, with a cap")
+    pin: PinKind = Field(
+        "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
+    )
+    pins: dict[Name, PinKind] = Field({}, description="the same of one point")
     pin_diameter: Length = Field(5.0, description="mm, of pins")
     wall: Length = Field(2.0, description="mm, round each hole")
     head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
@@ -210,7 +233,11 @@ class Parts(Record):
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
     )
+    hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
+    )
     rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
+    cover: bool = Field(True, description="whether a cover on its rails holds down what slides")
     mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
@@ -221,6 +248,16 @@ class Parts(Record):
         return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
 
     @property
+    def shoulder(self) -> ShoulderScrew:
+        """The thinnest shoulder screw that is as thick as a pin."""
+        return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def least_crank(self) -> float:
+        """Shortest hand crank, mm: hubs of shaft and knob beside each other."""
+        return self.shaft_diameter / 2 + 2 * self.head + 2 * self.wall + self.pin_diameter
+
+    @property
     def face(self) -> MotorFace | None:
         """Of the motor under the plate."""
         return MOTOR_FACES.get(self.motor)
@@ -228,15 +265,29 @@ class Parts(Record):
     @property
     def pocket(self) -> float:
         """Depth of the pockets for the heads of its screws, mm."""
-        return 0.0 if self.face is None else self.face.screw.height + _SUNK
+        return 0.0 if self.face is None else self.face.screw.height + SUNK
 
     def faults(self, links: Iterable[str], nozzle: float) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
         known = [*type(self).model_fields, *links]
         found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
-        if self.pin == "dowel" and self.pin_diameter not in DOWELS:
+        for link in links:
+            thickness = self.shape(link).thickness
+            if thickness is not None and link == "ground":
+                right = "nothing here: the plate's is parts.base_thickness"
+                found.append(Fault("parts.ground.thickness", f"{thickness:g}", right))
+            elif thickness is not None and thickness < nozzle:
+                found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
+            width = self.shape(link).width
+            if width is not None and width < nozzle:
+                found.append(Fault(f"parts.{link}.width", f"{width:g}", least))
+        kinds = {self.pin, *self.pins.values()}
+        if "dowel" in kinds and self.pin_diameter not in DOWELS:
             right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
+            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
+            right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
             found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
@@ -252,7 +303,16 @@ class Parts(Record):
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))
-        if self.shaft_length < self.thickness + 2:
+        if self.hand_crank:
+            right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
+            if self.face is not None:
+                right = f"nothing here, or no parts.motor: {self.motor} drives"
+            if self.face is not None or self.hand_crank < self.least_crank:
+                found.append(Fault("parts.hand_crank", f"{self.hand_crank:g}", right))
+            if self.shaft_length < 2 * self.thickness + 2:
+                right = f"at least {2 * self.thickness + 2:g} mm: the collar under the plate and the hand crank"
+                found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+        elif self.shaft_length < self.thickness + 2:
             right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
             found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
         thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]

@@ -1,0 +1,142 @@
+"""The even drive of the cam beside two-crank chains before it: the same motion of the link in time, other cams.
+
+Size and ratio are those at which the pressure angle reaches what is allowed; speeds, accelerations and torques come from the
+machine with its chain, solved over the turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.machine.cams.followers import Follower
+from camgen.machine.cams.machine import cam_machine
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.sizing import survey
+from camgen.machine.run import solve
+from camgen.machines.indexing_cam.driver import TwoCranks, driver_faults
+from camgen.machines.indexing_cam.tables import Driver
+from camgen.motion.laws import Floats
+from camgen.motion.program import Program
+from camgen.study import Table
+
+if TYPE_CHECKING:
+    from camgen.machines.indexing_cam.mechanism import IndexingCam
+
+_SHARES = (0.0, 0.2, 0.3, 0.4)
+_SHORTEST, _LONGEST, _STEPS, _SIZES = 10.0, 179.0, 16, 24  # deg of a turn that are tried; halvings; sizes of a cam to begin with
+_NONE = "none"
+COLUMNS = (
+    "offset / crank", "greatest to mean speed of the cam", "turn, deg of the cam", "pressure angle, deg", "least base radius, mm",
+    "least turn / dwell", "peak acceleration of the link, deg/s²", "peak torque on the cam shaft without unloader, N m",
+    "with unloader, N m",
+)  # fmt: skip
+
+@dataclass(frozen=True)
+class Comparison:
+    """What is kept: turns of `rise` deg of 180, base radius and roller, mm, the allowed pressure angle, deg.
+
+    program: of the cam by chain and deg of a turn; follower: by base radius; chain: by offset over crank and deg of a turn;
+    sizes: least and greatest distance of roller and shaft, mm; ratio: of the link to the follower; speed: rad/s of theta;
+    efforts: torque at the follower over theta, (n,) N m, without the unloader and with it.
+    """
+
+    program: Callable[[TwoCranks | None, float], Program]
+    follower: Callable[[float], Follower]
+    chain: Callable[[float, float], TwoCranks | None]
+    rise: float
+    base: float
+    roller: float
+    pressure: float
+    sizes: tuple[float, float]
+    ratio: float
+    speed: float
+    theta: Floats
+    efforts: tuple[Floats, Floats]
+
+    def table(self, own: float | None) -> Table:
+        """Even, by chains, and by the one of the spec, each by offset over crank."""
+        shares = sorted({*_SHARES, *([] if own is None else [round(own, 9)])})
+        title = f"Even drive (0) and two-crank chains before the cam, the same motion of the link, at most {self.pressure:g} deg"
+        return Table(title, COLUMNS, [self.row(share) for share in shares])
+
+    def row(self, share: float) -> list[object]:
+        """Figures of one chain; "none" where nothing keeps to the pressure angle."""
+        chain = self.chain(share, self.rise)
+        cam = DiscCam(self.program(chain, self.rise), self.follower(self.base))
+        machine = cam_machine([cam], self.speed)
+        run = solve(machine if chain is None else chain.before(machine), self.theta, 2)
+        rate = run.angle("cam")[1]
+        swing = run.derivatives("swing")
+        turning = np.abs(swing[1]) > 1e-9
+        torques = [float(np.max(np.abs(effort * swing[1] / rate)[turning])) for effort in self.efforts]
+        turn = self.rise if chain is None else math.degrees(chain.turn)
+        return [
+            share, float(rate.max()), turn, math.degrees(survey(cam).pressure), self._least_base(chain),
+            self._least_ratio(share), math.degrees(float(np.abs(swing[2]).max())) * self.ratio * self.speed**2, *torques,
+        ]  # fmt: skip
+
+    def _fits(self, cam: DiscCam[Follower]) -> bool:
+        seen = survey(cam)
+        return seen.pressure <= math.radians(self.pressure) and seen.least_radius >= 0 and seen.clear > 0
+
+    def _least_base(self, chain: TwoCranks | None) -> float | str:
+        """By the halving of sizes: the first that fits, counted from below."""
+        program, (low, high) = self.program(chain, self.rise), self.sizes
+
+        def fits(size: float) -> bool:
+            try:
+                return self._fits(DiscCam(program, self.follower(size - self.roller)))
+            except DesignError:
+                return False
+
+        size = next((size for size in np.linspace(low, high, _SIZES) if fits(float(size))), None)
+        if size is None:
+            return _NONE
+        low, high = max(low, float(size) - (high - low) / (_SIZES - 1)), float(size)
+        return _halved(fits, low, high) - self.roller
+
+    def _least_ratio(self, share: float) -> float | str:
+        follower = self.follower(self.base)
+
+        def fits(rise: float) -> bool:
+            return self._fits(DiscCam(self.program(self.chain(share, rise), rise), follower))
+
+        if not fits(_LONGEST):
+            return _NONE
+        rise = _halved(fits, _SHORTEST, _LONGEST)
+        return rise / (180 - rise)
+
+
+def _halved(fits: Callable[[float], bool], low: float, high: float) -> float:
+    """The least that fits between one that does not and one that does."""
+    for _ in range(_STEPS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
+
+
+def compared(spec: IndexingCam) -> Table | None:
+    """The even drive of a spec beside uneven ones; None of a program that no chain of two turns to one of the cam serves."""
+    g, f = spec.geometry, spec.geometry.follower
+    if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg), False):
+        return None
+    theta, own = np.linspace(0, math.tau, 1441), spec.two_cranks
+    torques, (low, high) = spec.indexing.at(theta), (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm)
+
+    def program(chain: TwoCranks | None, rise: float) -> Program:
+        return spec.turns(spec.law, rise, 180 - rise, rise) if chain is None else spec.paced(chain, False)
+
+    def chain(share: float, rise: float) -> TwoCranks | None:
+        return spec.chain(1.0, share, rise) if share else None
+
+    return Comparison(
+        program, spec.arm, chain, g.rise_deg, g.base_radius, f.roller_radius, spec.allowed.pressure_angle_deg,
+        (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high), g.gear_ratio, spec.speed, theta,
+        (torques.follower_bare, torques.follower),
+    ).table(None if own is None else own.share)  # fmt: skip

@@ -1,0 +1,159 @@
+"""What goes through the links at a point, and holds them on each other.
+
+    printed    a pin with a head, pressed into one link
+    dowel      of steel, with a printed cap on what stands out
+    shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
+    bearing    a printed pin; each link that turns on it has a ball bearing pressed into it, which stands on the link's floor
+    crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Region, circle, polygon
+from camgen.machine.features import Mount
+from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.parts.catalogue import BEARINGS, Bearing, dowel
+from camgen.parts.hardware import headed, plate, spacer
+from camgen.parts.part import Layer, Part, d_bore, hull, rod
+
+KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
+
+Placed = tuple[Part, Mount]
+
+
+def refuse(layout: Layout) -> None:
+    """Raise DesignError where a pin cannot be of its kind."""
+    for point, kind in layout.sizes.pins.items():
+        links = layout.pivots.get(point, ())
+        hangs = point in {tip.point for tip in layout.tips if tip.hung}
+        said = {
+            "no link turns there": len(links) < 2, "it is in a slot": kind == "bearing" and point in layout.slots,
+            "it is the motor's shaft": layout.on_motor(point, GROUND), "a roller hangs on it": kind == "shoulder" and hangs,
+            "it is a shaft, printed or in a bearing": kind in ("shoulder", "dowel") and point in layout.shafts,
+        }  # fmt: skip
+        for why in (why for why, wrong in said.items() if wrong):
+            raise DesignError(f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out")
+    for point in (point for point in layout.pivots if layout.kind(point) == "bearing"):
+        bearing, shaft = layout.bearing(point), point in layout.shafts
+        if bearing is None:
+            sold = ", ".join(f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()}))
+            key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
+            remedy = f"use a bore of the bearings there are: {sold}"
+            raise DesignError(key, layout.turning(point), 0, "mm", f"pin {point}", remedy)
+        for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
+            if layout.thickness(link) < bearing.width:
+                key = "parts.base_thickness" if shaft else f"parts.{link}.thickness"
+                remedy = f"make it at least the width of a bearing {bearing.name}"
+                raise DesignError(key, layout.thickness(link), bearing.width, "mm", f"pin {point}", remedy)
+
+
+def pin(layout: Layout, point: str) -> Iterator[Placed]:
+    """The pin of a point and what holds it, on the link in which it is fixed."""
+    s, play, body = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
+    held, at, hung = layout.on(point), layout.at(body, point), point in layout.hung
+    bottom = layout.floor(held[0][0])
+    grip = held[-1][1] + play - bottom
+    match layout.kind(point):
+        case "dowel":
+            steel, cap = _dowel(layout, grip, point)
+            low = bottom - (play + cap.thickness) * hung
+            yield steel, Mount("pin", body, at, z=low)
+            yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
+        case "shoulder":
+            yield from _shoulder(layout, grip, point, body, bottom)
+        case _:
+            wide = s.pin_diameter + 2 * s.head
+            made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=("pressed and glued in",))
+            yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+
+
+def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
+    """A dowel through so much, mm, and the cap on what stands out; DesignError where none of such a length is sold."""
+    s = layout.sizes
+    length = dowel(s.pin_diameter, grip + s.thickness)
+    least = grip + max(layout.min_wall, s.head / 2)
+    if length < least:
+        raise DesignError(
+            "length of the dowel", length, least, "mm", f"pin {point}",
+            'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
+        )  # fmt: skip
+    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
+    steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
+    hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
+    return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, layout.min_wall)
+
+
+def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float) -> Iterator[Placed]:
+    """A shoulder screw through so much, mm, head up, its nut, and a spacer; DesignError where no such length is sold."""
+    screw, s, at = layout.sizes.shoulder, layout.sizes, layout.at(body, point)
+    length, room = screw.length(grip), layout.head_room(point) - screw.height
+    if not grip <= length <= grip + room:
+        raise DesignError(
+            "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
+            f'change parts.thickness, or make parts.pins.{point} "printed"',
+        )  # fmt: skip
+    discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
+    layers, z = [], 0.0
+    for wide, high in discs:
+        layers.append(Layer(Region(circle(0j, wide / 2)), z, z + high))
+        z += high
+    notes = (f"shoulder screw ISO 7379, {screw.diameter:g} x {length:g}, {screw.thread}", "glued in")
+    steel = Part("pin", "Pin", tuple(layers), centres=(0j,), notes=notes, cut=1, made="bought")
+    yield steel, Mount("pin", body, at, 0.0, True, bottom - screw.thread_length)
+    corners = [cmath.rect(screw.flats / math.sqrt(3), math.tau * k / 6) for k in range(6)]
+    nut = Region(polygon(corners), (circle(0j, screw.nominal / 2),))
+    tight = (f"nut ISO 4032 {screw.thread}, tight on the shoulder",)
+    made = Part("nut", "Nut of a pin", (Layer(nut, 0.0, screw.nut),), centres=(0j,), notes=tight, made="bought")
+    yield made, Mount("nut", body, at, z=bottom - screw.nut)
+    if length - grip >= s.head / 2:  # what is thinner is play
+        wide = screw.diameter + 2 * s.head
+        fill = spacer("spacer", "Spacer", screw.diameter + layout.fits.slide_clearance, wide, length - grip, layout.min_wall)
+        yield fill, Mount("spacer", body, at, z=bottom + grip)
+
+
+def bearings(layout: Layout, point: str) -> Iterator[Placed]:
+    """The ball bearings in the links at a point."""
+    for link in layout.pivots[point]:
+        bearing = layout.bearing_in(point, link)
+        if bearing is not None:
+            z = layout.floor(layout.level[link])
+            yield _bearing(layout, bearing), Mount(bearing_name(bearing), link, layout.at(link, point), z=z)
+
+
+def bearing_name(bearing: Bearing) -> str:
+    """Name of its part."""
+    return f"bearing-{bearing.name.lower()}"
+
+
+def _bearing(layout: Layout, bearing: Bearing) -> Part:
+    notes = (f"ball bearing {bearing.name}, {bearing.bore:g} x {bearing.outside:g} x {bearing.width:g}, pressed into its link",)
+    ring = spacer(bearing_name(bearing), "Ball bearing", bearing.bore, bearing.outside, bearing.width, layout.min_wall)
+    return replace(ring, notes=notes, made="bought")
+
+
+def hand_crank(layout: Layout) -> Iterator[Placed]:
+    """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for."""
+    s, play, press, link = layout.sizes, layout.fits.slide_clearance, layout.fits.press_clearance, layout.driven
+    if not s.hand_crank:
+        return
+    at, knob, z = layout.at(link, layout.shaft_of(link)), complex(s.hand_crank), -s.shaft_length
+    bore = d_bore(s.shaft_diameter + press, s.shaft_flat)
+    hubs = [(0j, s.shaft_diameter / 2 + s.head + s.wall), (knob, s.pin_diameter / 2 + s.wall)]
+    region = plate("hand crank", hull(hubs), {"shaft": bore, "knob": circle(knob, (s.pin_diameter + press) / 2)}, layout.min_wall)
+    arm = Part(
+        "hand-crank", "Hand crank", (Layer(region, 0.0, s.thickness),), centres=(0j, knob), min_wall=layout.min_wall,
+        notes=("pressed and glued on the lower end of the shaft",),
+    )  # fmt: skip
+    yield arm, Mount(arm.name, link, at, z=z)
+    long = KNOB * s.pin_diameter
+    turns = spacer("knob", "Knob", s.pin_diameter + play, 2 * s.pin_diameter + 2 * s.head, long, layout.min_wall)
+    yield turns, Mount("knob", link, at + knob, z=z - play - long)
+    wide = s.pin_diameter + 2 * s.head
+    pin = headed("knob-pin", "Pin of the knob", s.pin_diameter, long + 2 * play + s.thickness, wide, s.head, notes=("glued in",))
+    yield pin, Mount("knob-pin", link, at + knob, z=z - 2 * play - long - s.head)

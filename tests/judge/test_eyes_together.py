@@ -1,0 +1,117 @@
+"""Eyes of a part that moved together in its outline: the motion is as asked for, and the file still is not the part."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgen.files.stl import read_stl, write_stl
+from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.findings import Finding
+from camgen.geometry.mesh import Mesh
+from camgen.machine.features import eyes_of
+from camgen.pipeline import build as pipeline
+
+Eyes = tuple[tuple[complex, float], ...]
+Change = Callable[[np.ndarray], np.ndarray]
+TURN = cmath.exp(1j * math.radians(0.3))
+
+
+def in_eyes(points: np.ndarray, eyes: Eyes) -> np.ndarray:
+    """Whether points lie in an eye or on its rim."""
+    return np.any([np.abs(points - at) < diameter / 2 + 0.02 for at, diameter in eyes], axis=0)
+
+
+def changed(mesh: Mesh, eyes: Eyes, change: Change) -> Mesh:
+    plane = mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1]
+    plane = np.where(in_eyes(plane, eyes), change(plane), plane)
+    return replace(mesh, vertices=np.column_stack([plane.real, plane.imag, mesh.vertices[:, 2]]))
+
+
+def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
+    """Move the rims of a part's eyes in one file."""
+    if path.suffix == ".dxf":
+        drawing = ezdxf.readfile(path)
+        for circle in drawing.modelspace().query("CIRCLE"):
+            at = complex(circle.dxf.center.x, circle.dxf.center.y)
+            if in_eyes(np.array([at]), eyes).any():
+                to = complex(change(np.array([at]))[0])
+                circle.dxf.center = (to.real, to.imag)
+        drawing.saveas(path)
+    elif path.suffix == ".stl":
+        write_stl(path, changed(read_stl(path), eyes, change), part)
+    else:
+        package = read_3mf(path)
+        meshes = package.meshes | {part: changed(package.meshes[part], eyes, change)}
+        items = [Placed(item.name, f"{item.name}-{k}", item.transform) for k, item in enumerate(package.items)]
+        if len(items) == 1:
+            items = [replace(items[0], name=part)]
+        write_3mf(path, meshes, items, "key")
+
+
+def told(folder: Path) -> list[Finding]:
+    return [f for f in pipeline.check(folder).findings if not f.ok]
+
+
+@pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
+@pytest.mark.parametrize(("spec", "part", "change", "off"), [
+    ("linkage", "coupler", lambda z: z + 0.6, 0.6),
+    ("linkage", "coupler", lambda z: z * TURN, None),
+    ("linkage", "ground", lambda z: z - 0.05j, 0.05),
+    ("thread-take-up", "bell-crank", lambda z: z + 0.06 - 0.08j, 0.1),
+    ("thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
+    ("thread-take-up", "output-crank", lambda z: z + 0.1j, 0.1),
+])  # fmt: skip
+def test_moved_together(
+    built: Callable[..., Path], tmp_path: Path, spec: str, part: str, change: Change, off: float | None, kind: str
+) -> None:
+    folder = Path(shutil.copytree(built(spec), tmp_path / spec))
+    eyes = eyes_of(part, pipeline.read_mechanism(folder / "spec.toml").features())
+    damage(folder / f"{spec}-{part}.{kind}", part, eyes, change)
+    found = [f for f in told(folder) if f.where == f"{spec}-{part}.{kind}"]
+    assert [f.code for f in found] == ["ROUND_TRIP"] and "moved or turned together" in found[0].message
+    if off is not None:
+        assert found[0].measured == pytest.approx(off, abs=1e-5)
+
+
+@pytest.mark.parametrize("settings", [(), ("print.hole_compensation=0.1",)])
+def test_moved_together_in_the_assembly_alone(built: Callable[..., Path], tmp_path: Path, settings: tuple[str, ...]) -> None:
+    """Where files for the printer are compensated, the assembly's parts are judged by themselves."""
+    folder = Path(shutil.copytree(built("linkage", *settings), tmp_path / "linkage"))
+    eyes = eyes_of("coupler", pipeline.read_mechanism(folder / "spec.toml").features())
+    damage(folder / "linkage-assembly.3mf", "coupler", eyes, lambda z: z + 0.6)
+    found = [(f.code, f.where) for f in told(folder)]
+    where = "linkage-assembly.3mf, coupler" if settings else "linkage-assembly.3mf"
+    assert ("ROUND_TRIP", where) in found
+
+
+def test_a_lone_hole_that_no_output_sees(tmp_path: Path) -> None:
+    """The pin of a ram, moved along its way: the arm swings as ever."""
+    spec = Path(__file__).resolve().parents[2] / "specs" / "quick-return.toml"
+    text = spec.read_text("utf-8")
+    own = text[: text.index("[[output]]")] + '[[output]]\nname = "arm"\nlink = "arm"\n\n' + text[text.index("[limits]") :]
+    (tmp_path / "spec.toml").write_text(own, "utf-8")
+    assert pipeline.build(tmp_path / "spec.toml", tmp_path / "out", frozenset({"dxf"})).ok
+    folder = tmp_path / "out" / "quick-return"
+    damage(folder / "quick-return-ram.dxf", "ram", ((0j, 5.0),), lambda z: z + 0.6)
+    assert {(f.code, f.where) for f in told(folder)} == {("ROUND_TRIP", "quick-return-ram.dxf")}
+
+
+@pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
+def test_the_bore_of_a_cam_is_the_motions(built: Callable[..., Path], tmp_path: Path, kind: str) -> None:
+    """How a bore stands to the outline that a follower runs on: an error of the motion, told once."""
+    folder = Path(shutil.copytree(built("disc-cam"), tmp_path / "disc-cam"))
+    bore = next(part for part in pipeline.read_mechanism(folder / "spec.toml").parts() if part.name == "cam").bore
+    assert bore is not None
+    damage(folder / f"disc-cam-cam.{kind}", "cam", ((0j, bore),), lambda z: z + 0.6)
+    found = [(f.code, f.where) for f in told(folder)]
+    assert "MOTION_ERROR" in [code for code, where in found if kind in where]
+    assert ("ROUND_TRIP", f"disc-cam-cam.{kind}") not in found

@@ -1,0 +1,115 @@
+"""The two-crank chain before the indexing cam: its geometry, the same motion of the link by other cams, what is gained."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import SpecError
+from camgen.machine.cams.limits import steepest
+from camgen.machines.indexing_cam.driver import TwoCranks
+from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.pipeline.build import build, check
+from camgen.spec import read, validate
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+THETA = np.radians(np.arange(0.5, 360.0, 1.0))
+
+
+def design(**tables: Any) -> IndexingCam:
+    data = read(SPECS / "indexing-cam.toml")
+    for name, table in tables.items():
+        data[name] = {**data.get(name, {}), **table}
+    return validate(IndexingCam, data)
+
+
+def test_angles_of_crank_and_arm_by_the_pins_place() -> None:
+    """The pin, 20 from P at the crank's angle, is seen from Q, 8 beside P, under the arm's; slopes against differences."""
+    chain = TwoCranks(20.0, 8.0, math.radians(120), 1, 0j)
+    psi = np.linspace(-3.0, 3.0, 61)
+    tau = chain.tau(psi)
+    seen = 20 * np.exp(1j * tau[0]) - 8
+    assert np.max(np.abs(np.imag(seen * np.exp(-1j * psi)))) < 1e-12 and np.all(np.real(seen * np.exp(-1j * psi)) > 0)
+    for order in (1, 2, 3):
+        slope = (chain.tau(psi + 1e-5)[order - 1] - chain.tau(psi - 1e-5)[order - 1]) / 2e-5
+        assert tau[order] == pytest.approx(slope, abs=1e-8)
+    assert 1 / chain.tau(np.zeros(1))[1][0] == pytest.approx(20 / 12)  # d psi / d tau where the pin is nearest to Q
+    assert 1 / chain.tau(np.full(1, math.pi))[1][0] == pytest.approx(20 / 28)
+
+
+@pytest.mark.parametrize("rpm", [30.0, -30.0])
+def test_the_link_moves_as_by_the_even_drive(rpm: float) -> None:
+    even, uneven = design(motor={"speed_rpm": rpm}), design(motor={"speed_rpm": rpm}, driver={"offset": 8.0})
+    a, b = even.solve(THETA), uneven.solve(THETA)
+    for order in range(3):
+        assert b.derivatives("link")[order] == pytest.approx(a.derivatives("link")[order], abs=1e-10)
+    # by its own route, the fastest in the middle of each turn: 20 / (20 - 8) of the mean
+    cam = b.angle("cam")
+    middle = np.radians([60.0, 240.0] if rpm > 0 else [300.0, 120.0])
+    assert uneven.solve(middle).angle("cam")[1] == pytest.approx([5 / 3, 5 / 3])
+    assert cam[0] - cam[0][0] == pytest.approx(uneven.two_cranks.cam(THETA) - uneven.two_cranks.cam(THETA)[0])  # type: ignore[union-attr]
+    assert uneven.reachable(THETA) == pytest.approx(even.reachable(THETA))
+
+
+def test_cams_become_smaller_and_the_range_wider_at_the_same_acceleration() -> None:
+    """What the source says of the uneven drive. The peak acceleration is the law's, 6.1501 by the corrected card, in each row:
+    6.1501 * 180 deg / (2/3 s)^2. Sizes and ratios found are those at which specs made of them reach the 45 deg."""
+    even, *uneven = [table for table in design().study().tables if "two-crank" in table.title][0].rows
+    assert even[0] == 0 and [row[0] for row in uneven] == [0.2, 0.3, 0.4]
+    for row in (even, *uneven):
+        assert row[6] == pytest.approx(6.1501 * 180 * 2.25, rel=2e-5)
+        assert row[1] == pytest.approx(1 / (1 - row[0]))
+        driver = {"driver": {"crank": 20.0, "offset": 20.0 * row[0]}} if row[0] else {}
+        rise = 180 * row[5] / (1 + row[5])
+        fast = design(geometry={"rise_deg": rise, "dwell_deg": 180 - rise}, **driver)
+        assert steepest(fast.cams["cam"]) == pytest.approx(45.0, abs=0.05)
+        assert steepest(design(geometry={"base_radius": row[4]}, **driver).cams["cam"]) == pytest.approx(45.0, abs=0.05)
+        assert steepest(design(**driver).cams["cam"]) == pytest.approx(row[3], abs=0.01)
+    for row in uneven:
+        assert all(row[k] < even[k] for k in (3, 4, 5, 7, 8))
+
+
+def test_torque_on_the_cams_shaft_is_that_of_the_machine() -> None:
+    """Power: what the drive of the model gives at its crank, which turns twice as fast, is what the cam's shaft takes."""
+    made = design(driver={"offset": 8.0})
+    own = next(row for table in made.study().tables if "two-crank" in table.title for row in table.rows if row[0] == 0.4)
+    theta = np.linspace(0, math.tau, 1441)[1:-1]
+    run = made.solve(theta)
+    taken = 2 * run.forces().drives["motor"] / run.angle("cam")[1]
+    turning = np.abs(run.derivatives("swing")[1]) > 1e-6
+    assert np.max(np.abs(taken[turning])) == pytest.approx(own[8], rel=1e-3)
+
+
+def test_files_of_a_cam_that_turns_unevenly(tmp_path: Path) -> None:
+    """Green as made; with the even drive's outline in place of its own the motion is wrong."""
+    for name, settings in (("even", []), ("uneven", ["driver.offset=8"])):
+        report = build(SPECS / "indexing-cam.toml", tmp_path / name, frozenset({"dxf"}), settings)
+        assert report.ok, [finding for finding in report.findings if not finding.ok]
+    folder = tmp_path / "uneven" / "indexing-cam"
+    assert all(finding.ok for finding in check(folder).findings)
+    shutil.copy(tmp_path / "even" / "indexing-cam" / "indexing-cam-cam.dxf", folder)
+    assert "MOTION_ERROR" in {finding.code for finding in check(folder).findings if not finding.ok}
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"driver": {"offset": 16.5}}, r"driver.offset: 16.5 - expected at most 0.8 of the crank, 20 mm"),
+        ({"driver": {"offset": 8.0}, "geometry": {"dwell_deg": 50.0}}, r"geometry.dwell_deg: 50 - expected 180 less rise_deg"),
+        ({"driver": {"offset": 8.0}, "geometry": {"return_deg": 100.0}}, "geometry.return_deg: 100 - expected rise_deg, 120"),
+        ({"driver": {"offset": 8.0}, "parts": {"make": "machine"}}, r'parts.make: machine - expected "cams"'),
+    ],
+)
+def test_what_does_not_go_with_the_chain_is_told(tables: dict[str, Any], said: str) -> None:
+    with pytest.raises(SpecError, match=said):
+        design(**tables)
+
+
+def test_a_program_that_is_not_the_same_there_and_back_has_no_comparison() -> None:
+    titles = [table.title for table in design(geometry={"dwell_deg": 50.0}).study().tables]
+    assert not any("two-crank" in title for title in titles)

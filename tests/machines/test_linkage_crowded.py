@@ -1,0 +1,97 @@
+"""Links that find no levels: what is named, against a closed form, and cures that are told do mend."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+from camgen.errors import DesignError
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.pipeline.build import build
+from camgen.spec import validate
+
+CROSSED = {  # the rocker's middle comes within 6.1 mm of the pin at G, and is to lie on level 1
+    "points": {"O": [0, 0], "C": [70, 0], "A": [20, 0], "B": [55, 48], "G": [72.4, 25.6], "Q": [100, 60]},
+    "links": {"ground": ["O", "C", "G"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"],
+              "rod": ["B", "Q"], "arm": ["G", "Q"]},
+    "lengths": {"O-C": 70, "O-A": 20, "A-B": 60, "C-B": 50},
+    "output": [{"name": "out", "link": "arm"}],
+    "layers": {"rocker": 1}, "limits": {"transmission_angle_deg": 5},
+}  # fmt: skip
+DRAGGED = {  # both cranks turn over each other's pivot
+    "points": {"O": [0, 0], "C": [10, 0], "A": [30, 0], "B": [10, 40]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
+    "lengths": {"A-B": 35}, "output": [{"name": "out", "link": "rocker"}], "limits": {"transmission_angle_deg": 5},
+}  # fmt: skip
+CAM = {
+    "points": {"O": [0, 0], "C": [60, 0], "T": [30, 25], "G": [0, -45], "Q": [40, -40]},
+    "links": {"ground": ["O", "C", "G"], "crank": ["O"], "rocker": ["C", "T"], "rod": ["T", "Q"], "arm": ["G", "Q"]},
+    "cam": [{"cam": "crank", "follower": "rocker", "at": "T", "radius": 6, "segment": [
+        {"kind": "rise", "span_deg": 180, "lift_deg": 15, "law": "cycloidal"},
+        {"kind": "return", "span_deg": 180, "to_deg": 0, "law": "cycloidal"}]}],
+    "output": [{"name": "out", "link": "arm"}], "layers": {"arm": 3, "crank_on_rocker": 2},
+}  # fmt: skip
+
+
+def spec(tables: dict[str, Any], **more: Any) -> dict[str, Any]:
+    return {"mechanism": "linkage", "name": "own", "drive": {"link": "crank"}, **tables, **more}
+
+
+def refusal(tables: dict[str, Any]) -> DesignError:
+    with pytest.raises(DesignError, match="cannot pass on any level") as caught:
+        validate(Linkage, spec(tables)).parts()
+    return caught.value
+
+
+def test_pin_link_distance_and_angle_are_those_of_the_closed_form() -> None:
+    """Of the four-bar: B by two circles, and the distance of G from the line C-B."""
+    error, theta = refusal(CROSSED), np.radians(np.arange(0, 360, 0.1))
+    a, c, g = 20 * np.exp(1j * theta), 70 + 0j, 72.4 + 25.6j
+    far = np.abs(c - a)
+    along = (60**2 - 50**2 + far**2) / (2 * far)
+    b = a + (c - a) / far * (along + 1j * np.sqrt(60**2 - along**2))
+    off = np.abs(((g - c) * (b - c).conj()).imag) / 50
+    assert error.where.startswith("link rocker and pin G, ")
+    assert off.min() - 0.1 < error.value <= off.min()  # on the safe side by half a step of the samples
+    angle = float(re.findall(r"([\d.]+) deg", error.where)[0])
+    assert abs(angle - math.degrees(theta[np.argmin(off)])) < 1
+    assert error.limit == pytest.approx((5.2 / 2 + 2) + (5 / 2 + 1.5) + 0.2)  # hub, pin's head, air
+
+
+def test_cures_that_are_told_mend(tmp_path: Path) -> None:
+    told = refusal(CROSSED).remedy.partition(";")[0].removeprefix("mended by ").split(", or by ")
+    assert told[0] == "leaving [layers] out" and told[1].startswith("parts.rocker.bow = ")
+    for k, cure in enumerate(told):
+        (tmp_path / f"{k}").mkdir()
+        tables = spec({key: value for key, value in CROSSED.items() if key != "layers" or k > 0})
+        (tmp_path / f"{k}" / "own.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
+        sets = cure.replace(" = ", "=").split(" and ") if k > 0 else []
+        report = build(tmp_path / f"{k}" / "own.toml", tmp_path / f"{k}", frozenset({"3mf"}), sets)
+        assert not [finding for finding in report.findings if not finding.ok], cure
+        assert "INTERFERENCE" in {finding.code for finding in report.findings}
+
+
+def test_what_passes_right_over_a_shaft_is_told_to_be_elsewhere() -> None:
+    error = refusal(DRAGGED)
+    assert error.where.startswith("link rocker and shaft O") and error.value < 0.1
+    assert "points.O elsewhere" in error.remedy and "lengths of link rocker" in error.remedy
+    assert "mended" not in error.remedy and "smaller parts." not in error.remedy
+    assert "tried were all orders of the levels, heads over and under the plate, bows" in error.remedy
+
+
+def test_a_cams_disc_in_the_way_is_named_with_what_makes_it_smaller() -> None:
+    """Its greatest radius is the roller's centre, 15 deg out, less the roller."""
+    error, hinge, tip = refusal(CAM), 60 + 0j, 30 + 25j
+    out = hinge + (tip - hinge) * complex(math.cos(math.radians(15)), -math.sin(math.radians(15)))
+    assert error.where.startswith("cam crank on rocker and pin G")
+    assert error.value == pytest.approx(45) and error.limit == pytest.approx(abs(out) - 6 + 4 + 0.2, abs=1e-3)
+    assert error.remedy.startswith("mended by leaving [layers] out; else make room for 2.4")
+    keys = "points.T nearer to its shaft", "smaller parts.pin_diameter or parts.head", "points.O elsewhere", "points.G elsewhere"
+    assert all(said in error.remedy for said in keys)
+    assert "parts.wall" not in error.remedy and "hub_diameter" not in error.remedy

@@ -1,0 +1,123 @@
+"""Kinds of pins and the hand crank: built to files and green, their sizes those of the standards, damage found."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError, SpecError
+from camgen.judge import joints
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.pipeline.build import build, check
+from camgen.spec import read, validate
+
+# ISO 7379: shoulder -> thread, head's diameter and height, thread's length, mm [BOSL2, screws.scad].
+SHOULDERS = {6.5: (5, 10, 4.5, 9.5), 8: (6, 13, 5.5, 11), 10: (8, 16, 7, 13), 13: (10, 18, 9, 16)}
+
+
+def made(root: Path, folder: Path, *sets: str, kind: str = "3mf") -> Linkage:
+    report = build(root / "specs" / "linkage.toml", folder, frozenset({kind}), list(sets))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    return validate(Linkage, read(folder / "linkage" / "spec.toml"))
+
+
+def with_parts(root: Path, **parts: Any) -> Linkage:
+    return validate(Linkage, {**read(root / "specs" / "linkage.toml"), "parts": parts})
+
+
+@pytest.mark.parametrize("diameter", [5.0, 8.0])
+def test_shoulder_screws_are_those_of_the_standard(root: Path, tmp_path: Path, diameter: float) -> None:
+    sets = ["parts.pin=shoulder", f"parts.pin_diameter={diameter:g}", "parts.thickness=5"]
+    machine = made(root, tmp_path, *sets)
+    shoulder = min(size for size in SHOULDERS if size >= diameter)
+    thread, head, high, long = SHOULDERS[shoulder]
+    screws = [part for part in machine.parts() if part.name.startswith("pin")]
+    nuts = [part for part in machine.parts() if part.name.startswith("nut")]
+    assert sum(part.count for part in screws) == sum(part.count for part in nuts) == 3
+    for part in screws:
+        wide = [2 * float(np.abs(layer.region.outer.pieces[0].at(0.0))) for layer in part.layers]
+        assert wide == [head, shoulder, thread] and part.made == "bought"
+        assert part.layers[0].z1 == high and part.thickness - part.layers[1].z1 == long
+        assert part.layers[1].z1 - part.layers[1].z0 in (10, 12, 16, 20, 25, 30)
+
+
+def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: Path) -> None:
+    """MR85 is 5 x 8 x 2.5: ISO 15."""
+    machine = made(root, tmp_path, "parts.pin=bearing")
+    (ring,) = (part for part in machine.parts() if part.name.startswith("bearing"))
+    assert (ring.name, ring.count, ring.thickness, ring.bore) == ("bearing-mr85", 3, 2.5, 5)
+    rocker = next(part for part in machine.parts() if part.name == "rocker")
+    holes = sorted(math.sqrt(4 * abs(hole.area) / math.pi) for hole in rocker.layers[0].region.holes)
+    assert holes[-1] == pytest.approx(8, abs=1e-9)
+    assert [machine.machine().joint(name).clearance for name in "ABC"] == [0, 0, 0]  # both press fits
+    plain = with_parts(root)
+    assert [plain.machine().joint(name).clearance for name in "ABC"] == pytest.approx([0.2, 0.2, 0.2])
+
+
+def test_a_bearing_for_the_shaft(root: Path, tmp_path: Path) -> None:
+    machine = made(root, tmp_path, "parts.pins.O=bearing", "parts.base_thickness=6")
+    (mount,) = (mount for mount in machine.mounts() if mount.part == "bearing-626")
+    assert mount.body == "ground" and mount.at == 0
+
+
+def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made(root, tmp_path, "parts.pin=bearing", kind="dxf")
+    folder = tmp_path / "linkage"
+    document = ezdxf.readfile(folder / "linkage-rocker.dxf")
+    seat = max((circle for circle in document.modelspace().query("CIRCLE")), key=lambda circle: circle.dxf.radius)
+    assert seat.dxf.radius == 4
+    seat.dxf.radius = 4.02
+    document.saveas(folder / "linkage-rocker.dxf")
+    found = {finding.code: finding for finding in check(folder).findings}
+    assert not found["PIN_GAP"].ok and found["PIN_GAP"].measured == pytest.approx(0.04, abs=2e-3)
+    seat.dxf.radius = 4
+    document.saveas(folder / "linkage-rocker.dxf")
+    assert "PIN_GAP" not in {finding.code for finding in check(folder).findings if not finding.ok}
+    lash = {finding.code: finding for finding in check(folder).findings}["LASH"].measured
+    monkeypatch.setattr(joints, "sum", lambda rings: 0.0, raising=False)  # as if a pin had all of the seat to itself
+    assert {finding.code: finding for finding in check(folder).findings}["LASH"].measured > lash + 1
+
+
+@pytest.mark.parametrize(
+    ("parts", "error", "said"),
+    [
+        ({"pins": {"X": "bearing"}}, SpecError, "parts.pins.X"),
+        ({"pins": {"P": "bearing"}}, DesignError, "parts.pins.P: no link turns there"),
+        ({"pins": {"O": "shoulder"}}, DesignError, "parts.pins.O: it is a shaft"),
+        ({"pins": {"O": "bearing"}, "motor": "nema-17", "shaft_diameter": 5}, DesignError, "pins.O: it is the motor"),
+        ({"pins": {"O": "bearing"}}, DesignError, "parts.base_thickness is 5 mm.*limit 6 mm.*626"),
+        ({"pin": "bearing", "coupler": {"thickness": 2}}, DesignError, "parts.coupler.thickness is 2 mm.*limit 2.5 mm.*MR85"),
+        ({"pin": "bearing", "pin_diameter": 4.5}, DesignError, "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8"),
+        ({"pin": "shoulder", "pin_diameter": 14}, SpecError, "parts.pin_diameter.*at most 13"),
+        ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError, "shoulder screw.*parts.pins"),
+        ({"hand_crank": 5}, SpecError, "parts.hand_crank.*at least 15 mm"),
+        ({"hand_crank": 40, "shaft_length": 8}, SpecError, "parts.shaft_length.*at least 10 mm.*hand crank"),
+        ({"hand_crank": 40, "motor": "nema-17", "shaft_diameter": 5}, SpecError, "parts.hand_crank.*nema-17 drives"),
+    ],
+)
+def test_pins_and_cranks_that_cannot_be(root: Path, parts: dict[str, Any], error: type[Exception], said: str) -> None:
+    with pytest.raises(error, match=said):
+        with_parts(root, **parts).parts()
+
+
+def test_a_hand_crank_turns_with_the_shaft(root: Path, tmp_path: Path) -> None:
+    """Its knob goes round the shaft with the crank, in the list, in the assembly and in place of a bought drive."""
+    machine = made(root, tmp_path, "parts.hand_crank=40")
+    theta = np.linspace(0, math.tau, 17)
+    (knob,) = machine.poses(theta)["knob"]
+    assert np.max(np.abs(knob.place - 40 * np.exp(1j * theta))) < 1e-9
+    listed = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
+    assert all(name in listed for name in ("hand-crank,", "knob,", "knob-pin,")) and "drive" not in listed
+    steps = [row[1] for row in machine.steps().rows]
+    assert {"hand-crank", "knob", "knob-pin"} <= {str(step) for step in steps}
+    heights = {mount.part: (mount.z, mount.z + next(part for part in machine.parts() if part.name == mount.part).thickness)
+               for mount in machine.mounts() if mount.part in ("hand-crank", "knob", "knob-pin", "shaft", "collar")}  # fmt: skip
+    assert heights["hand-crank"][0] == heights["shaft"][0] and heights["hand-crank"][1] < heights["collar"][0]
+    assert heights["knob"][1] < heights["hand-crank"][0] and heights["knob-pin"][1] == pytest.approx(heights["hand-crank"][1])
