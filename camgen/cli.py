@@ -321,10 +321,9 @@ def tolerance(
     with Bar() as progress:
         report = tolerance_report.tolerance(spec, settings, samples, seed, worst, progress)
     if html is not None:
-        from camgen.report.figures import plot_svg
         from camgen.report.report import write_html
 
-        write_html(html, report, [plot_svg(plot) for plot in report.plots])
+        write_html(html, report)
     if as_json:
         from camgen.report.report import to_json
 

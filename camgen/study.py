@@ -12,7 +12,8 @@ from camgen.numerics import Floats, Points
 class Plot:
     """A figure of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
-    A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways.
+    A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
+    points, not a line.
     """
 
     title: str
@@ -21,15 +22,20 @@ class Plot:
     series: Sequence[tuple[str, Floats, Floats]]
     marks: Sequence[tuple[str, float]] = ()
     equal: bool = False
+    dots: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the report: rows of text or numbers under the columns' names."""
+    """A table of the report: rows of text or numbers under the columns' names.
+
+    copies: of steps of assembly, what each row lays on: names of copies, such as cam-1, or of parts, for all their copies.
+    """
 
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[object]]
+    copies: Sequence[Sequence[str]] = ()
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,35 @@ class Sketch:
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
     body: str = "ground"
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """A plate ready to print: its file, and the copies on it, (part, transform (3, 4)), mm."""
+
+    file: str
+    copies: Sequence[tuple[str, Floats]]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of assembly: what it is, and the copies that it lays on, by name; none where nothing is made for it."""
+
+    title: str
+    copies: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The machine in three dimensions.
+
+    glb: with one turn as its animation; copies: names of its parts' copies, in the order of its nodes.
+    """
+
+    glb: bytes
+    copies: Sequence[str]
+    plates: Sequence[Plate]
+    steps: Sequence[Step]
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Real programs open every part that specs/ produces: pytest tests/clients.py, or python tests/clients.py FOLDER...
 
-admesh, prusa-slicer, openscad and librecad come with apt, GDAL and gmsh with `pip install pyogrio gmsh`, lib3mf with camgen;
-what is not installed is passed over, and said so. Exit codes of these programs mean little, so what they print is read: each
-client answers with what it has against a file, "" for nothing. Areas and volumes are compared with the exact ones of
-report.json.
+admesh, prusa-slicer, openscad, librecad and chromium come with apt, GDAL and gmsh with `pip install pyogrio gmsh`, lib3mf with
+camgen; what is not installed is passed over, and said so. Exit codes of these programs mean little, so what they print is
+read: each client answers with what it has against a file, "" for nothing. Areas and volumes are compared with the exact
+ones of report.json.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from browser import chromium
 
 from camgen.files.stl import read_stl
 from camgen.geometry.mesh import slice_mesh
@@ -271,7 +272,8 @@ def gmsh(path: Path) -> Problem:
 # ---- every part ------------------------------------------------------------------------------------------------------
 
 CLIENTS: dict[str, Sequence[Client]] = {
-    ".stl": (admesh, prusa_slicer, openscad), ".3mf": (lib3mf, prusa_slicer), ".dxf": (librecad, gdal), ".step": (gmsh,)
+    ".stl": (admesh, prusa_slicer, openscad), ".3mf": (lib3mf, prusa_slicer), ".dxf": (librecad, gdal), ".step": (gmsh,),
+    ".html": (chromium,),
 }  # fmt: skip
 PACKAGES = {lib3mf: "lib3mf", gdal: "pyogrio", gmsh: "gmsh"}  # of Python; the others are programs
 
@@ -303,7 +305,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     out = tmp_path_factory.mktemp("parts")
 
     def build(spec: Path) -> str:
-        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step", limit=600)
+        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step,report", limit=600)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
@@ -400,6 +402,12 @@ def edited_dxf(path: Path, edit: Callable[[Any, Any], None]) -> None:
     drawing.saveas(path)
 
 
+def edited_text(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
 def in_inches(drawing: Any, contour: Any) -> None:
     drawing.header["$INSUNITS"] = 1
 
@@ -465,6 +473,9 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
     (librecad, "inches", lambda path: edited_dxf(path, in_inches)),
     (librecad, "open", lambda path: edited_dxf(path, unclosed)),
     (librecad, "truncated", truncated),
+    (chromium, "torn", lambda path: edited_text(path, 'id="glb">', 'id="glb">!')),
+    (chromium, "wide", lambda path: edited_text(path, "<main>", '<main><p style="width:2000px">wide</p>')),
+    (chromium, "faulty", lambda path: edited_text(path, "</body>", "<script>nothing.here()</script></body>")),
     (gmsh, "face lost", lambda path: edited_step(path, r"(CLOSED_SHELL\('',\()#\d+,", r"\1")),
     (gmsh, "metres", lambda path: edited_step(path, r"SI_UNIT\(.MILLI.", "SI_UNIT($")),
     (gmsh, "renamed", lambda path: edited_step(path, r"PRODUCT\('cam','cam'", "PRODUCT('rod','rod'")),
@@ -489,7 +500,8 @@ def test_a_damaged_file_is_refused(
 ) -> None:
     needed(client)
     suffix = ".3mf" if damage.endswith("3mf") else next(suffix for suffix, found in CLIENTS.items() if client in found)
-    source = next(folder for folder in built if folder.name == "disc-cam") / f"disc-cam-cam{suffix}"
+    name = "report.html" if client is chromium else f"disc-cam-cam{suffix}"
+    source = next(folder for folder in built if folder.name == "disc-cam") / name
     for path in (source, source.with_name("report.json")):
         shutil.copy(path, tmp_path)
     path = tmp_path / source.name

@@ -18,7 +18,8 @@ import pytest
 import camgen
 from camgen.cli import main
 from camgen.findings import Finding, NotJudged
-from camgen.report.report import _UNITS, Report
+from camgen.report.report import Report
+from camgen.report.words import UNITS
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"
 DISC = SPECS / "disc-cam.toml"
@@ -130,7 +131,7 @@ BARE = ("_ratio", "_share", "_crossings", "_rate_min", "_rate_max", "velocity_ra
 def test_figures_have_plain_names_that_end_in_their_unit(name: str) -> None:
     numbers = camgen.load(SPECS / f"{name}.toml").study().numbers
     assert [key for key in numbers if not re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)+", key)] == []
-    units = tuple(f"_{unit}" for unit in _UNITS)
+    units = tuple(f"_{unit}" for unit in UNITS)
     assert [key for key in numbers if not key.endswith((*units, *BARE))] == []
 
 
@@ -153,6 +154,6 @@ def test_a_notebook_shows_the_verdict_then_what_fails_escaped() -> None:
     report = Report("<name>", "disc-cam", [held, fails], numbers, not_judged=[NotJudged("LASH", "no STL", "STL")])
     page = report._repr_html_()
     assert "&lt;name&gt;: 1 of 2 checks fails; NOT JUDGED: LASH (needs STL)" in page and "<script>" not in page
-    assert 0 < page.index("1 of 2") < page.index("FAILS_HERE") < page.index("HOLDS</code>") < page.index("<dt>stroke</dt>")
-    assert "b &amp; c.dxf" in page and "motion error" not in page
+    assert 0 < page.index("1 of 2") < page.index("FAILS_HERE") < page.index("HOLDS</code>") < page.index("<dt>Stroke</dt>")
+    assert "b &amp; c.dxf" in page and "otion error" not in page
     assert "The one check holds" in Report("a", "b", [held])._repr_html_()

@@ -29,7 +29,7 @@ TOP = {"__init__", "__main__", "cli", "guide", "running", "starters"}
 # a curve, nor the route by which the maker closes it. Of a format it takes the reading, and what is said of it in the list.
 SEEN = {"model", "features", "targets", "constraints"}
 FACTS = {("formats", "FORMATS"), ("formats", "DRAWN"), ("formats", "SOLID")}
-HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "shapely", "scipy", "rich"}
+HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "scipy", "rich"}
 LIGHT = {
     "__init__", "__main__", "cli", "running", "guide.__init__", "errors", "findings", "tolerances", "report.terminal",
     "files.folder", "files.formats",
@@ -116,12 +116,6 @@ def test_wings_are_all_that_there_is() -> None:
     assert {module: lines for module, lines in long.items() if lines > 500} == {}, "two ideas in one file"
 
 
-def test_only_figures_imports_matplotlib() -> None:
-    texts = {module: path.read_text(encoding="utf-8") for module, path in MODULES.items()}
-    users = {module for module, text in texts.items() if "import matplotlib" in text or "from matplotlib" in text}
-    assert users == {"report.figures"}
-
-
 @pytest.mark.parametrize(
     "rule, module, text",
     [
@@ -168,4 +162,4 @@ def test_dxf_only_run_loads_no_mesh_library(starter: Path, tmp_path: Path) -> No
         f"    main(['build', {str(starter)!r}, '--only', 'dxf', '-o', {str(tmp_path)!r}])\n"
         "except SystemExit as done:\n    assert done.code == 0, done.code"
     )
-    assert loaded(code) & {"trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "matplotlib", "scipy"} == set()
+    assert loaded(code) & {"trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "scipy"} == set()

@@ -248,16 +248,19 @@ def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, M
     for k, spots in enumerate(layout.plates, 1):
         path = folder / (f"{name}-plate.3mf" if k == 1 else f"{name}-plate-{k}.3mf")
         objects = {part: mesh for part, mesh in meshes.items() if any(spot.part == part for spot in spots)}
-        items = [Placed(s.part, f"{s.part} {s.copy}", _placing(s)) for s in spots]
-        write_3mf(path, objects, items, f"{key}:plate-{k}")
+        write_3mf(path, objects, placed(spots), f"{key}:plate-{k}")
         paths.append(path)
     return paths
 
 
-def _placing(spot: Spot) -> Floats:
-    """Transform (3, 4) of one copy."""
-    place = placing(spot.angle, spot.position, spot.z, 0.0)
-    return np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
+def placed(spots: Sequence[Spot]) -> list[Placed]:
+    """The copies of a plate."""
+    found = []
+    for spot in spots:
+        place = placing(spot.angle, spot.position, spot.z, 0.0)
+        turned = np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
+        found.append(Placed(spot.part, f"{spot.part} {spot.copy}", turned))
+    return found
 
 
 # ---- the list of parts -----------------------------------------------------------------------------------------------

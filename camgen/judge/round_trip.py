@@ -160,6 +160,11 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     return _judge_sections(sections, expected, where, 0.0, findings, _level_error(body.heights, expected))
 
 
+def judge_cut(rings: Sequence[Ring], expected: Expected, where: str) -> Judged:
+    """Contours and walls of a part as it is cut of a sheet, in the part's frame."""
+    return _judge_sections([(expected.sections[expected.cut], rings)], expected, where, 0.0, [])
+
+
 def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> Judged:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
@@ -272,7 +277,7 @@ def _judge_sections(
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.undo
     try:
-        sections = [(meant, _pieces(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
+        sections = [(meant, pieces_of(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
         if undo is not None:
             sections = [(meant, shapes if meant.sent else tuple(map(undo, shapes))) for meant, shapes in sections]
     except ValueError as error:
@@ -310,7 +315,7 @@ def _judge_sections(
     return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in made))
 
 
-def _pieces(rings: Sequence[Ring]) -> tuple[Shape, ...]:
+def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
     """Separate flat parts: each ring that lies in no other one, with the rings inside it."""
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     groups: list[list[Ring]] = []

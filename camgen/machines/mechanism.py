@@ -251,18 +251,21 @@ class Mechanism(Spec, ABC):
         """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
         turned over, such as a pin with its head up, comes from above: by its top."""
         parts, mounts = {part.name: (k, part) for k, part in enumerate(self.parts())}, self.mounts()
-        copies: Counter[tuple[float, int, bool, float]] = Counter()
+        copies: dict[tuple[float, int, bool, float], list[str]] = {}
+        number: Counter[str] = Counter()
         for mount in mounts:
             k, part = parts[mount.part]
+            number[part.name] += 1
             height = mount.z + (part.thickness if mount.flipped else 0.0)
-            copies[round(height, 6) + 0.0, k, mount.flipped, round(mount.z, 6) + 0.0] += 1
+            step = round(height, 6) + 0.0, k, mount.flipped, round(mount.z, 6) + 0.0
+            copies.setdefault(step, []).append(f"{part.name}-{number[part.name]}")
         listed = [part for _, part in parts.values()]
         rows = [
-            (step, listed[k].name, listed[k].title, count, z, "turned over" if over else "as drawn")
-            for step, ((_, k, over, z), count) in enumerate(sorted(copies.items()), 1)
+            (step, listed[k].name, listed[k].title, len(laid), z, "turned over" if over else "as drawn")
+            for step, ((_, k, over, z), laid) in enumerate(sorted(copies.items()), 1)
         ]
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
-        return Table("Assembly from the bottom up, by height alone", columns, rows)
+        return Table("Assembly from the bottom up, by height alone", columns, rows, [laid for _, laid in sorted(copies.items())])
 
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""

@@ -132,7 +132,8 @@ class StandingCams(Mechanism):
             z = layout.floor(layout.level[name] - layout.below(spring))
             said = f"{titles[name]}, hooked under the heads of its pins"
             rows.append((len(rows) + 1, "extension spring", said, 1, z, "as bought"))
-        return replace(table, rows=tuple(rows))
+        nothing = [()] * (len(rows) - len(table.rows))
+        return replace(table, rows=tuple(rows), copies=(*table.copies, *nothing))
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from camgen import spec as specs
 from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
-from camgen.files.formats import FORMATS, USUAL
+from camgen.files.formats import FORMATS, SOLID, USUAL
 from camgen.findings import at_most
-from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.machine.features import PartPose
-from camgen.machine.model import unit_of
-from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
 from camgen.pipeline.judging import judge
+from camgen.pipeline.laser import sheet_files
+from camgen.pipeline.machining import table_files
 from camgen.pipeline.making import make
-from camgen.report.animation import Animation, Body
+from camgen.pipeline.shown import animation, scene
 from camgen.report.report import Report, write_csv, write_html, write_json
 
 KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "matplotlib")
-_DRAWN = 0.01  # mm, arc tolerance of the report's moving picture
-_FRAMES = 120  # of the moving picture
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut")
 
 
 def build(
@@ -55,7 +48,10 @@ def build(
     with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)
-        make(case, only, workers, progress)
+        plates, seen = make(case, only, workers, progress), None
+        if "report" in only and only & set(SOLID):
+            seen = scene(mechanism, plates)
+            case.file("assembly", "glb").write_bytes(seen.glb)
         report, columns = judge(case, [kind for kind in ANY_KIND if kind in only], workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
@@ -63,10 +59,7 @@ def build(
             for name, text in mechanism.texts().items():
                 (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
-            from camgen.report.figures import plot_svg
-
-            figures = list(workers.map(plot_svg, report.plots))
-            write_html(folder / "report.html", replace(report, animation=animation(mechanism)), figures)
+            write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
@@ -90,7 +83,8 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
     with Workers(jobs) as workers:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
-    judged |= {name for name in listed if name.endswith(".3mf")}
+    sheets = {path.name for path in (*sheet_files(case), *table_files(case))}
+    judged |= {name for name in listed if name.endswith((".3mf", ".svg")) or name in sheets}
     differ = changed_files(folder)
     as_they_are = [name for name in differ if name in judged]
     if as_they_are:
@@ -105,23 +99,3 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
 def _files(case: Case, kind: str) -> list[Path]:
     """The files of a kind that a build may have made."""
     return [case.folder / "report.html"] if kind == "report" else [case.file(name, kind) for name in case.parts]
-
-
-def animation(mechanism: Mechanism) -> Animation:
-    """One turn of the exact mechanism, as the report shows it moving."""
-    theta = np.linspace(0, 2 * math.pi, _FRAMES, endpoint=False)
-    if mechanism.sense < 0:  # as time goes on
-        theta = np.mod(-theta, 2 * math.pi)
-    poses, courses, bodies = mechanism.poses(theta), mechanism.courses(theta), []
-    for part in mechanism.parts():
-        region = part.region
-        rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
-        bodies.append(Body(part.name, poses[part.name], rings))
-    for s in mechanism.study().sketches:
-        body = courses[s.body]
-        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles))
-    if not mechanism.features():
-        return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
-    output = mechanism.model.outputs[0]
-    unit, scale = unit_of(output)
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit)

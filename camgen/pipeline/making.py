@@ -21,7 +21,9 @@ from camgen.parts.catalogue import DENSITY
 from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.study import Table
+from camgen.pipeline.laser import make_sheets
+from camgen.pipeline.machining import make_tables
+from camgen.study import Plate, Table
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
@@ -30,8 +32,11 @@ if TYPE_CHECKING:
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
 
 
-def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> None:
-    """Write the files of these kinds, of FORMATS, into the case's folder, beside the spec that is there."""
+def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> list[Plate]:
+    """Write the files of these kinds, of FORMATS, into the case's folder, beside the spec that is there.
+
+    Returns the plates that were laid out.
+    """
     mechanism, names = case.mechanism, list(case.parts)
     listed = mechanism.printed()
     meshes: dict[str, Mesh] = {}
@@ -44,18 +49,25 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
             meshes[name], sent[name] = pair
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    if "dxf" in only and mechanism.laser is not None:
+        make_sheets(case)
+    if "dxf" in only:
+        make_tables(case)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:
-        return
+        return []
     progress("putting the assembly together", 0.4)
     write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
-    if listed:
-        from camgen.files.plates import laid_out, write_plates
+    if not listed:
+        return []
+    from camgen.files.plates import laid_out, placed, write_plates
 
-        progress("laying out the plates", 0.42)
-        layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides)
-        write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
+    progress("laying out the plates", 0.42)
+    layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides)
+    paths = write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
+    laid = [[(copy.object, copy.transform) for copy in placed(spots)] for spots in layout.plates]
+    return [Plate(path.name, copies) for path, copies in zip(paths, laid, strict=True)]
 
 
 def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, Side]:

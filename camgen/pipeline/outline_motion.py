@@ -35,7 +35,7 @@ _SAMPLES = 7200  # over the turn
 _STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of the motion
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
 _FRAMES = 120  # of the moving picture
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "matplotlib", "scipy", "shapely")
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely")
 
 # ---- the motion ------------------------------------------------------------------------------------------------------
 
@@ -167,10 +167,8 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     with Staged(out / report.name) as folder:
         if columns:
             progress("writing the report")
-            from camgen.report.figures import plot_svg
-
             write_csv(folder / "motion.csv", columns)
-            write_html(folder / "report.html", report, [plot_svg(plot) for plot in report.plots])
+            write_html(folder / "report.html", report)
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     return report

@@ -14,6 +14,7 @@ import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.features import PartPose
+from camgen.report.colours import part_colour
 
 Ring = tuple[Points, Floats]
 
@@ -55,16 +56,16 @@ class Animation:
 def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
     """A still picture of the mechanism at frame `frame`, as an SVG file of its own."""
     box, drawing = _drawing(animation, frame)
+    colours = "".join(f".c{k}{{color:{part_colour(k)}}}" for k in range(len(animation.bodies)))
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="480" role="img">'
-        f"<title>{escape(title)}</title><style>{_STILL_STYLE}</style>{drawing}</svg>\n"
+        f"<title>{escape(title)}</title><style>{_STILL_STYLE}{colours}</style>{drawing}</svg>\n"
     )
 
 
 _STILL_STYLE = (
     "svg{background:#fff;font-family:sans-serif}.grid{stroke:#e6eaee}.axes{stroke:#9aa5b1}.scale{stroke:#39424e}"
-    "text{fill:#39424e}use{fill:currentColor;stroke:currentColor}.c0{color:#0b62a8}.c1{color:#b5541c}.c2{color:#2c7a4b}"
-    ".c3{color:#7a3e9d}.c4{color:#8a6d00}.c5{color:#a8326e}"
+    "text{fill:#39424e}use{fill:currentColor;stroke:currentColor}"
 )
 
 
@@ -174,11 +175,12 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     across, up = (np.arange(math.ceil(a / step), b / step) * step for a, b in ((left, right), (low, high)))
     grid = "".join(f"M{_xy(complex(x, low))}V{_number(high)}" for x in across)
     grid += "".join(f"M{_xy(complex(left, y))}H{_number(right)}" for y in up)
+    scale = max(power * factor for factor in (1, 2, 5, 10, 20) if power * factor <= size / 4)
     thin, bar = _number(size / 500), complex(left + 0.04 * size, low + 0.05 * size)
     shapes = "".join(_shape(k, body, size / 60) for k, body in enumerate(animation.bodies))
     dashes = f' stroke-dasharray="{_number(size / 80)} {_number(size / 160)}"'
     uses = "".join(
-        f'<use href="#body-{k}" class="c{k % 6}"{dashes if pose.flipped else ""} {_placed(pose, frame, count)}/>'
+        f'<use href="#body-{k}" class="c{k}"{dashes if pose.flipped else ""} {_placed(pose, frame, count)}/>'
         for k, pose in copies
     )
     axes = f"M{_number(left)} 0H{_number(right)}M0 {_number(low)}V{_number(high)}"
@@ -188,8 +190,8 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
         f'<defs>{shapes}</defs><g transform="scale(1 -1)" fill="none" stroke-width="{thin}" stroke-linejoin="round">'
         f'<path class="grid" d="{grid}"/><path class="axes" d="{axes}" stroke-dasharray="{_number(size / 30)} '
         f'{_number(size / 120)} {_number(size / 240)} {_number(size / 120)}"/>'
-        f'<path class="scale" stroke-width="{_number(size / 200)}" d="M{_xy(bar)}h{_number(2 * step)}"/>{uses}</g>'
-        f"{text}{2 * step:g} mm</text>",
+        f'<path class="scale" stroke-width="{_number(size / 200)}" d="M{_xy(bar)}h{_number(scale)}"/>{uses}</g>'
+        f"{text}{scale:g} mm</text>",
     )
 
 
@@ -216,25 +218,49 @@ def _placed(pose: PartPose, frame: int, count: int) -> str:
     return f'transform="translate({_xy(position[frame])})rotate({_number(math.degrees(angle[frame]))}){mirror}"'
 
 
-def player(animation: Animation) -> str:
-    """The drawing with its legend, play button, slider and read-out; without script a still picture."""
+def player(animation: Animation, scene: bool = False) -> str:
+    """The drawing with its parts, play button, slider and read-out; without script a still picture.
+
+    scene: whether there is a view in three dimensions, which takes the drawing's place.
+    """
     box, drawing = _drawing(animation, 0)
-    legend = []
+    items = []
     for k, body in enumerate(animation.bodies):
-        for flipped in sorted({pose.flipped for pose in body.poses}):
-            number = sum(pose.flipped == flipped for pose in body.poses)
-            words = body.name + (", flipped" if flipped else "") + (f" × {number}" if number > 1 else "")
-            legend.append(f'<li class="c{k % 6}{" flipped" if flipped else ""}">{escape(words)}</li>')
+        over = sum(pose.flipped for pose in body.poses)
+        words = body.name.replace("_", " ") + (f" × {len(body.poses)}" if len(body.poses) > 1 else "")
+        if over:
+            words += f" ({over} turned over)" if len(body.poses) > 1 else ", turned over"
+        items.append(
+            f'<li class="c{k}"><input type="color" value="{part_colour(k)}" aria-label="colour of {escape(body.name)}" hidden>'
+            f'<label><input type="checkbox" checked data-body="{k}" hidden> {escape(words)}</label></li>'
+        )
     names = ", ".join(body.name for body in animation.bodies)
     value = "" if animation.output is None else (
-        f'<span>{escape(animation.output_name)} <output id="value">{fixed(animation.output[0])}</output> '
+        f'<span>{escape(animation.output_name.replace("_", " "))} <output id="value">{fixed(animation.output[0])}</output> '
         f"{escape(animation.output_unit)}</span>"
     )  # fmt: skip
     return (
-        f'<figure class="player"><svg id="mechanism" viewBox="{box}" role="img" aria-labelledby="drawn drawn-what">'
-        f'<title id="drawn">The mechanism in motion</title><desc id="drawn-what">Seen along the axes, y up: '
-        f"{escape(names)}.</desc>{drawing}</svg><ul>{''.join(legend)}</ul>"
+        '<figure class="player"><div class="view">'
+        f'<svg id="mechanism" viewBox="{box}" role="img" aria-labelledby="drawn drawn-what">'
+        '<title id="drawn">The mechanism in motion</title><desc id="drawn-what">Seen along the axes, y up: '
+        f"{escape(names)}.</desc>{drawing}</svg>{_CANVAS if scene else ''}</div>"
         '<div class="controls"><button type="button" id="play" hidden>Play</button>'
         '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
-        f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div></figure>'
+        f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>'
+        f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'
+        f'<ul>{"".join(items)}</ul></details></figure>'
     )
+
+
+_CANVAS = (
+    '<canvas id="machine" tabindex="0" role="img" aria-label="The machine in three dimensions: drag or arrow keys turn it, '
+    'plus and minus zoom, 0 shows it as at first" hidden></canvas>'
+)
+_TOOLS = (
+    '<div class="tools" hidden><button type="button" id="flat" aria-pressed="false">Drawing</button>'
+    '<button type="button" id="home">View</button>'
+    '<label>Explode <input id="explode" type="range" min="0" max="1" step="0.01" value="0"></label>'
+    '<label>Section <select id="section"><option value="">none</option><option>x</option><option>y</option><option>z</option>'
+    '</select></label><input id="cut" type="range" min="0" max="1" step="0.005" value="0.5" aria-label="place of the section" '
+    "hidden></div>"
+)

@@ -1,155 +1,307 @@
-"""Plots of the report as SVG, the only importer of matplotlib.
+"""Plots of the report as SVG: axes, grid, curves and the names of marks.
 
-Colours are left to the page: each is written as a CSS variable with a value for a page that sets none, so that one
-picture serves light, dark and print. Series differ in dashes too, never in colour alone.
+Colours and dashes are classes that the page defines, so that one picture serves light, dark and print; a picture that
+stands alone brings them along. A curve that lies on another is drawn once, under both names; one that only oscillates
+between two bounds is drawn as the band between them. Same plot, same text.
 """
 
 from __future__ import annotations
 
-import io
+import itertools
+import math
 import re
-import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
-from typing import Any
 
 import numpy as np
 
-from camgen.geometry.outlines import Floats
+from camgen.numerics import Floats, Points
+from camgen.report.colours import SERIES
 from camgen.study import Plot
 
-# Twice this many points, the least and the greatest of each step, are all that a plot some 400 points wide can show.
-STEPS = 360
+_BAND_STEPS = 120  # along x: a band is as wide as the curve is high in each
+_REVERSALS = 150  # of direction, from which on a curve is a band
 
-_WIDTH, _HEIGHT = 432.0, 252.0  # pt
-_LEFT, _RIGHT, _LOW, _TOP = 66.0, 422.0, 42.0, 222.0  # the axes' frame, pt from the lower left corner
+_WIDTH, _HEIGHT = 336.0, 198.0
+_LEFT, _RIGHT, _TOP, _LOW = 46.0, 322.0, 22.0, 164.0  # the axes' frame, y downwards
+_FINE = 0.05  # how far a drawn curve may be off
+_ALIKE = 0.5  # curves that are nowhere farther apart are drawn once
+_LETTER, _ROW = 5.2, 12.0  # of a mark's name: mean width of a letter, height of a row
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DASHES = ("", "7 3", "2 2", "9 3 2 3", "12 4", "4 2 1 2 1 2")
 
-_LETTER, _ROW = 4.6, 10.0  # pt, of a mark's name: mean width of a letter, height of a row
-
-_INK, _GRID = "#010203", "#040506"
-_SERIES = ("#0b62a8", "#b5541c", "#2c7a4b", "#7a3e9d", "#8a6d00", "#a8326e")
-_DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (7, 2, 1.2, 2)), (0, (9, 3)), (0, (3, 1, 1, 1, 1, 1)))
-_COLOURS = {
-    _INK: "var(--ink, #1d2530)",
-    _GRID: "var(--grid, #dfe4ea)",
-    **{colour: f"var(--s{k}, {colour})" for k, colour in enumerate(_SERIES)},
-}
-_STYLE: dict[str, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "camgen",
-    "svg.image_inline": True,
-    "text.parse_math": False,
-    "text.usetex": False,
-    "font.family": ["sans-serif"],
-    "font.size": 10.0,
-    "path.simplify": True,
-    "axes.edgecolor": _INK,
-    "axes.labelcolor": _INK,
-    "axes.linewidth": 0.8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": _GRID,
-    "grid.linewidth": 0.7,
-    "text.color": _INK,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
-    "xtick.major.size": 0.0,
-    "ytick.major.size": 0.0,
-    "legend.frameon": False,
-    "legend.labelcolor": _INK,
-}
+_STYLE = "".join(
+    f".s{k}{{color:{colour}}}.s{k} path,.k.s{k}{{stroke-dasharray:{dash or 'none'}}}"
+    for k, (colour, dash) in enumerate(zip(SERIES, _DASHES, strict=True))
+) + (
+    ".plotted{font:11px system-ui,sans-serif}.plotted text{fill:#1d2530}.plotted .rule{stroke:#dfe4ea;fill:none}"
+    ".plotted .frame,.plotted .mark{stroke:#5b6675;fill:none}.plotted .mark{stroke-dasharray:2 2}.end{text-anchor:end}"
+    ".mid{text-anchor:middle}.curve{fill:none;stroke:currentColor;stroke-width:1.7;stroke-linejoin:round}"
+    ".band{fill:currentColor;fill-opacity:.22;stroke:currentColor;stroke-width:.8}.plotted .dots{fill:currentColor}"
+)  # fmt: skip
 
 
-def thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """At most 2 STEPS + a few of the points (n,), with the least and the greatest of each step and every gap (nan)."""
-    x, y = np.asarray(x, float), np.asarray(y, float)
-    if len(x) <= 2 * STEPS:
-        return x, y
-    edges = np.linspace(0, len(x), STEPS + 1).astype(int)
-    known = np.isfinite(y)
-    low, high = np.where(known, y, np.inf), np.where(known, y, -np.inf)
-    kept = [0, len(x) - 1]
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
-        kept += [a + int(np.argmin(low[a:b])), a + int(np.argmax(high[a:b])), a + int(np.argmin(known[a:b]))]
-    # argmin of `known` is a gap where there is one, else the step's first point: dropped unless it is a gap.
-    order = np.unique([k for n, k in enumerate(kept) if n < 2 or (n - 2) % 3 < 2 or not known[k]])
-    return x[order], y[order]
+@dataclass(frozen=True)
+class _Curve:
+    """What is drawn of one or more series: its names, its points in the picture (y downwards), and what they are."""
+
+    label: str
+    points: Points
+    kind: str  # "curve", "band" or "dots"
+    upper: int = 0  # of a band: how many points are its upper edge
+
+
+def ticks(low: float, high: float, most: int = 6) -> list[float]:
+    """Round numbers, 1, 2, 2.5 or 5 times a power of ten apart, within two bounds."""
+    if not (math.isfinite(low) and math.isfinite(high) and high > low):
+        return []
+    power = 10.0 ** math.floor(math.log10((high - low) / most))
+    step = next(power * f for f in (1, 2, 2.5, 5, 10, 20) if (high - low) / (power * f) <= most + 1e-9)
+    first = math.ceil(low / step - 1e-9)
+    return [step * k for k in range(first, math.floor(high / step + 1e-9) + 1)]
+
+
+def turns(plot: Plot) -> bool:
+    """Whether the plot's x covers one turn in degrees."""
+    ends = _ends(plot)
+    return ends is not None and -1 < ends[0] < 15 and 345 < ends[1] < 361
 
 
 def plot_svg(plot: Plot, log: bool = False) -> str:
-    """The plot as an SVG element to stand in a page, or alone as a file; same plot, same text. log: both axes logarithmic.
+    """The plot as an SVG file of its own, names of the curves included; log: both axes logarithmic."""
+    drawn, curves = _drawn(plot, log)
+    x, rows = _LEFT, []
+    for k, curve in enumerate(curves):
+        wide = 30 + _LETTER * len(curve.label)
+        if x > _LEFT and x + wide > _RIGHT:
+            rows.append("")
+            x = _LEFT
+        y = -12 * (len(rows) + 1)
+        rows += [] if rows else [""]
+        rows[-1] += (
+            f'<g class="s{k % 6}"><path class="curve" d="M{x:g} {y}h18"/><text x="{x + 22:g}" y="{y + 4}">{escape(curve.label)}'
+            "</text></g>"
+        )
+        x += wide
+    above = 14 * len(rows) + 6
+    size = f"0 {-above} {_WIDTH:g} {_HEIGHT + above:g}"
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {_naming(plot, size)}<style>{_STYLE}</style>{drawn}{"".join(rows)}</svg>'
 
-    An x axis that covers a turn gets ticks of 45 deg and a `cursor` line that the page's script moves.
-    """
-    import matplotlib
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
-    # A user's own matplotlibrc must not change the picture.
-    settings: Any = {key: value for key, value in matplotlib.rcParamsDefault.items() if not key.startswith("backend")}
-    with matplotlib.rc_context(settings | _STYLE):
-        figure = Figure((_WIDTH / 72, _HEIGHT / 72), dpi=72, frameon=False)
-        canvas: Any = FigureCanvasSVG(figure)
-        axes = figure.add_axes((_LEFT / _WIDTH, _LOW / _HEIGHT, (_RIGHT - _LEFT) / _WIDTH, (_TOP - _LOW) / _HEIGHT), frameon=True)
-        axes.patch.set_visible(False)
-        turn = _draw(axes, plot, log)
-        text = io.StringIO()
-        canvas.print_svg(text, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
-    return _tidied(text.getvalue(), plot, turn)
+def figure(plot: Plot, own: str = "plot") -> str:
+    """The plot as a figure of the page: title, keys with room for the values at the cursor, picture; own: begins its ids."""
+    drawn, curves = _drawn(plot, False)
+    keys = "".join(
+        f'<li class="s{k % 6}"><svg class="k" viewBox="0 0 22 8" aria-hidden="true"><path class="curve" d="M0 4h22"/></svg>'
+        f"{escape(curve.label)} <output></output></li>"
+        for k, curve in enumerate(curves)
+    )  # fmt: skip
+    cursor = f'<path class="cursor" d="M0 {_TOP:g}V{_LOW:g}"/>' if turns(plot) else ""
+    state = " turn" if turns(plot) else ""
+    return (
+        f'<figure class="plot{state}"><figcaption>{escape(plot.title.replace("_", " "))}</figcaption><ul class="keys">{keys}</ul>'
+        f"<svg {_naming(plot, f'0 0 {_WIDTH:g} {_HEIGHT:g}', own)}{drawn}{cursor}</svg></figure>"
+    )  # fmt: skip
 
 
-def _draw(axes: Any, plot: Plot, log: bool) -> bool:
-    """Fill the axes; True where x covers one turn in degrees."""
-    for k, (label, x, y) in enumerate(plot.series):
-        style = {"color": _SERIES[k % 6], "linestyle": _DASHES[k % 6], "linewidth": 1.8 if k == 0 else 1.5}
-        x, y = thinned(x, y)
-        axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=label, **style)
-    ends = [float(bound) for _, x, _ in plot.series if len(x) for bound in (np.min(x), np.max(x))]
-    turn = bool(ends) and -1 < min(ends) < 15 and 345 < max(ends) < 361
-    if turn:
-        axes.set_xlim(0, 360)
-        axes.set_xticks(range(0, 361, 45))
-    elif plot.equal:
-        axes.set_aspect("equal", adjustable="datalim")
-    elif ends and min(ends) < max(ends):
-        axes.set_xlim(min(ends), max(ends))
-    low, high = axes.get_ylim()
-    rows = _label_rows(plot, axes.get_xlim())
-    if rows:  # room for their names above the curves
-        share = (max(rows) + 1) * _ROW / (_TOP - _LOW)
-        high += max(0.1, share / (1 - share)) * (high - low)
-        axes.set_ylim(low, high)
+def _naming(plot: Plot, box: str, own: str = "plot") -> str:
+    """Attributes, title and description of the picture."""
+    names = ", ".join(label for label, _, _ in plot.series)
+    return (
+        f'class="plotted" viewBox="{box}" role="img" aria-labelledby="{own}-t {own}-d"><title id="{own}-t">{escape(plot.title)}'
+        f'</title><desc id="{own}-d">{escape(plot.y_label)} over {escape(plot.x_label)}: {escape(names)}</desc>'
+    )
 
-    def number(value: float, _: object) -> str:
-        return f"{0 if abs(value) < 1e-9 * (high - low) else value:.10g}".replace("-", "−")
 
-    if log:
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.yaxis.set_major_formatter("{x:g}")
+def _ends(plot: Plot) -> tuple[float, float] | None:
+    """Least and greatest x of all series, None where there is none."""
+    found = [bound for _, x, _ in plot.series if len(x) for bound in (float(np.nanmin(x)), float(np.nanmax(x)))]
+    return (min(found), max(found)) if found else None
+
+
+class _Axes:
+    """From numbers to places in the picture."""
+
+    def __init__(self, plot: Plot, log: bool) -> None:
+        self.log = log
+        self.x = _spread(*(_ends(plot) or (0.0, 1.0)), 0.0) if not turns(plot) else (0.0, 360.0)
+        values = np.concatenate([np.zeros(0), *(np.asarray(y, float) for _, _, y in plot.series)])
+        values = values[np.isfinite(values)]
+        low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+        if not log and not plot.equal and 0 < high - low < 0.1 * max(abs(low), abs(high)):
+            low, high = min(low, 0.0), max(high, 0.0)  # nearly the same all the way: a share of the whole is to be seen
+        self.y = low, high
+        if log:
+            self.x, self.y = (tuple(math.log10(max(v, 1e-300)) for v in ends) for ends in (self.x, self.y))  # type: ignore[assignment]
+        self.y = _spread(*self.y, 0.05)
+        if plot.equal:  # the smaller range grows, so that a millimetre is as long both ways
+            across, up = (_RIGHT - _LEFT) / (self.x[1] - self.x[0]), (_LOW - _TOP) / (self.y[1] - self.y[0])
+            scale = min(across, up) * 0.95
+            self.x, self.y = (
+                (sum(ends) / 2 - size / scale / 2, sum(ends) / 2 + size / scale / 2)
+                for ends, size in ((self.x, _RIGHT - _LEFT), (self.y, _LOW - _TOP))
+            )
+        self.rows = _label_rows(plot, self.x)
+        if self.rows:  # room for the names of marks above the curves
+            share = (max(self.rows) + 1) * _ROW / (_LOW - _TOP)
+            self.y = self.y[0], self.y[1] + share / (1 - share) * (self.y[1] - self.y[0])
+
+    def place(self, x: Floats, y: Floats) -> Points:
+        """Places of points (n,), y downwards."""
+        x, y = np.asarray(x, float), np.asarray(y, float)
+        if self.log:
+            with np.errstate(all="ignore"):
+                x, y = np.log10(x), np.log10(y)
+        (x0, x1), (y0, y1) = self.x, self.y
+        across = _LEFT + (x - x0) / (x1 - x0) * (_RIGHT - _LEFT)
+        return np.asarray(across + 1j * (_LOW - (y - y0) / (y1 - y0) * (_LOW - _TOP)))
+
+
+def _spread(low: float, high: float, share: float) -> tuple[float, float]:
+    """Two bounds with so much room beyond them; never of no length, nor so short that rounding shows."""
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-9 * size or size == 0:
+        half = 0.05 * size or 1.0
+        return low - half, high + half
+    return low - share * (high - low), high + share * (high - low)
+
+
+def _drawn(plot: Plot, log: bool) -> tuple[str, list[_Curve]]:
+    """The picture's inside, and the curves in it."""
+    axes = _Axes(plot, log)
+    curves = _curves(plot, axes)
+    pieces = [_ruled(plot, axes), *(_path(k, curve) for k, curve in enumerate(curves))]
+    for (label, x), row in zip(plot.marks, axes.rows, strict=True):
+        at = axes.place(np.array([x]), np.array([1.0]))[0].real
+        inside = at < (_LEFT + _RIGHT) / 2
+        side = 'class="start"' if inside else 'class="end"'
+        pieces.append(
+            f'<path class="mark" d="M{_n(at)} {_n(_TOP)}V{_n(_LOW)}"/><text {side} x="{_n(at + (3 if inside else -3))}" '
+            f'y="{_n(_TOP + 9 + _ROW * row)}">{escape(label)}</text>'
+        )  # fmt: skip
+    (x0, x1), (y0, y1) = axes.x, axes.y
+    scale = f"{_LEFT:g} {_RIGHT:g} {x0:.9g} {x1:.9g} {_LOW:g} {_TOP:g} {y0:.9g} {y1:.9g}"
+    return f'<g class="drawn" data-axes="{scale}">{"".join(pieces)}</g>', curves
+
+
+def _ruled(plot: Plot, axes: _Axes) -> str:
+    """Grid, frame, numbers and what the axes show."""
+    size = max(map(abs, axes.y))
+    power = 0 if axes.log or 1e-3 <= size < 1e5 else math.floor(math.log10(size))
+    unit = plot.y_label.replace("^2", "²").replace("^3", "³") + (f" · 10{str(power).translate(_RAISED)}" if power else "")
+    if axes.log:
+        x_ticks, y_ticks = (
+            [(t, f"{10.0**t:g}") for t in ticks(*ends) if t == round(t)] for ends in (axes.x, axes.y)
+        )
     else:
-        axes.yaxis.set_major_formatter(number)
-        axes.yaxis.set_major_locator(_ticks(6))
-    axes.set_xlabel(plot.x_label)
-    axes.set_ylabel(plot.y_label)
-    for (label, x_mark), row in zip(plot.marks, rows, strict=True):
-        axes.axvline(x_mark, color=_INK, linewidth=0.7, linestyle=(0, (2, 2)))
-        # On the side where there is room.
-        inside = x_mark < sum(axes.get_xlim()) / 2
-        axes.annotate(
-            label, (x_mark, 1), (3 if inside else -3, -2 - _ROW * row), xycoords=("data", "axes fraction"),
-            textcoords="offset points", va="top", ha="left" if inside else "right", fontsize=8.5,
-        )  # fmt: skip
-    if (count := len(plot.series)) > 1:
-        # One row of names where they fit (a letter is about 5 pt), else two: the room above the axes.
-        columns = count if sum(36 + 5 * len(label) for label, _, _ in plot.series) < _RIGHT - _LEFT else (count + 1) // 2
-        axes.legend(
-            loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderpad=0, borderaxespad=0.4,
-            handlelength=2.4, columnspacing=1.4, fontsize=9,
-        )  # fmt: skip
-    return turn
+        angles = [45.0 * k for k in range(9)] if turns(plot) else ticks(*axes.x, 7)
+        shown = 10.0**power
+        x_ticks = [(t, _text(t, axes.x)) for t in angles]
+        y_ticks = [(t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)]
+    (x0, x1), (y0, y1) = axes.x, axes.y
+    across = [_LEFT + (t - x0) / (x1 - x0) * (_RIGHT - _LEFT) for t, _ in x_ticks]
+    up = [_LOW - (t - y0) / (y1 - y0) * (_LOW - _TOP) for t, _ in y_ticks]
+    rules = "".join(f"M{_n(x)} {_TOP:g}V{_LOW:g}" for x in across) + "".join(f"M{_LEFT:g} {_n(y)}H{_RIGHT:g}" for y in up)
+    below = "".join(f'<text x="{_n(x)}" y="{_LOW + 15:g}">{text}</text>' for x, (_, text) in zip(across, x_ticks, strict=True))
+    beside = "".join(f'<text x="{_LEFT - 6:g}" y="{_n(y + 4)}">{text}</text>' for y, (_, text) in zip(up, y_ticks, strict=True))
+    return (
+        f'<path class="rule" d="{rules}"/><path class="frame" d="M{_LEFT:g} {_TOP:g}V{_LOW:g}H{_RIGHT:g}"/>'
+        f'<g class="mid">{below}</g><g class="end">{beside}<text x="{_RIGHT:g}" y="{_HEIGHT - 6:g}">{escape(plot.x_label)}</text>'
+        f'</g><text x="4" y="13">{escape(unit)}</text>'
+    )  # fmt: skip
+
+
+def _text(value: float, ends: tuple[float, float]) -> str:
+    return f"{0 if abs(value) < 1e-9 * (ends[1] - ends[0]) else value:.10g}".replace("-", "−")
+
+
+def _n(value: float) -> str:
+    """A place in the picture."""
+    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:
+    """The series as they are drawn, those that lie on one another once."""
+    groups: list[tuple[list[str], Floats, Floats, Points]] = []
+    for label, x, y in plot.series:
+        x, y = np.asarray(x, float), np.asarray(y, float)
+        y = np.where(np.isfinite(y), y, np.nan)
+        places = axes.place(x, y)
+        for labels, x_before, _, drawn in groups:
+            gap = np.abs(places - drawn) if np.array_equal(x, x_before) else np.full(1, np.inf)
+            if np.array_equal(np.isnan(places), np.isnan(drawn)) and len(gap) and not np.nanmax(gap, initial=0.0) > _ALIKE:
+                labels.append(label)
+                break
+        else:
+            groups.append(([label], x, y, places))
+    return [_curve(_joined(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots) for labels, x, y, _ in groups]
+
+
+def _joined(labels: Sequence[str]) -> str:
+    """One name for curves that are the same: "x wanted", "x from DXF" are "x wanted = DXF"."""
+    if len(labels) == 1:
+        return labels[0]
+    parts = [found.groups("") for label in labels if (found := re.fullmatch(r"(x |y |\+- )?(?:from )?(.*)", label))]
+    first = parts[0][0]
+    return first + " = ".join(name if axis == first else axis + name for axis, name in parts)
+
+
+def _curve(label: str, x: Floats, y: Floats, axes: _Axes, dots: bool) -> _Curve:
+    if dots:
+        return _Curve(label, axes.place(x, y), "dots")
+    places = axes.place(x, y)
+    steps = np.diff(places.imag)
+    if np.isfinite(places).all() and np.count_nonzero(steps[1:] * steps[:-1] < -0.25) > _REVERSALS:
+        edges = np.linspace(0, len(y), _BAND_STEPS + 1).astype(int)
+        rows = [(x[a], x[b - 1], y[a:b].min(), y[a:b].max()) for a, b in itertools.pairwise(edges)]
+        left, right, low, high = (np.array(column) for column in zip(*rows, strict=True))
+        middle = np.concatenate([left[:1], (left[1:] + right[:-1]) / 2, right[-1:]])
+        # at each border of two steps the wider of both, so that the band holds the whole curve
+        lower = np.minimum(np.append(low, low[-1]), np.append(low[:1], low))
+        upper = np.maximum(np.append(high, high[-1]), np.append(high[:1], high))
+        top, bottom = simplified(axes.place(middle, upper), _FINE), simplified(axes.place(middle, lower), _FINE)
+        return _Curve(label, np.concatenate([top, bottom[::-1]]), "band", len(top))
+    return _Curve(label, places, "curve")
+
+
+def simplified(points: Points, tolerance: float) -> Points:
+    """Some of the points (n,), so that none is farther than the tolerance from the line through them [Douglas, Peucker 1973]."""
+    kept = np.zeros(len(points), bool)
+    kept[[0, -1]] = True
+    open_ends = [(0, len(points) - 1)]
+    while open_ends:
+        a, b = open_ends.pop()
+        if b - a < 2:
+            continue
+        chord, inner = points[b] - points[a], points[a + 1 : b] - points[a]
+        size = abs(chord)
+        off = np.abs((np.conj(chord) * inner).imag) / size if size > 1e-9 else np.abs(inner)
+        k = int(np.argmax(off))
+        if off[k] > tolerance:
+            kept[a + 1 + k] = True
+            open_ends += [(a, a + 1 + k), (a + 1 + k, b)]
+    return points[kept]
+
+
+def _path(k: int, curve: _Curve) -> str:
+    """Markup of a curve; a band says how many of its points are the upper edge."""
+    group = f'<g class="s{k % 6}">'
+    if curve.kind == "dots":
+        known = curve.points[np.isfinite(curve.points)]
+        return group + "".join(f'<circle class="dots" cx="{_n(z.real)}" cy="{_n(z.imag)}" r="2.2"/>' for z in known) + "</g>"
+    if curve.kind == "band":
+        return f'{group}<path class="band" data-upper="{curve.upper}" d="M{_line(curve.points)}Z"/></g>'
+    known = np.isfinite(curve.points)
+    starts = np.flatnonzero(known & ~np.append(False, known[:-1]))
+    stops = np.flatnonzero(known & ~np.append(known[1:], False)) + 1
+    pieces = [simplified(curve.points[a:b], _FINE) for a, b in zip(starts, stops, strict=True)]
+    return f'{group}<path class="curve" d="{"".join("M" + _line(piece) for piece in pieces)}"/></g>'
+
+
+def _line(points: Points) -> str:
+    return "L".join(f"{_n(z.real)} {_n(z.imag)}" for z in points)
 
 
 def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
@@ -166,35 +318,3 @@ def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
         taken[row].append((left, left + wide))
         rows.append(row)
     return rows
-
-
-def _ticks(count: int) -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(count, steps=[1, 2, 2.5, 5, 10])
-
-
-def _tidied(text: str, plot: Plot, turn: bool) -> str:
-    """matplotlib's file as an element: title, colours as variables, no ids but those referred to, unique in a page."""
-    body = text[text.index("<svg") :]
-    body = body[body.index(">") + 1 : body.rindex("</svg>")]
-    referred = set(re.findall(r"#([mp][0-9a-f]+)", body))
-    own = f"p{zlib.crc32((plot.title + text).encode()):08x}"
-    body = re.sub(r' id="([^"]*)"', lambda m: f' id="{own}-{m[1]}"' if m[1] in referred else "", body)
-    body = re.sub(r"#([mp][0-9a-f]+)\b(?=[)\"])", rf"#{own}-\1", body)
-    body = re.sub(r"font: ([0-9.]+px) [^;\"]*", r"font-size: \1", body)
-    body = re.sub(r"font-family: [^;\"]*;? ?", "", body)
-    body = re.sub(r"#[0-9a-f]{6}\b", lambda m: _COLOURS.get(m[0], m[0]), body)
-    body = re.sub(r" ?\n\s*", " ", body)
-    names = ", ".join(label for label, _, _ in plot.series)
-    cursor = (
-        f'<line class="cursor" data-width="{_RIGHT - _LEFT:g}" x1="{_LEFT:g}" x2="{_LEFT:g}" y1="{_HEIGHT - _TOP:g}" '
-        f'y2="{_HEIGHT - _LOW:g}" stroke="none"/>'
-    )
-    return (
-        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
-        f'viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}" font-family="system-ui, sans-serif" role="img" '
-        f'aria-labelledby="{own}-t {own}-d"><title id="{own}-t">{escape(plot.title)}</title>'
-        f'<desc id="{own}-d">{escape(plot.y_label)} over {escape(plot.x_label)}: {escape(names)}</desc>'
-        f"{body.strip()}{cursor if turn else ''}</svg>"
-    )

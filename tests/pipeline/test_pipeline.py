@@ -37,7 +37,7 @@ def test_the_files_of_the_contract_are_there(made: Path) -> None:
     part = "uniform-swing-cam"
     assert set(contents(made)) == {
         "spec.toml", "motion.csv", "report.json", "report.html", "manifest.json", "uniform-swing-assembly.3mf",
-        "uniform-swing-plate.3mf", "uniform-swing-parts.csv",
+        "uniform-swing-assembly.glb", "uniform-swing-plate.3mf", "uniform-swing-parts.csv",
         f"{part}.dxf", f"{part}.stl", f"{part}.3mf", f"{part}-drawing.dxf", f"{part}-drawing.pdf",
     }  # fmt: skip
 

@@ -52,7 +52,7 @@ def study(linkage: Linkage) -> Study:
             path = np.asarray(run[output.name], complex)
             marks = path[::60]  # of equal time where the drive turns evenly
             series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
-            plots.append(Plot(f"Path of {output.name}", "x, mm", "y, mm", series, equal=True))
+            plots.append(Plot(f"Path of {output.name}", "x, mm", "y, mm", series, equal=True, dots=("every 15 deg",)))
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
         numbers |= {f"{name}_length_mm": float(str(length)), f"{name}_least_radius_mm": float(str(radius))}

@@ -305,7 +305,7 @@ def _motion_plots(t: TakeUp) -> list[Plot]:
     coupler, output = t.rates(_DRAWN)
     marks = [("greatest", math.degrees(feed.longest[1])), ("least", math.degrees(feed.shortest[1]))]
     return [
-        Plot("Eye path", "x, mm", "y, mm", [(name, path.real, path.imag) for name, path in paths]),
+        Plot("Eye path", "x, mm", "y, mm", [(name, path.real, path.imag) for name, path in paths], equal=True),
         Plot("Feed", _ALPHA, "mm", [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in _readings(t)], marks),
         Plot("Transmission angle", _ALPHA, "deg", [("between coupler and output crank", _DEGREES, np.degrees(np.abs(arms)))]),
         Plot("Rates of turning", _ALPHA, "per crank", [("coupler", _DEGREES, coupler), ("output crank", _DEGREES, output)]),

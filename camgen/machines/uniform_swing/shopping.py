@@ -52,6 +52,17 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     return (*found, Bought("glue", "", "for all that is pressed", 1))
 
 
+_LAID = {  # what is made for each step
+    "base, motor": ("base",),
+    "axles, washers": ("axle", "axle-washer"),
+    "cam": ("cam-1", "cam-pin"),
+    "frame plate": ("frame-1",),
+    "second frame plate": ("frame-2", "frame-pin"),
+    "spacer, second cam": ("cam-spacer", "cam-2"),
+    "collet, clamp ring": ("collet", "clamp-ring"),
+}
+
+
 def steps(machine: SwingMachine) -> Table:
     """In which order the machine goes together: from the base up, each part laid on from above."""
     m, pins = machine, bool(machine.pins) and machine.cam_pin_length > machine.thickness
@@ -82,4 +93,5 @@ def steps(machine: SwingMachine) -> Table:
     if m.plain:
         rows.append(("collet, clamp ring", "collet glued on the upper cam; ring over it, wide end first, pushed home"))
     rows.append(("nozzle", "on the frames, its screws from above into the nuts"))
-    return Table("Assembly, step by step", ("step", "what", "how"), [(k, *row) for k, row in enumerate(rows, 1)])
+    numbered = [(k, *row) for k, row in enumerate(rows, 1)]
+    return Table("Assembly, step by step", ("step", "what", "how"), numbered, [_LAID.get(what, ()) for what, _ in rows])

@@ -62,7 +62,7 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     x = np.array(degrees)
     undercut, acceleration, share_round, share_flat = table
     finite = np.where(np.isfinite(acceleration), acceleration, math.nan)
-    label, here = "reversal_blend_deg", [("this spec", math.degrees(blend))]
+    label, here = "reversal blend, deg", [("this spec", math.degrees(blend))]
     shares = [("round collector", x, 100 * share_round), ("flat collector", x, 100 * share_flat)]
     columns = ("blend, deg", "undercut, deg", "peak acceleration, 1/rad", "round, % of width", "flat, % of width")
     rows = [tuple(map(float, row)) for row in zip(x, undercut, acceleration, 100 * share_round, 100 * share_flat, strict=True)]

@@ -1,0 +1,147 @@
+"""GLB: the machine with one turn as its animation, for viewers, Blender and the report's own page (glTF 2.0, binary).
+
+    root     turned by -90 deg about x and scaled by 0.001: z up and mm become y up and m, as glTF has them
+    body     a node that moves, every copy of a part on it a node that stands where it is mounted
+    mesh     one for each part, coarse and without normals: flat faces, as glTF says of such meshes
+
+Same machine, same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camgen import __version__
+from camgen.geometry.mesh import Mesh
+from camgen.numerics import Floats, Points
+
+SECONDS = 8.0  # a turn takes
+_FLOAT, _SHORT, _LONG = 5126, 5123, 5125  # numbers: float32, uint16, uint32
+_VERTICES, _INDICES = 34962, 34963  # what a buffer view is for
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A part: its name, its solid in its own frame, mm, and its colour, #rrggbb."""
+
+    name: str
+    mesh: Mesh
+    colour: str
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """A body over a turn: angle (n,) rad and place (n,) complex mm at even times, the last one before the first again.
+
+    copies: on it, as (name, number of the shape, transform (3, 4) in the body's frame, mm).
+    """
+
+    name: str
+    angle: Floats
+    place: Points
+    copies: Sequence[tuple[str, int, Floats]]
+
+
+def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving]) -> bytes:
+    """The file's bytes."""
+    pack = _Pack()
+    meshes, materials = [], []
+    for k, shape in enumerate(shapes):
+        vertices, faces = np.asarray(shape.mesh.vertices, "<f4"), shape.mesh.faces.ravel()
+        wide = len(vertices) > 65535
+        points = pack.add(vertices, _FLOAT, "VEC3", _VERTICES, bounds=True)
+        corners = pack.add(faces.astype("<u4" if wide else "<u2"), _LONG if wide else _SHORT, "SCALAR", _INDICES)
+        drawn = {"attributes": {"POSITION": points}, "indices": corners, "material": k}
+        meshes.append({"name": shape.name, "primitives": [drawn]})
+        factor = {"baseColorFactor": [*_linear(shape.colour), 1], "metallicFactor": 0, "roughnessFactor": 0.7}
+        materials.append({"name": shape.name, "pbrMetallicRoughness": factor})
+    turned = -math.sqrt(0.5)
+    nodes: list[dict[str, Any]] = [{"name": name, "rotation": [turned, 0, 0, -turned], "scale": [0.001] * 3, "children": []}]
+    channels: list[dict[str, Any]] = []
+    samplers: list[dict[str, Any]] = []
+    frames = len(bodies[0].angle) if bodies else 0
+    time = pack.add(np.linspace(0, SECONDS, frames + 1).astype("<f4"), _FLOAT, "SCALAR", bounds=True) if frames > 1 else -1
+    for body in bodies:
+        number = len(nodes)
+        nodes[0]["children"].append(number)
+        quaternions, places = _course(body)
+        node: dict[str, Any] = {"name": body.name, "rotation": quaternions[0].tolist(), "translation": places[0].tolist()}
+        nodes.append(node)
+        for path, values, kind in (("rotation", quaternions, "VEC4"), ("translation", places, "VEC3")):
+            if np.ptp(values, axis=0).max() > 1e-7:
+                channels.append({"sampler": len(samplers), "target": {"node": number, "path": path}})
+                samplers.append({"input": time, "output": pack.add(values, _FLOAT, kind)})
+        node["children"] = list(range(len(nodes), len(nodes) + len(body.copies)))
+        for copy, shape_number, transform in body.copies:
+            matrix = [float(f"{value:.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel() + 0.0]
+            moved = {} if matrix == np.eye(4).ravel().tolist() else {"matrix": matrix}
+            nodes.append({"name": copy, "mesh": shape_number, **moved})
+    whole = {
+        "asset": {"version": "2.0", "generator": f"camgen {__version__}"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{key: value for key, value in node.items() if value != []} for node in nodes],
+        "meshes": meshes,
+        "materials": materials,
+        **({"animations": [{"name": "one turn", "channels": channels, "samplers": samplers}]} if channels else {}),
+        "accessors": pack.accessors,
+        "bufferViews": pack.views,
+        "buffers": [{"byteLength": len(pack.data)}],
+    }
+    text = json.dumps(whole, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    size = 12 + 8 + len(text) + 8 + len(pack.data)
+    head = struct.pack("<4sIII4s", b"glTF", 2, size, len(text), b"JSON")
+    return head + text + struct.pack("<I4s", len(pack.data), b"BIN\0") + bytes(pack.data)
+
+
+class _Pack:
+    """The binary chunk, and what stands where in it."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, int]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def add(self, values: Any, number: int, kind: str, target: int = 0, bounds: bool = False) -> int:
+        """Append an array; the number of its accessor."""
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": values.nbytes})
+        if target:
+            self.views[-1]["target"] = target
+        ends = {"min": np.atleast_1d(values.min(0)).tolist(), "max": np.atleast_1d(values.max(0)).tolist()} if bounds else {}
+        self.accessors.append(
+            {"bufferView": len(self.views) - 1, "componentType": number, "count": len(values), "type": kind, **ends}
+        )
+        self.data += values.tobytes()
+        self.data += bytes(-len(self.data) % 4)
+        return len(self.accessors) - 1
+
+
+def _course(body: Moving) -> tuple[Any, Any]:
+    """Quaternions (n + 1, 4), consecutive ones on one side, and places (n + 1, 3), float32, the end as the start.
+
+    Where the machine cannot go, the body waits where it was last.
+    """
+    angle, place = np.asarray(body.angle, float), np.asarray(body.place, complex)
+    known = np.flatnonzero(np.isfinite(angle) & np.isfinite(place))
+    if not len(known):
+        angle, place, known = np.zeros(len(angle)), np.zeros(len(angle), complex), np.arange(len(angle))
+    last = known[np.maximum(np.searchsorted(known, np.arange(len(angle)), side="right") - 1, 0)]
+    half = np.unwrap(np.append(angle[last], angle[last[0]])) / 2
+    place = np.append(place[last], place[last[0]])
+    zero = np.zeros(len(half))
+    quaternions = np.column_stack([zero, zero, np.sin(half), np.cos(half)])
+    return quaternions.astype("<f4"), np.column_stack([place.real, place.imag, zero]).astype("<f4")
+
+
+def _linear(colour: str) -> list[float]:
+    """A colour of the screen, #rrggbb, as glTF has it: linear, 0..1 each."""
+    shares = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    return [float(f"{v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4:.6g}") for v in shares]

@@ -1,0 +1,94 @@
+"""What the report shows moving: the picture in the plane, and the machine in three dimensions."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.arcs import bulges, fit_arcs
+from camgen.machine.features import PartPose
+from camgen.machine.model import Pose, unit_of
+from camgen.machines.mechanism import Mechanism
+from camgen.numerics import Floats, Points
+from camgen.report.animation import Animation, Body
+from camgen.report.colours import part_colour
+from camgen.study import Plate, Scene, Step
+
+if TYPE_CHECKING:
+    from camgen.geometry.mesh import Mesh
+    from camgen.parts.part import Part
+
+_DRAWN = 0.01  # mm, arc tolerance of the moving picture
+_FRAMES = 120  # of the moving picture
+_SEEN = 0.02  # mm, chord tolerance of solids that are only looked at
+_FRAMES_3D = 360  # fewer leave 0.07 mm at a sharp reversal
+
+
+def _turn(mechanism: Mechanism, frames: int) -> Floats:
+    """Angles of so many frames, rad, as time goes on."""
+    theta = np.linspace(0, math.tau, frames, endpoint=False)
+    return np.mod(-theta, math.tau) if mechanism.sense < 0 else theta
+
+
+def animation(mechanism: Mechanism) -> Animation:
+    """One turn of the exact mechanism, as the report shows it moving."""
+    theta = _turn(mechanism, _FRAMES)
+    poses, courses, bodies = mechanism.poses(theta), mechanism.courses(theta), []
+    for part in mechanism.parts():
+        region = part.region
+        rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
+        bodies.append(Body(part.name, poses[part.name], rings))
+    for s in mechanism.study().sketches:
+        body = courses[s.body]
+        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles))
+    if not mechanism.features():
+        return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
+    output = mechanism.model.outputs[0]
+    unit, scale = unit_of(output)
+    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit)
+
+
+def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
+    """The machine in three dimensions, from coarse solids of its exact parts; plates: what was laid out."""
+    from camgen.files.gltf import Moving, Shape, glb
+    from camgen.files.threemf import placing
+
+    parts, courses = mechanism.parts(), mechanism.courses(_turn(mechanism, _FRAMES_3D))
+    number = {part.name: k for k, part in enumerate(parts)}
+    shapes = [Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k)) for k, part in enumerate(parts)]
+    copies: Counter[str] = Counter()
+    bodies: dict[str, list[tuple[str, int, Floats]]] = {}
+    for mount in mechanism.mounts():
+        copies[mount.part] += 1
+        k = number[mount.part]
+        stands = placing(mount.turned, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
+        bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
+    moving = [Moving(name, *_over(courses[name]), held) for name, held in bodies.items()]
+    order = [copy for held in bodies.values() for copy, _, _ in held]
+    table = mechanism.steps()
+    steps = []
+    for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
+        found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
+        words = f"{row[1]}: {row[2]}" if table.columns[2] == "how" else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+        steps.append(Step(words, found))
+    return Scene(glb(mechanism.name, shapes, moving), order, plates, steps)
+
+
+def _over(pose: Pose) -> tuple[Floats, Points]:
+    """Angle and place of a body at every frame."""
+    return np.broadcast_to(pose.angle, _FRAMES_3D), np.broadcast_to(np.asarray(pose.place, complex), _FRAMES_3D)
+
+
+def _coarse(part: Part, tolerance: float) -> Mesh:
+    """The part's solid with fewer facets; where coarse outlines would touch, with those of its files."""
+    from camgen.parts.solids import solid
+
+    try:
+        return solid(part, max(_SEEN, tolerance))
+    except DesignError:
+        return solid(part, tolerance)

@@ -1,0 +1,163 @@
+// The page in motion: one angle theta moves the drawing, the cursors of the curves and, where there is one, the viewer.
+// Whoever wants to follow it asks with camgen.follow(deg => ...).
+const camgen = (() => {
+  const data = JSON.parse(document.getElementById("frames").textContent);
+  const byId = id => document.getElementById(id);
+  const followers = [];
+  const secondsPerTurn = 8;
+  let deg = 0, running = false, before = 0;
+
+  function show(angle) {
+    deg = angle;
+    followers.forEach(follow => follow(deg));
+  }
+  function follow(what) {
+    followers.push(what);
+    what(deg);
+  }
+  const page = { follow, show, solid: false };  // solid: a viewer shows the machine, the drawing rests
+  if (!data.frames) return page;
+  document.body.classList.add("live");
+
+  // ---- the drawing and its read-out ----
+
+  const play = byId("play"), slider = byId("theta");
+  const copies = document.querySelectorAll("#mechanism use");
+  const between = (a, b, share) => a + (b - a) * share;
+  follow(() => {
+    slider.value = deg;
+    byId("angle").value = deg.toFixed(1);
+    const place = (deg % 360) / 360 * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    if (data.output.length) {
+      const a = data.output[i], b = data.output[j];
+      byId("value").value = a === null || b === null ? "\u2013" : between(a, b, share).toFixed(3).replace("-", "\u2212");
+    }
+    if (!page.solid) draw();
+  });
+  function draw() {
+    const place = (deg % 360) / 360 * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    copies.forEach((copy, k) => {
+      const states = data.poses[k], a = states[i % states.length], b = states[j % states.length];
+      copy.toggleAttribute("display", false);
+      if (!a || !b) { copy.setAttribute("display", "none"); return; }
+      const turn = b[0] - a[0] - 360 * Math.round((b[0] - a[0]) / 360);
+      copy.setAttribute("transform", "translate(" + between(a[1], b[1], share) + " " + between(a[2], b[2], share) + ")rotate(" +
+        (a[0] + turn * share) + ")" + (data.flipped[k] ? "scale(-1 1)" : ""));
+    });
+  }
+  page.draw = draw;
+  addEventListener("beforeprint", draw);
+
+  // ---- parts: hidden and coloured, in the drawing too ----
+
+  if (innerWidth < 1080) document.querySelector(".legend").open = false;  // the machine is to leave room for what one reads
+
+  const boxes = [...document.querySelectorAll(".legend [data-body]")];
+  boxes.forEach(box => {
+    const k = box.dataset.body, colour = box.closest("li").querySelector("[type=color]");
+    box.hidden = colour.hidden = false;
+    colour.value = getComputedStyle(document.documentElement).getPropertyValue("--p" + k).trim();
+    box.addEventListener("change", () => {
+      document.querySelectorAll("#mechanism .c" + k).forEach(use => { use.style.visibility = box.checked ? "" : "hidden"; });
+      document.dispatchEvent(new CustomEvent("parts"));
+    });
+    colour.addEventListener("input", () => {
+      document.documentElement.style.setProperty("--p" + k, colour.value);
+      document.dispatchEvent(new CustomEvent("parts"));
+    });
+  });
+
+  // ---- curves: cursor, values, seeking ----
+
+  function line(path) {  // what a path draws: pieces of points
+    return path.getAttribute("d").replace("Z", "").split("M").slice(1).map(piece => piece.split("L").map(at => at.split(" ").map(Number)));
+  }
+  function at(points, x) {  // height of a piece at x, NaN beside it; its x never falls
+    if (!points.length || x < points[0][0] - 0.02 || x > points[points.length - 1][0] + 0.02) return NaN;
+    let low = 0, high = points.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (points[middle][0] <= x) low = middle; else high = middle;
+    }
+    const [x0, y0] = points[low], [x1, y1] = points[high];
+    return x1 > x0 ? between(y0, y1, Math.min(1, Math.max(0, (x - x0) / (x1 - x0)))) : y1;
+  }
+  class Figure {
+    constructor(element) {
+      this.cursor = element.querySelector(".cursor");
+      this.svg = this.cursor.ownerSVGElement;
+      [this.left, this.right, this.x0, this.x1, this.low, this.top, this.y0, this.y1] =
+        element.querySelector(".drawn").dataset.axes.split(" ").map(Number);
+      const keys = element.querySelectorAll(".keys output");
+      this.curves = [...element.querySelectorAll(".drawn > g[class^=s]")].map((group, k) => {
+        const path = group.querySelector("path"), pieces = path ? line(path) : [];
+        if (!path || !path.dataset.upper) return { key: keys[k], lines: [pieces] };
+        const upper = Number(path.dataset.upper);
+        return { key: keys[k], lines: [[pieces[0].slice(upper).reverse()], [pieces[0].slice(0, upper)]] };
+      });
+      this.digits = Math.max(0, 3 - Math.floor(Math.log10(Math.abs(this.y1 - this.y0))));
+      let held = false;
+      const seek = event => {
+        const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM().inverse());
+        run(false);
+        show(Math.min(360, Math.max(0, 360 * (place.x - this.left) / (this.right - this.left))));
+      };
+      this.svg.addEventListener("pointerdown", event => { held = true; this.svg.setPointerCapture(event.pointerId); seek(event); });
+      this.svg.addEventListener("pointermove", event => { if (held) seek(event); });
+      ["pointerup", "pointercancel"].forEach(name => this.svg.addEventListener(name, () => { held = false; }));
+    }
+    show() {
+      const x = this.left + deg / 360 * (this.right - this.left);
+      this.cursor.setAttribute("transform", "translate(" + x + " 0)");
+      this.curves.forEach(curve => {
+        curve.key.value = curve.lines.map(pieces => {
+          const y = pieces.map(piece => at(piece, x)).find(y => !isNaN(y));
+          if (y === undefined) return "\u2013";
+          const value = this.y0 + (this.low - y) / (this.low - this.top) * (this.y1 - this.y0);
+          return (this.digits > 6 ? value.toExponential(2) : value.toFixed(this.digits)).replace("-", "\u2212");
+        }).join(" \u2026 ");
+      });
+    }
+  }
+  const made = new Map(), seen = new Set();
+  const watch = new IntersectionObserver(entries => entries.forEach(entry => {
+    if (!made.has(entry.target)) made.set(entry.target, new Figure(entry.target));
+    const figure = made.get(entry.target);
+    if (entry.isIntersecting) { seen.add(figure); figure.show(); } else seen.delete(figure);
+  }), { rootMargin: "100px" });
+  document.querySelectorAll(".plot.turn").forEach(figure => watch.observe(figure));
+  follow(() => seen.forEach(figure => figure.show()));
+
+  // ---- time ----
+
+  function step(now) {
+    if (!running) return;
+    show((deg + (now - before) / 1000 * 360 / secondsPerTurn) % 360);
+    before = now;
+    requestAnimationFrame(step);
+  }
+  function run(on) {
+    running = on;
+    play.textContent = on ? "Pause" : "Play";
+    if (on) requestAnimationFrame(now => { before = now; step(now); });
+  }
+  function fromAddress() {
+    const asked = /^#theta=(-?[\d.]+)/.exec(location.hash);
+    if (asked) { run(false); show(((Number(asked[1]) % 360) + 360) % 360); }
+    return asked;
+  }
+  play.hidden = slider.hidden = false;
+  play.addEventListener("click", () => run(!running));
+  slider.addEventListener("input", () => { run(false); show(Number(slider.value)); });
+  addEventListener("hashchange", fromAddress);
+  addEventListener("keydown", event => {
+    if (event.target.closest("input, select, button, summary, a, canvas") || event.ctrlKey || event.metaKey || event.altKey) return;
+    const steps = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (event.key === " ") run(!running);
+    else if (steps) { run(false); show((deg + steps * (event.shiftKey ? 10 : 1) + 360) % 360); }
+    else return;
+    event.preventDefault();
+  });
+  queueMicrotask(() => { if (!fromAddress()) run(!matchMedia("(prefers-reduced-motion: reduce)").matches); });
+  return page;
+})();

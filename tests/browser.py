@@ -1,0 +1,175 @@
+"""The report in a headless Chromium, spoken to over a pipe: python tests/browser.py REPORT.html [WIDTH [OUT.png [dark]]]"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import select
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+MOST_BYTES = 1_300_000  # of a report
+FLAGS = (
+    "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run"
+)  # fmt: skip
+
+# Turns, cuts and hides the machine of a report; says what was seen: how many pixels of the canvas are drawn, and the values.
+PROBE = """(async () => {
+  const until = async what => {
+    for (let k = 0; k < 600 && !what(); k++) await new Promise(done => setTimeout(done, 20));
+    if (!what()) throw Error("waited in vain for " + what);
+  };
+  const byId = id => document.getElementById(id), canvas = byId("machine"), section = byId("section"), found = {};
+  const seen = () => {
+    const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 }), flat = copy.getContext("2d");
+    flat.drawImage(canvas, 0, 0, 200, 150);
+    return flat.getImageData(0, 0, 200, 150).data.filter((value, k) => k % 4 == 3 && value > 0).length;
+  };
+  const after = async change => {
+    const before = canvas.dataset.drawn;
+    change();
+    await until(() => canvas.dataset.drawn != before);
+    return seen();
+  };
+  const cut = axis => () => { section.value = axis; section.dispatchEvent(new Event("change")); };
+  await until(() => camgen.solid && canvas.dataset.drawn);
+  found.start = await after(() => camgen.show(0));
+  found.turned = await after(() => camgen.show(77));
+  found.angle = byId("angle").value;
+  found.cut = await after(cut("y"));
+  found.whole = await after(cut(""));
+  const explode = byId("explode");
+  explode.value = 1;
+  found.exploded = await after(() => explode.dispatchEvent(new Event("input")));
+  found.hidden = await after(() => document.querySelectorAll(".legend [data-body]").forEach(box => box.click()));
+  found.drawing = document.querySelector("#mechanism .c0").style.visibility;
+  const key = document.querySelector(".plot.turn output"), small = document.querySelector(".small");
+  key.scrollIntoView();
+  await until(() => key.value);
+  small.scrollIntoView();
+  await until(() => small.dataset.seen);
+  found.small = small.getContext("2d").getImageData(0, 0, 320, 220).data.filter(value => value > 0).length;
+  found.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+  return found;
+})()"""
+
+
+class Tab:
+    """A page: commands of the DevTools protocol, and what it has complained of."""
+
+    def __init__(self, read: int, write: int) -> None:
+        self.read, self.write, self.rest, self.number = read, write, b"", 0
+        self.session: dict[str, str] = {}
+        self.errors: list[str] = []
+        target = self.ask("Target.createTarget", url="about:blank")["targetId"]
+        self.session = {"sessionId": self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]}
+        for domain in ("Runtime", "Log", "Page"):
+            self.ask(f"{domain}.enable")
+
+    def ask(self, method: str, limit: float = 60, **params: Any) -> dict[str, Any]:
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": params} | self.session
+        os.write(self.write, json.dumps(message).encode() + b"\0")
+        end = time.monotonic() + limit
+        while True:
+            while b"\0" not in self.rest:
+                if not select.select([self.read], [], [], max(0, end - time.monotonic()))[0]:
+                    raise TimeoutError(method)
+                self.rest += os.read(self.read, 1 << 20)
+            text, _, self.rest = self.rest.partition(b"\0")
+            told = json.loads(text)
+            if told.get("id") == self.number:
+                if "error" in told:
+                    raise RuntimeError(f"{method}: {told['error']}")
+                return dict(told["result"])
+            self.listen(told)
+
+    def listen(self, told: dict[str, Any]) -> None:
+        params = told.get("params", {})
+        if told.get("method") == "Runtime.exceptionThrown":
+            self.errors.append(params["exceptionDetails"].get("exception", {}).get("description", "an exception"))
+        elif told.get("method") == "Runtime.consoleAPICalled" and params["type"] in ("error", "assert"):
+            self.errors.append(str(params["args"]))
+        elif told.get("method") == "Log.entryAdded" and params["entry"]["level"] == "error":
+            self.errors.append(params["entry"]["text"])
+
+    def show(self, path: Path, width: int, height: int = 800, dark: bool = False) -> None:
+        """Open a file in a window of this size."""
+        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.ask("Emulation.setEmulatedMedia", features=[scheme])
+        self.ask("Page.navigate", url=f"{path.resolve().as_uri()}#theta=60")
+        end = time.monotonic() + 30
+        while not self.run("document.readyState == 'complete' && location.protocol == 'file:'"):
+            if time.monotonic() > end:
+                raise TimeoutError("the page does not load")
+
+    def run(self, script: str) -> Any:
+        """What a script comes to; its promise is waited for."""
+        told = self.ask("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in told:
+            raise RuntimeError(told["exceptionDetails"].get("exception", {}).get("description", "an exception"))
+        return told["result"].get("value")
+
+    def picture(self, path: Path) -> None:
+        path.write_bytes(base64.b64decode(self.ask("Page.captureScreenshot", format="png")["data"]))
+
+
+@contextmanager
+def tab() -> Iterator[Tab]:
+    """A page of a browser of its own."""
+    (theirs_in, ours_out), (ours_in, theirs_out) = os.pipe(), os.pipe()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        words = ["chromium", *FLAGS, "--remote-debugging-pipe", f"--user-data-dir={folder}"]
+        start = f'exec "$@" 3<&{theirs_in} 4>&{theirs_out}'
+        quiet: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        with subprocess.Popen(["bash", "-c", start, "bash", *words], pass_fds=(theirs_in, theirs_out), **quiet) as process:
+            os.close(theirs_in)
+            os.close(theirs_out)
+            try:
+                yield Tab(ours_in, ours_out)
+            finally:
+                process.terminate()
+                os.close(ours_in)
+                os.close(ours_out)
+
+
+def chromium(path: Path) -> str:
+    """report.html as on a telephone: the machine is drawn, turns, is cut and exploded, its parts are hidden; no complaint."""
+    if path.stat().st_size > MOST_BYTES:
+        return f"{path.stat().st_size} bytes"
+    try:
+        with tab() as page:
+            page.show(path, 380)
+            found = page.run(PROBE)
+            wrong = [error.splitlines()[0] for error in page.errors]
+    except (RuntimeError, TimeoutError, OSError) as error:
+        return str(error).splitlines()[0]
+    drawn = {key: found[key] for key in ("start", "turned", "cut", "whole", "exploded")}
+    wrong += [f"{key}: {count} pixels drawn" for key, count in drawn.items() if count < 100]
+    wrong += [] if found["angle"] == "77.0" else [f"theta is {found['angle']}"]
+    wrong += [] if found["cut"] != found["whole"] == found["turned"] else ["the section cuts nothing"]
+    wrong += [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
+    wrong += [] if found["small"] > 100 else ["no small views"]
+    return "; ".join(wrong + ([f"{found['wide']} pixels too wide"] if found["wide"] > 0 else []))
+
+
+if __name__ == "__main__":
+    file, wide = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 380
+    if len(sys.argv) > 3:
+        with tab() as shown:
+            shown.show(file, wide, int(os.environ.get("HEIGHT", "900")), "dark" in sys.argv)
+            shown.run("new Promise(done => setTimeout(done, 2500))")
+            shown.run(os.environ.get("SCRIPT", "0"))
+            shown.run("new Promise(done => setTimeout(done, 500))")
+            shown.picture(Path(sys.argv[3]))
+            print("; ".join(shown.errors) or "ok")
+    else:
+        print(chromium(file) or "ok")

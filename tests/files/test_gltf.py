@@ -1,0 +1,119 @@
+"""The GLB as others read it: trimesh, and the format's own rules."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import struct
+
+import numpy as np
+import pytest
+import trimesh
+
+from camgen.files.gltf import SECONDS, Moving, Shape, glb
+from camgen.files.threemf import placing
+from camgen.geometry.mesh import Mesh
+
+
+def box(x: float, y: float, z: float) -> Mesh:
+    made = trimesh.creation.box(extents=(x, y, z))
+    return Mesh(np.asarray(made.vertices) + np.array([x, y, z]) / 2, np.asarray(made.faces))
+
+
+THETA = np.linspace(0, 2 * np.pi, 360, endpoint=False)
+PLACE = 5 * np.exp(1j * THETA) + 40
+BODIES = [
+    Moving("ground", np.zeros(360), np.zeros(360, complex), [("base-1", 0, np.eye(3, 4))]),
+    Moving("crank", THETA, np.zeros(360, complex), [
+        ("arm-1", 1, placing(0.5, 3 + 2j, 7.0, 4.0)), ("arm-2", 1, placing(0, 1j, 0, 4.0, True))
+    ]),
+    Moving("slider", np.zeros(360), PLACE, [("base-2", 0, placing(0.0, 0j, 10.0, 3.0))]),
+]  # fmt: skip
+SHAPES = [Shape("base", box(30, 20, 3), "#0b62a8"), Shape("arm", box(12, 5, 4), "#ffffff")]
+
+
+@pytest.fixture(scope="module")
+def data() -> bytes:
+    return glb("demo", SHAPES, BODIES)
+
+
+def chunks(data: bytes) -> tuple[dict, bytes]:
+    magic, version, size, length, kind = struct.unpack_from("<4sIII4s", data)
+    assert (magic, version, size, kind) == (b"glTF", 2, len(data), b"JSON")
+    more, name = struct.unpack_from("<I4s", data, 20 + length)
+    assert name == b"BIN\0" and 28 + length + more == len(data) and length % 4 == more % 4 == 0
+    return json.loads(data[20 : 20 + length]), data[28 + length :]
+
+
+def values(data: bytes, number: int) -> np.ndarray:
+    file, binary = chunks(data)
+    accessor = file["accessors"][number]
+    view = file["bufferViews"][accessor["bufferView"]]
+    assert view["byteOffset"] % 4 == 0
+    wide = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+    dtype = {5126: "<f4", 5123: "<u2", 5125: "<u4"}[accessor["componentType"]]
+    found = np.frombuffer(binary, dtype, accessor["count"] * wide, view["byteOffset"])
+    return found.reshape(-1, wide)
+
+
+def test_trimesh_finds_every_copy_where_it_belongs_in_metres_with_y_up(data: bytes) -> None:
+    scene = trimesh.load(io.BytesIO(data), file_type="glb")
+    assert sorted(scene.graph.nodes_geometry) == ["arm-1", "arm-2", "base-1", "base-2"]
+    up = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) / 1000  # (x, y, z) mm to (x, z, -y) m
+    for body in BODIES:
+        for copy, shape, transform in body.copies:
+            matrix, geometry = scene.graph[copy]
+            mesh = SHAPES[shape].mesh.moved(transform)
+            turn = np.exp(1j * body.angle[0]) * (mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1]) + body.place[0]
+            wanted = np.column_stack([turn.real, turn.imag, mesh.vertices[:, 2]]) @ up.T
+            there = trimesh.transform_points(scene.geometry[geometry].vertices, matrix)
+            order, other = (np.lexsort(np.round(rows, 6).T) for rows in (there, wanted))
+            np.testing.assert_allclose(there[order], wanted[other], atol=1e-8)
+    assert all(mesh.is_watertight and mesh.volume > 0 for mesh in scene.geometry.values())
+
+
+def test_one_turn_is_the_animation_and_only_what_moves_is_in_it(data: bytes) -> None:
+    file, _ = chunks(data)
+    (turn,) = file["animations"]
+    names = {file["nodes"][c["target"]["node"]]["name"] + " " + c["target"]["path"] for c in turn["channels"]}
+    assert names == {"crank rotation", "slider translation"}
+    rotation, translation = (values(data, s["output"]) for s in turn["samplers"])
+    time = values(data, turn["samplers"][0]["input"])[:, 0]
+    assert time[0] == 0 and time[-1] == SECONDS and np.all(np.diff(time) > 0) and len(time) == 361
+    assert file["accessors"][turn["samplers"][0]["input"]]["max"] == [SECONDS]
+    np.testing.assert_allclose(np.linalg.norm(rotation, axis=1), 1, atol=1e-6)
+    assert np.all((rotation[1:] * rotation[:-1]).sum(axis=1) > 0.99), "consecutive quaternions on one side"
+    turned = 2 * np.unwrap(np.arctan2(rotation[:, 2], rotation[:, 3]), period=2 * np.pi)
+    np.testing.assert_allclose(turned, np.linspace(0, 2 * math.pi, 361), atol=1e-5)
+    np.testing.assert_allclose(translation[:-1, 0] + 1j * translation[:-1, 1], PLACE, atol=1e-5)
+    np.testing.assert_array_equal(translation[0], translation[-1])
+
+
+def test_bounds_indices_and_the_root_are_as_the_format_asks(data: bytes) -> None:
+    file, _ = chunks(data)
+    root = file["nodes"][file["scenes"][0]["nodes"][0]]
+    assert root["scale"] == [0.001] * 3 and np.allclose(root["rotation"], [-math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
+    for mesh in file["meshes"]:
+        (primitive,) = mesh["primitives"]
+        assert list(primitive["attributes"]) == ["POSITION"], "without normals faces are flat"
+        points, corners = (values(data, n) for n in (primitive["attributes"]["POSITION"], primitive["indices"]))
+        accessor = file["accessors"][primitive["attributes"]["POSITION"]]
+        assert accessor["min"] == points.min(0).tolist() and accessor["max"] == points.max(0).tolist()
+        assert corners.max() < len(points)
+    blue, white = (material["pbrMetallicRoughness"]["baseColorFactor"] for material in file["materials"])
+    assert white == [1, 1, 1, 1] and blue[2] == pytest.approx(0.39157, abs=1e-5)
+
+
+def test_same_machine_same_bytes_and_one_at_rest_has_no_animation(data: bytes) -> None:
+    assert glb("demo", SHAPES, BODIES) == data
+    assert "animations" not in chunks(glb("demo", SHAPES[:1], BODIES[:1]))[0]
+
+
+def test_a_body_waits_where_the_machine_cannot_go() -> None:
+    angle = np.where((THETA > 1) & (THETA < 2), np.nan, THETA)
+    data = glb("demo", SHAPES, [Moving("crank", angle, np.zeros(360, complex), [("arm-1", 1, np.eye(3, 4))])])
+    file, _ = chunks(data)
+    rotation = values(data, file["animations"][0]["samplers"][0]["output"])
+    waits = np.flatnonzero((THETA > 1) & (THETA < 2))
+    assert np.isfinite(rotation).all() and np.all(rotation[waits] == rotation[waits[0] - 1])

@@ -1,0 +1,161 @@
+"""Plots show what the data say: ticks, curves that coincide once, bands that hold what oscillates, shapes at one scale."""
+
+from __future__ import annotations
+
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgen.report.colours import part_colour
+from camgen.report.figures import figure, plot_svg, simplified, ticks
+from camgen.report.words import figures, name, rounded
+from camgen.study import Plot
+
+SVG = "{http://www.w3.org/2000/svg}"
+THETA = np.linspace(0, 360, 1441)
+
+
+def drawn(text: str) -> list[np.ndarray]:
+    """Points (n,) complex of each curve or band of a plot, in numbers of its axes."""
+    scale = re.search(r'data-axes="([^"]*)"', text)
+    assert scale
+    left, right, x0, x1, low, top, y0, y1 = map(float, scale[1].split())
+    found = []
+    for path in re.findall(r'class="(?:curve|band)"[^>]* d="M([-\d. LM]*)Z?"', text[text.index("data-axes") :]):
+        at = np.array([[float(n) for n in pair.split()] for pair in re.split("[LM]", path)])
+        x = x0 + (at[:, 0] - left) / (right - left) * (x1 - x0)
+        found.append(x + 1j * (y0 + (low - at[:, 1]) / (low - top) * (y1 - y0)))
+    return found
+
+
+def test_a_turn_has_its_ticks_a_cursor_and_a_name_for_all() -> None:
+    text = figure(Plot("Swing <wanted>", "cam angle, deg", "$deg$", [("a & <b>", THETA, np.sin(THETA))], [("reversal", 60.0)]))
+    root = ElementTree.fromstring(text)
+    texts = ["".join(each.itertext()) for each in root.iter("text")]
+    assert [t for t in texts if t.isdigit()][:9] == [str(tick) for tick in range(0, 361, 45)]
+    assert {"reversal", "cam angle, deg", "$deg$"} <= set(texts)
+    assert root.find(".//path[@class='cursor']") is not None and root.attrib["class"] == "plot turn"
+    assert "a & <b>" in "".join(root.find(".//ul").itertext())  # type: ignore[union-attr]
+    assert "cursor" not in figure(Plot("t", "place, mm", "mm", [("a", THETA / 9, THETA)]))
+
+
+@pytest.mark.parametrize("wave", [np.sin(np.radians(THETA)), np.where(THETA < 180, THETA, 360 - THETA), np.exp(THETA / 90)])
+def test_a_drawn_curve_is_the_curve(wave: np.ndarray) -> None:
+    (line,) = drawn(figure(Plot("t", "x", "y", [("a", THETA, wave)])))
+    assert len(line) < 500
+    np.testing.assert_allclose(np.interp(THETA, line.real, line.imag), wave, atol=2e-3 * np.ptp(wave))
+
+
+def test_curves_that_coincide_are_drawn_once_under_all_names() -> None:
+    wave = np.sin(np.radians(THETA))
+    series = [("wanted", THETA, wave), ("from DXF", THETA, wave + 1e-4), ("from STL", THETA, wave + 0.1)]
+    text = figure(Plot("t", "x", "y", series))
+    assert len(drawn(text)) == 2 and "wanted = DXF" in text and "from STL" in text
+    pair = [("x from DXF", THETA, wave * 0), ("y from DXF", THETA, wave * 0), ("x from STL", THETA, wave)]
+    assert "x DXF = y DXF" in figure(Plot("t", "x", "y", pair))
+    gaps = [("a", THETA, wave), ("b", THETA, np.where(THETA > 90, wave, np.nan))]
+    assert len(re.findall("<li", figure(Plot("t", "x", "y", gaps)))) == 2
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 1.0))
+@settings(max_examples=30, deadline=None)
+def test_what_oscillates_is_a_band_that_holds_it_and_is_no_wider(seed: int, size: float) -> None:
+    noise = size * np.random.default_rng(seed).uniform(-1, 1, len(THETA)) + np.sin(np.radians(THETA))
+    text = figure(Plot("t", "x", "y", [("a", THETA, noise)]))
+    upper = re.search(r'class="band" data-upper="(\d+)"', text)
+    if upper is None:  # too fine to be seen against the rest
+        assert size < 0.1
+        return
+    (ring,) = drawn(text)
+    top, bottom = ring[: int(upper[1])], ring[int(upper[1]) :][::-1]
+    slack = 2e-3 * (2 + 2 * size)
+    assert np.all(np.interp(THETA, top.real, top.imag) >= noise - slack)
+    assert np.all(np.interp(THETA, bottom.real, bottom.imag) <= noise + slack)
+    assert ring.imag.max() <= noise.max() + slack and ring.imag.min() >= noise.min() - slack
+
+
+def test_a_path_is_drawn_at_one_scale_and_its_points_as_dots() -> None:
+    turn = np.exp(1j * np.radians(THETA)) * 10
+    plot = Plot("Path", "x, mm", "y, mm", [("path", turn.real, turn.imag), ("every", turn.real[::60], turn.imag[::60])], (), True)
+    text = figure(plot)
+    left, right, x0, x1, low, top, y0, y1 = map(float, re.findall(r'data-axes="([^"]*)"', text)[0].split())
+    assert (right - left) / (x1 - x0) == pytest.approx((low - top) / (y1 - y0), rel=1e-6)
+    assert "<circle" not in text
+    dotted = figure(Plot("Path", "x, mm", "y, mm", plot.series, (), True, ("every",)))
+    assert dotted.count("<circle") == len(turn[::60]) and len(drawn(dotted)) == 1
+
+
+def test_plots_of_nothing_known_and_of_nothing() -> None:
+    gap = np.full(10, math.nan)
+    for y in (gap, gap * 0 + np.inf, np.zeros(10)):
+        assert "nan" not in figure(Plot("t", "x", "y", [("a", np.arange(10.0), y)]))
+    assert "<svg" in figure(Plot("t", "x", "y", []))
+
+
+def test_a_plot_alone_names_its_curves_and_may_be_logarithmic() -> None:
+    x = np.geomspace(1e-3, 1e2, 50)
+    root = ElementTree.fromstring(plot_svg(Plot("t", "n", "error", [("a", x, x**2), ("b", x, 1 / x)]), log=True))
+    texts = ["".join(text.itertext()) for text in root.iter(f"{SVG}text")]
+    assert {"a", "b", "0.001", "1", "100"} <= set(texts)
+    (first, _) = drawn(plot_svg(Plot("t", "n", "error", [("a", x, x**2), ("b", x, 1 / x)]), log=True))
+    np.testing.assert_allclose(first.imag, 2 * first.real, atol=0.05)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
+def test_ticks_are_round_and_within(low: float, size: float) -> None:
+    found = ticks(low, low + size)
+    if size < 1e-9 * abs(low):
+        return
+    assert 1 <= len(found) <= 7 and all(low - 1e-6 * size <= t <= low + size * (1 + 1e-6) for t in found)
+    if len(found) > 1:
+        step = found[1] - found[0]
+        assert round(step / 10 ** math.floor(math.log10(step) + 1e-9), 6) in (1, 2, 2.5, 5)
+    assert ticks(1.0, 1.0) == [] and ticks(math.nan, 1.0) == []
+
+
+@given(st.lists(st.floats(-100, 100), min_size=2, max_size=60), st.floats(0.01, 5))
+def test_no_point_is_farther_than_the_tolerance_from_the_simplified_line(heights: list[float], tolerance: float) -> None:
+    z = np.arange(len(heights)) + 1j * np.array(heights)
+    few = simplified(z, tolerance)
+    assert few[0] == z[0] and few[-1] == z[-1]
+    kept = few.real.astype(int)
+    for a, b in zip(kept[:-1], kept[1:], strict=True):
+        chord = z[b] - z[a]
+        if b - a > 1:
+            assert np.all(np.abs((np.conj(chord) * (z[a:b] - z[a])).imag) <= tolerance * abs(chord) * 1.001)
+
+
+def test_parts_have_colours_of_their_own_neighbours_ones_far_apart() -> None:
+    for dark in (False, True):
+        colours = [part_colour(k, dark) for k in range(60)]
+        rgb = np.array([[int(c[k : k + 2], 16) for k in (1, 3, 5)] for c in colours], float)
+        apart = np.abs(rgb[:, None] - rgb[None]).sum(axis=2) + 1e3 * np.eye(60)
+        assert apart.min() >= 8 and len(set(colours)) == 60
+        assert min(apart[k, k + 1] for k in range(59)) > 90
+
+
+def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
+    numbers = {
+        "motion_error_pen_dxf_mm": 1e-14, "motion_error_pen_stl_mm": 2e-3, "peak_torque_n_m": 0.1, "strokes_per_s": 2.0,
+        "spring_rate_needed_n_mm": 3.0, "spring_rate_needed_n_m_per_rad": 4.0, "feed_max_at_deg": 22.0,
+    }  # fmt: skip
+    found = {f.name: f for f in figures(numbers)}
+    error = found["Motion error: pen"]
+    assert error.unit == "mm" and error.values == {"dxf": 1e-14, "stl": 2e-3} and error.group == "From the files"
+    assert found["Peak torque"].unit == "N m" and found["Strokes"].unit == "1/s"
+    assert found["Spring rate needed"].unit in ("N/mm", "N m/rad") and found["Feed, where greatest"].unit == "deg"
+    assert name("let_down_ratio") == "Payout ratio"
+
+
+@pytest.mark.parametrize(
+    "value, text",
+    [(0.0, "0"), (1.9e-14, "0"), (36.118473, "36.12"), (1917993.1, "1 918 000"), (0.00151756, "0.001518"), (-12.5, "−12.5"),
+     (math.nan, "–"), (-math.inf, "−∞"), (4.003e-5, "4·10⁻⁵"), (99.75, "99.75"), (5550.147, "5550")],
+)  # fmt: skip
+def test_values_are_rounded_to_what_is_known(value: float, text: str) -> None:
+    assert rounded(value) == text

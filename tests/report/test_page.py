@@ -1,0 +1,135 @@
+"""The page: what it says first, its margins by code, its machine in three dimensions, and that nothing else is needed."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+import math
+import re
+from dataclasses import replace
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from test_report import EVIL, Page, made_up
+
+from camgen.files.gltf import Moving, Shape, glb
+from camgen.findings import NotJudged, at_least, at_most
+from camgen.geometry.mesh import Mesh
+from camgen.report.page import margins, once, to_html
+from camgen.report.report import Report
+from camgen.study import Plate, Plot, Scene, Step
+
+CORNERS, FACES = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+TETRAHEDRON = Mesh(np.array(CORNERS, float), np.array(FACES))
+
+
+def solid() -> Report:
+    """The report of test_report with the machine as a solid: two copies of one part, a plate, two steps."""
+    theta = np.linspace(0, 2 * np.pi, 360, endpoint=False)
+    lifted = np.column_stack([np.eye(3), [0, 0, 9.0]])
+    moving = Moving("cam", theta, np.zeros(360, complex), [("cam-1", 0, np.eye(3, 4)), ("cam-2", 0, lifted)])
+    scene = Scene(
+        glb("demo", [Shape("cam", TETRAHEDRON, "#0b62a8")], [moving]), ["cam-1", "cam-2"],
+        [Plate("demo-plate.3mf", [("cam", lifted)])], [Step("first", ["cam-1"]), Step(EVIL, ["cam-2"]), Step("nut", [])],
+    )  # fmt: skip
+    return replace(made_up(), scene=scene, files=["spec.toml", "demo-assembly.glb", "demo-cam-drawing.pdf"])
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return to_html(solid())
+
+
+def script(page: str, name: str) -> str:
+    found = re.search(rf'<script type="[^"]*" id="{name}">(.*?)</script>', page, re.DOTALL)
+    assert found
+    return found[1]
+
+
+def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> None:
+    scene = solid().scene
+    assert scene is not None and base64.b64decode(script(page, "glb")) == scene.glb
+    library = gzip.decompress(base64.b64decode(script(page, "three")))
+    assert library.startswith(b"var THREE=") and b"</script" not in library and b"http" not in library.replace(
+        b"http://www.w3.org/1999/xhtml", b"")  # fmt: skip
+    lying = json.loads(script(page, "lying"))
+    assert lying == {"plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]], "steps": [[0], [1], []]}
+
+
+def test_the_bundle_is_what_its_entry_file_makes_and_bears_its_licence() -> None:
+    folder = files("camgen.report")
+    packed = folder.joinpath("three.bundle.js.gz").read_bytes()
+    assert len(packed) < 150_000
+    # by esbuild 0.28.2 of three 0.187.0, as three.entry.js says
+    wanted = "4cd28b4496b6ffb1a3d9356afbe69be7bb80ac17d1cc348da3d1f918772e7d6c"
+    assert hashlib.sha256(gzip.decompress(packed)).hexdigest() == wanted
+    assert "MIT License" in folder.joinpath("three.LICENSE").read_text(encoding="utf-8")
+    entry = folder.joinpath("three.entry.js").read_text(encoding="utf-8")
+    exported = set(re.findall(r"\b[A-Z]\w+", entry.partition("export")[2]))
+    used = set(re.findall(r"THREE\.(\w+)", folder.joinpath("viewer.js").read_text(encoding="utf-8")))
+    assert used <= exported and exported - used <= {"WebGLRenderer"}
+
+
+def test_what_the_scripts_ask_for_is_there(page: str) -> None:
+    ids = {attributes["id"] for _, attributes in Page(page).elements if "id" in attributes}
+    for name in ("page.js", "viewer.js"):
+        text = files("camgen.report").joinpath(name).read_text(encoding="utf-8")
+        assert set(re.findall(r'byId\("([\w-]+)"\)', text)) | set(re.findall(r'(?<!\w)text\("(\w+)"\)', text)) <= ids
+
+
+def test_a_report_without_solids_is_as_small_as_ever() -> None:
+    plain = to_html(made_up())
+    assert len(plain) < 60_000 and 'id="three"' not in plain and "<canvas" not in plain
+    nothing = Page(to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")])))
+    assert not any(tag in ("svg", "canvas", "button") for tag, _ in nothing.elements)
+
+
+def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> None:
+    parsed = Page(page)
+    views = [attributes["data-view"] for tag, attributes in parsed.elements if tag == "canvas" and "data-view" in attributes]
+    assert views == ["part-0", "plate-0", "step-0", "step-1"], "for a bought nut nothing is drawn"
+    links = [attributes["href"] for tag, attributes in parsed.elements if tag == "a"]
+    assert {"demo-cam.dxf", "demo-cam-drawing.pdf", "demo-plate.3mf", "demo-assembly.glb"} <= set(links)
+    assert links.count("demo-cam-drawing.pdf") == 1 and EVIL not in page
+
+
+def test_what_fails_is_said_first_and_what_to_change() -> None:
+    report = replace(made_up(), not_judged=[NotJudged("BED_FIT", "no STL was made", "STL")], warnings=["mind the gap"])
+    text = Page(to_html(report)).text()
+    first = text[: text.index("Curves")]
+    for said in ("mind the gap", "2 of 3 checks fail", "MIN_WALL", "LASH", "NOT JUDGED", "no STL was made"):
+        assert said in first
+    assert "MOTION_ERROR" not in first and "follows" not in first
+
+
+def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
+    found = [
+        at_most("ERR", size, 1.0, "mm", f"demo-{part}.{kind}, at 3 deg", part)
+        for kind, least in (("dxf", 0.1), ("stl", 0.2)) for part, size in (("cam", least), ("arm", least + 0.5))
+    ]  # fmt: skip
+    parsed = Page(margins([*found, at_least("WALL", 0.5, 0.8, "mm", "design", "thin"), at_most("X", math.nan, 1, "", "", "?")]))
+    rows = [attributes.get("class") for tag, attributes in parsed.elements if tag == "tr"]
+    assert rows == [None, "bad", "bad", "ok"]
+    text = parsed.text()
+    assert "Design, assembly" in text and "DXF" in text and "STL" in text and "3MF" not in text
+    assert "0.6tightest of 2" in text.replace(" tight", "tight") and "0.7" in text and "0.1" not in text
+    assert text.index("WALL") < text.index("ERR") and "≥ 0.8" in text and "≤ 1" in text
+
+
+def test_routine_margins_are_folded_and_counted() -> None:
+    near, far = at_most("NEAR", 0.9, 1, "mm", "a.dxf", ""), [at_most(f"FAR_{k}", 0.1, 1, "mm", "a.dxf", "") for k in range(3)]
+    text = margins([*far, near, near])
+    assert text.index("NEAR") < text.index("<details>") < text.index("FAR_0") and "3 more findings of 3 kinds hold" in text
+
+
+def test_no_curve_is_shown_twice() -> None:
+    x = np.linspace(0, 360, 1441)
+    lift = Plot("Lift", "cam angle, deg", "mm", [("wanted", x, np.sin(np.radians(x)))])
+    again = Plot("Displacement", "cam angle, deg", "mm", [("wanted", x[::2], np.sin(np.radians(x[::2])))], [("rise", 0.0)])
+    faster = replace(again, title="Velocity", y_label="mm/s")
+    other = replace(again, title="Other", series=[("wanted", x, np.cos(np.radians(x)))])
+    kept = once([lift, again, faster, other])
+    assert [plot.title for plot in kept] == ["Lift", "Velocity", "Other"] and kept[0].marks == [("rise", 0.0)]
