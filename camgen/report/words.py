@@ -9,11 +9,13 @@ from dataclasses import dataclass, field
 
 # Units as suffixes of a figure's key, the longest first.
 UNITS = {
+    "mpa_m_s": "MPa m/s",
     "n_m_per_rad": "N m/rad", "n_rad_s": "N rad/s", "n_m_s": "N m s", "deg_rad2": "deg/rad²", "mm_rad2": "mm/rad²",
     "deg_rad": "deg/rad", "mm_rad": "mm/rad", "kg_m2": "kg m²", "n_mm": "N/mm", "g_mm": "g mm", "mpa_m_s": "MPa m/s", "n_m": "N m",
     "mpa": "MPa", "w": "W", "hz": "Hz", "mm_s2": "mm/s²",
     "deg_s2": "deg/s²", "rad_s": "rad/s", "mm_s": "mm/s", "deg_s": "deg/s", "per_s": "1/s", "mm3": "mm³", "mm2": "mm²",
-    "percent": "%", "mm": "mm", "deg": "deg", "rpm": "rpm", "n": "N", "j": "J", "h": "h", "g": "g", "s": "s",
+    "percent": "%", "mm": "mm", "deg": "deg", "rpm": "rpm", "mpa": "MPa", "hz": "Hz",
+    "n": "N", "j": "J", "w": "W", "h": "h", "g": "g", "s": "s",
 }  # fmt: skip
 
 # What quantities are called that a machine gives, where their keys do not say it in full.
@@ -43,7 +45,8 @@ NAMES = {
 GROUPS = (
     ("From the files", r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf"),
     ("Making", r"^mass|print_time|shaft_length|area|outline|section"),
-    ("Forces and drive", r"torque|force|reaction|energy|inertia|kick|spring|wear|weight|shaking|harmonic|residual"),
+    ("Forces and drive", r"torque|force|reaction|energy|inertia|"
+     r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|kick|spring|wear|weight|shaking|harmonic|residual"),
     ("Shape of the cam", r"radius|profile|pressure|undercut|curvature|wall|tip_on"),
     ("Motion", r""),
 )  # fmt: skip
