@@ -8,25 +8,25 @@ from __future__ import annotations
 import gc
 import io
 import os
-import re
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from camgen import __version__
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
-from camgen.files.formats import FORMATS
+from camgen import __version__, guide
+from camgen.errors import CamgenError, Fault, FileError, SpecError, explained, printable
+from camgen.files.formats import FORMATS, USUAL
+from camgen.running import complain, each, hand_over, known, refuse_one_name_twice, show, spec_name
 
 if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
-    from camgen.report.report import Report
+    from camgen.running import Work
 
-KINDS = (*FORMATS, "report")
+KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")
+_COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 _EXIT_CODES = """\b
@@ -39,7 +39,21 @@ Exit codes:
 Of several the worst, that is the largest, is returned. 130 is Ctrl-C, 70 a fault of camgen itself."""
 
 _jobs = click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
+_quiet = click.option("-q", "--quiet", is_flag=True, help="Print only what fails.")
+_verbose = click.option("-v", "--verbose", is_flag=True, help="Print every finding in words, and every file.")
 _as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
+
+
+def _completed(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
+    """For a shell that completes an argument: those of the names that begin as what is typed."""
+    return lambda context, parameter, begun: [name for name in names() if name.lower().startswith(begun.lower())]
+
+
+def _mechanisms() -> Iterable[str]:
+    """Names of mechanisms."""
+    from camgen.machines import MECHANISMS
+
+    return MECHANISMS
 
 
 def _kinds(context: click.Context, parameter: click.Parameter, value: str | None) -> frozenset[str]:
@@ -47,9 +61,9 @@ def _kinds(context: click.Context, parameter: click.Parameter, value: str | None
     if value is None:
         return frozenset(KINDS)
     kinds = frozenset(kind.strip() for kind in value.split(","))
-    wrong = sorted(kinds - set(KINDS))
+    wrong = sorted(kinds - set(ANY_KIND))
     if wrong:
-        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(KINDS)} was expected.")
+        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(ANY_KIND)} was expected.")
     return kinds
 
 
@@ -62,34 +76,46 @@ def cli() -> None:
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
-@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(KINDS)}.")
+@click.option("--only", metavar="KINDS", callback=_kinds, help=f"Make only these, of {','.join(ANY_KIND)}.")
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
 @_jobs
 @_as_json
+@_quiet
+@_verbose
 def build(
-    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, as_json: bool
+    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, **shown: bool
 ) -> None:  # fmt: skip
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
-    from camgen.pipeline import build as pipeline
 
-    if len(specs) > 1:
-        _refuse_one_name_twice(specs, settings)
-    _each(specs, partial(pipeline.build, out=out, only=only, overrides=settings), as_json, jobs)
+    def work() -> Work:
+        from camgen.pipeline import build as pipeline
+
+        if len(specs) > 1:
+            refuse_one_name_twice(specs, settings)
+        return partial(pipeline.build, out=out, only=only, overrides=settings)
+
+    each(specs, work, jobs, **shown)
 
 
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @_jobs
 @_as_json
-def check(folders: Sequence[Path], jobs: int, as_json: bool) -> None:
+@_quiet
+@_verbose
+def check(folders: Sequence[Path], jobs: int, **shown: bool) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
-    from camgen.pipeline import build as pipeline
 
-    _each(folders, pipeline.check, as_json, jobs)
+    def work() -> Work:
+        from camgen.pipeline import build as pipeline
+
+        return pipeline.check
+
+    each(folders, work, jobs, **shown)
 
 
 @cli.command()
-@click.argument("mechanism")
+@click.argument("mechanism", shell_complete=_completed(_mechanisms))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option("--from", "source", metavar="CHAIN", type=click.Path(path_type=Path), help="PMKS lines, or pylinkage's JSON.")
 def new(mechanism: str, file: Path | None, source: Path | None) -> None:
@@ -98,19 +124,28 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     With --from a linkage is read from a file of another program: PMKS lines, J[R, P[x, y], L[ground, crank]], or the JSON of
     pylinkage's mechanism_to_dict.
     """
-    _known(mechanism)
+    from camgen import starters
+
+    cls = known(mechanism)
     if source is None:
-        text = (_starters() / f"{mechanism}.toml").read_text(encoding="utf-8")
+        text = starters.text(mechanism)
     elif mechanism != "linkage":
         alone = "nothing here: only a linkage is read from another program"
         raise SpecError([Fault("--from", str(source), alone)], "command line")
     else:
         from camgen.machines.linkage.bridges import read_chain, spec_text
 
-        text = spec_text(read_chain(source), _spec_name(file or source), source.name)
-    _hand_over(text, file)
+        text = spec_text(read_chain(source), spec_name(file or source), source.name)
+    text = f"#:schema ./{starters.schema_name(mechanism)}\n{text}"
+    hand_over(text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
+        return
+    click.echo(printable(f"wrote {file}, a {mechanism} that builds as it is"), err=True)
+    if starters.write_schema(cls, mechanism, file.parent):
+        named = file.parent / starters.schema_name(mechanism)
+        click.echo(printable(f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"), err=True)
+    click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -127,7 +162,53 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
     if found is None:
         expected = "a mechanism with a search of its own, such as thread-take-up"
         raise SpecError([Fault("mechanism", mechanism.mechanism, expected)], str(spec))
-    _hand_over(dump(found()), file)
+    hand_over(dump(found()), file)
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("--vary", metavar="KEY=VALUES", multiple=True, required=True, help="KEY=A:B:N, N values from A to B; or KEY=a,b,c.")
+@click.option("--grid", is_flag=True, help="Every value of each key with every one of the others: so it is anyway.")
+@click.option("--zip", "zipped", is_flag=True, help="First values together, second values together, and so on.")
+@click.option("--latin", type=click.IntRange(1), metavar="N", help="N variants spread evenly (a Latin hypercube).")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Of --latin.  [default: 0]")
+@click.option("--keep", metavar="FIGURE", multiple=True, help="Keep this figure, such as stroke_mm.  [default: all]")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="The same for every variant.")
+@click.option("--build", "build_kinds", is_flag=True, help="Make, read back and judge the files of each, not its limits alone.")
+@click.option("--only", metavar="KINDS", callback=_kinds, help="With --build: only these kinds of files.")
+@click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
+@click.option("--workers", default="local", metavar="WHERE", help="tcp://HOST:PORT of a Dask scheduler.  [default: local]")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Table, .csv or .parquet.  [default: out/<spec>-sweep.csv]")
+def sweep(
+    spec: Path, vary: Sequence[str], grid: bool, zipped: bool, latin: int | None, seed: int, keep: Sequence[str],
+    settings: Sequence[str], build_kinds: bool, only: frozenset[str], jobs: int, workers: str, out: Path | None,
+) -> None:  # fmt: skip
+    """Judge many variants of SPEC: one row each, with its figures, its verdict and why it cannot be made.
+
+    \b
+      --vary geometry.base_radius=12:32:41 --vary segment.1.law=cycloidal,modified-sine
+
+    Writes the table, and beside it a page with plots. Killed on the way, the same command goes on where it was.
+    """
+    from camgen.pipeline import sweep as sweeps
+    from camgen.pipeline.variants import variants
+    from camgen.report.terminal import Bar
+
+    if grid and (zipped or latin):
+        raise SpecError([Fault("--grid", "with --zip or --latin", "one of the three")], "command line")
+    table = out or Path("out") / f"{spec.stem}-sweep.csv"
+    folder = table.with_suffix("").with_name(f"{table.stem}-files")
+    kinds = sorted(only) if build_kinds else ()
+    task = sweeps.prepared(spec, variants(vary, zipped, latin or 0, seed), settings, keep, kinds, folder.absolute())
+    jobs = jobs or os.cpu_count() or 1
+    local = sweeps.Processes(jobs) if jobs > 1 else sweeps.here
+    with Bar() as progress:
+        swept = sweeps.sweep(task, table, local if workers == "local" else sweeps.Cluster(workers), jobs, progress)
+    click.echo(swept.told)
+    for reason, times in swept.reasons:
+        click.echo(printable(f"  {times} x {reason}"))
+    again = f", {swept.before} of them done before" if swept.before else ""
+    click.echo(f"{swept.count} rows{again}, {swept.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it")
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -140,9 +221,11 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
 @click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @_as_json
+@_quiet
+@_verbose
 def motion(
     file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
-    harmonics: int, out: Path, as_json: bool,
+    harmonics: int, out: Path, **shown: bool,
 ) -> None:  # fmt: skip
     """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker) and report its motion.
 
@@ -178,10 +261,14 @@ def motion(
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
     acceleration, pressure angle.
     """
-    from camgen.pipeline import outline_motion
 
-    request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
-    _each([file], lambda path, progress, jobs: outline_motion.run(path, request, out, progress), as_json)
+    def work() -> Work:
+        from camgen.pipeline import outline_motion
+
+        request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics)
+        return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
+
+    each([file], work, **shown)
 
 
 @cli.command(epilog=_EXIT_CODES)
@@ -194,13 +281,14 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding that fails is a file that is not sound, or a
     motion that is further off than its tolerance allows.
     """
+    from camgen import starters
     from camgen.pipeline import benchmark_report
     from camgen.report.terminal import Bar
 
-    _refuse_one_name_twice(specs, ())
-    starters = [_starters() / f"{name}.toml" for name in benchmark_report.STARTERS]
+    refuse_one_name_twice(specs, ())
+    own = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
     with Bar() as progress:
-        benches = benchmark_report.run(specs or starters, out, progress)
+        benches = benchmark_report.run(specs or own, out, progress)
     click.echo("\n\n".join(map(benchmark_report.to_text, benches)))
     raise click.exceptions.Exit(1 if any(row.faults for bench in benches for row in bench.rows) else 0)
 
@@ -208,14 +296,14 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 @cli.command("list")
 def list_() -> None:
     """List the mechanisms and the laws of motion."""
+    from camgen import starters
     from camgen.machines import MECHANISMS
     from camgen.motion.laws import LAWS
     from camgen.motion.segments import ABOUT, FAMILIES
 
     click.echo("Mechanisms")
     for name in MECHANISMS:
-        summary = (_starters() / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
-        click.echo(f"  {name:<20} {summary}")
+        click.echo(f"  {name:<20} {starters.summary(name)}")
     click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
     for law in LAWS.values():
         click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
@@ -225,132 +313,61 @@ def list_() -> None:
 
 
 @cli.command()
-@click.argument("mechanism")
+@click.argument("mechanism", shell_complete=_completed(_mechanisms))
 def schema(mechanism: str) -> None:
     """Print the JSON Schema of a MECHANISM's spec, for editors."""
-    import json
+    from camgen import starters
 
-    from camgen import spec
+    click.echo(starters.schema_text(known(mechanism), mechanism), nl=False)
 
-    click.echo(json.dumps(spec.schema(_known(mechanism), mechanism), indent=2, ensure_ascii=False))
+
+@cli.command()
+@click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=_completed(guide.entries))
+def explain(codes: Sequence[str]) -> None:
+    """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
+    from camgen.spec import unknown
+
+    entries = guide.entries()
+    asked = [code.upper().replace("-", "_") for code in codes]
+    wrong = [unknown("CODE", code, entries) for code in asked if code not in entries]
+    if wrong:
+        raise SpecError(wrong, "command line")
+    if asked:
+        show("\n".join(entries[code] for code in asked))
+        return
+    for code, entry in entries.items():
+        click.echo(f"{code:<20} {guide.in_short(entry)}")
+
+
+@cli.command("guide")
+@click.argument("topic", required=False, shell_complete=_completed(lambda: guide.TOPICS))
+def guide_(topic: str | None) -> None:
+    """Show a page of the guide; without a TOPIC, list them."""
+    from camgen.spec import unknown
+
+    if topic is None:
+        click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
+    elif topic in guide.TOPICS:
+        show(guide.page(topic))
+    else:
+        raise SpecError([unknown("TOPIC", topic, guide.TOPICS)], "command line")
 
 
 @cli.command()
 def selftest() -> None:
-    """Print published constants beside those computed here; exit 1 if one is off."""
+    """Print published constants, and what the five papers print, beside ours; exit 1 if one is off."""
     from camgen.machines.selftest import rows
 
-    click.echo(f"{'constant':<44}{'published':>18}{'here':>20}")
+    click.echo(f"{'constant':<52}{'published':>14}{'here':>16}  verdict")
     found = list(rows())
     for row in found:
-        click.echo(f"{row.what:<44}{row.published:>18}{row.ours:>20.10g}{'' if row.ok else '  OFF'}")
+        click.echo(f"{row.what:<52}{row.published:>14}{0.0 if abs(row.ours) < 1e-12 else row.ours:>16.10g}  {row.verdict}")
     off = sum(not row.ok for row in found)
-    click.echo(f"{off} of {len(found)} constants are OFF" if off else f"{len(found)} constants agree")
+    refuted, undecided = sum(bool(row.refuted) for row in found), sum(bool(row.undecided) for row in found)
+    sources = f"{refuted} printed values are refuted, {undecided} cannot be decided from their sources"
+    agree = f"{len(found) - refuted - undecided} constants agree; {sources}"
+    click.echo(f"{off} of {len(found)} constants are OFF" if off else agree)
     raise click.exceptions.Exit(1 if off else 0)
-
-
-# ---- what the commands share -----------------------------------------------------------------------------------------
-
-
-def _known(name: str) -> type[Mechanism]:
-    """The class of a mechanism; SpecError with the nearest name where there is none."""
-    from camgen.machines import MECHANISMS, load
-    from camgen.spec import unknown
-
-    if name not in MECHANISMS:
-        raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
-    return load(name)
-
-
-def _spec_name(file: Path) -> str:
-    """A name for a spec, after a file's."""
-    return "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-") or "linkage"
-
-
-def _hand_over(text: str, file: Path | None) -> None:
-    """Print the text, or write it to a new file."""
-    if file is None:
-        click.echo(printable(text, keep="\n"), nl=False)
-        return
-    try:
-        with open(file, "x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError:
-        raise FileError(file, "exists already and is left as it is; choose another name") from None
-
-
-def _refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:
-    """SpecError where two specs would write the same folder; specs that cannot be read are told when their turn comes."""
-    from camgen.pipeline import build as pipeline
-
-    first: dict[str, Path] = {}
-    for spec in specs:
-        try:
-            name = pipeline.read_mechanism(spec, settings).name
-        except CamgenError:
-            continue
-        if name in first:
-            raise SpecError([Fault("name", repr(name), f"another name, for {first[name]} writes that folder")], str(spec))
-        first[name] = spec
-
-
-def _starters() -> Path:
-    """Folder of the starter specs: inside the installed package, or beside it in a checkout."""
-    package = Path(__file__).parent
-    return next(folder for folder in (package / "specs", package.parent / "specs") if folder.is_dir())
-
-
-def _each(paths: Sequence[Path], work: Callable[..., Report], as_json: bool, jobs: int = 1) -> NoReturn:
-    """Do the work on each path, print what came out in their order, and end with the worst exit code.
-
-    Several paths are shared out to the cores; for a single one the work shares out its own steps.
-    """
-    from camgen.pipeline.jobs import Workers
-    from camgen.report.terminal import Bar, print_report
-
-    jobs = jobs or os.cpu_count() or 1
-    shared = len(paths) > 1 and jobs > 1
-    worst, records = 0, []
-    with Workers(min(jobs, len(paths)) if shared else 1) as workers:
-        started = [workers.start(work, path) for path in paths] if shared else []
-        for k, path in enumerate(paths):
-            try:
-                with Bar() as progress:
-                    if shared:
-                        progress(f"{path}, {k + 1} of {len(paths)}", k / len(paths))
-                        report = started[k]()
-                    else:
-                        report = work(path, progress=progress, jobs=jobs)
-            except (CamgenError, OSError) as error:
-                failure = explained(error)
-                if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file
-                    failure = SpecError(failure.faults, str(path))
-                worst = max(worst, failure.exit_code)
-                _complain(failure, path)
-                records.append(_failure_record(path, failure))
-                continue
-            worst = max(worst, 0 if report.ok else 1)
-            records.append(report.as_dict())
-            if not as_json:
-                print_report(report)
-    if as_json:
-        import json
-
-        text = json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False)
-        click.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
-    raise click.exceptions.Exit(worst)
-
-
-def _complain(error: CamgenError, source: Path | None = None) -> None:
-    """Print a user's error on stderr, with the spec's name where the error does not say it by itself."""
-    named = f"{source}: " if source is not None and isinstance(error, DesignError) else ""
-    click.echo(printable(f"error: {named}{error}", keep="\n"), err=True)
-
-
-def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
-    """What --json prints in place of a report that could not be made."""
-    faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
-    return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -368,7 +385,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nobody reads on: let the last flush go nowhere
         code = PIPE_CLOSED
     except OSError as error:
-        _complain(explained(error))
+        complain(explained(error))
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         code = FileError.exit_code
     gc.freeze()  # the last collection, as Python ends, would go through all that was made: a tenth of the time
@@ -379,6 +396,10 @@ def _run(arguments: Sequence[str] | None) -> int:
     """Exit code of a run, errors printed."""
     if sys.stdout is None:  # closed by the shell: print into nothing
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    if _COMPLETE in os.environ:
+        from click.shell_completion import shell_complete
+
+        return shell_complete(cli, {}, "camgen", _COMPLETE, os.environ[_COMPLETE])
     gc.disable()  # a run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
@@ -395,7 +416,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         click.echo(printable(told.getvalue(), keep="\n"), nl=False, err=True)
         return error.exit_code
     except CamgenError as error:
-        _complain(error)
+        complain(error)
         return error.exit_code
     except OSError:
         raise

@@ -179,16 +179,19 @@ def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int 
 def greatest(
     f: Callable[[Any], Floats], a: float, b: float, also: Sequence[float] | Floats = (), count: int = 1025
 ) -> tuple[float, float]:
-    """Place and value of the greatest f(x) on a..b: even samples, then zoomed in on the best until the interval is rounding.
+    """Place and value of the greatest f(x) on a..b: even samples, then zoomed in on the best until no more is gained.
 
     also: further places to try, where f has a corner.
     """
-    x = np.unique(np.concatenate((np.linspace(a, b, count), also)))
+    x, best = np.unique(np.concatenate((np.linspace(a, b, count), also))), -math.inf
     for _ in range(40):
         y = f(x)
         k = int(np.nanargmax(y))
         low, high = x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)]
-        if high - low <= 1e-14 * max(1.0, abs(b)):
+        # round a smooth crest f is flat to rounding long before the interval is
+        flat = high - low <= 1e-7 * max(1.0, abs(b)) and y[k] - best <= 1e-15 * abs(best)
+        if flat or high - low <= 1e-14 * max(1.0, abs(b)):
             break
+        best = y[k]
         x = np.unique(np.concatenate((np.linspace(low, high, 17), [x[k]])))
     return float(x[k]), float(y[k])

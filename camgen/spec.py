@@ -10,7 +10,6 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import stat
@@ -26,6 +25,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import Fault, FileError, SpecError
+from camgen.schemas import in_words, keys_of, members_of, one_of, shortened, shown, step_below
 
 Data = dict[str, Any]
 
@@ -33,9 +33,10 @@ _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a 
 _DEEPEST = 32  # tables and lists in one another; no spec needs ten
 _SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
 
-Length = Annotated[float, Field(ge=1e-3, le=1e6)]  # mm; a thousandth is less than any workshop makes
-Mass = Annotated[float, Field(gt=0, le=1e6)]  # g
-Clearance = Annotated[float, Field(ge=0, le=10)]
+MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
+Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
+Mass = Annotated[float, Field(gt=0, le=1e6, json_schema_extra={"unit": "g"})]
+Clearance = Annotated[float, Field(ge=0, le=10, json_schema_extra=MM)]
 
 
 def turning(least: float = 0.0) -> AfterValidator:
@@ -49,16 +50,7 @@ def turning(least: float = 0.0) -> AfterValidator:
     return AfterValidator(check)
 
 
-Rpm = Annotated[
-    float,
-    Field(
-        ge=-1e6,
-        le=1e6,
-        description="rpm, not 0; below 0 the shaft turns clockwise. Angles theta are counter-clockwise either way, so a "
-        "clockwise machine passes them from 360 down to 0. The program of a cam runs in the sense of turning: on a clockwise "
-        "cam it lies the other way round. A linkage keeps its shape and passes its places in the other order.",
-    ),
-]
+Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})]  # not 0; below 0: clockwise
 
 
 class Record(BaseModel):
@@ -104,9 +96,8 @@ class Output(Record):
     """How files are written."""
 
     curves: Literal["bulge", "lines"] = "bulge"
-    center_marks: Annotated[
-        bool, Field(description="whether the drawing to be cut (DXF) has marks at centres, on a layer CENTER; no unit")
-    ] = False
+    center_marks: bool = False
+    step: bool | None = None
 
 
 class Spec(Record):
@@ -208,7 +199,7 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
     place = f"line {line}, column {column}" if line else _place(end)
     lines = (text if line else end).split("\n")
     quoted = lines[int(line) - 1 if line else -1].strip()
-    return Fault(place, _shortened(quoted), f"valid TOML: {reason}")
+    return Fault(place, shortened(quoted), f"valid TOML: {reason}")
 
 
 def override(data: Data, setting: str) -> Data:
@@ -221,7 +212,7 @@ def override(data: Data, setting: str) -> Data:
     path, equals, text = setting.partition("=")
     keys = [key.strip() for key in path.split(".")]
     if not equals or not all(keys):
-        raise SpecError([Fault("--set", _shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
+        raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
     removed = not text.strip()
     try:
         parsed = tomllib.loads(f"value = {text}")
@@ -258,7 +249,7 @@ def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
         raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
     if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
         has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
-        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {_shortened(name)}")])
+        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {shortened(name)}")])
     return int(name)
 
 
@@ -269,7 +260,7 @@ def unknown(path: str, value: object, known: Iterable[str]) -> Fault:
     """Fault for a value that is none of the known names, with the nearest of them."""
     names = sorted(known)
     nearest = get_close_matches(value, names, 1) if isinstance(value, str) else []
-    return Fault(path, "" if value is None else _shown(value), _one_of(names), nearest[0] if nearest else None)
+    return Fault(path, "" if value is None else shown(value), one_of(names), nearest[0] if nearest else None)
 
 
 def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
@@ -322,18 +313,18 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
         key = item["loc"][-1:] == ("[key]",)  # of a table whose keys are names
         path, node, table = _locate(item["loc"][: -1 if key else None], data, root)
         dotted = ".".join(map(str, path)) or "spec"
-        expected, nearest = _words(node, root), None
+        expected, nearest = in_words(node, root), None
         if item["type"] == "extra_forbidden":
-            keys = list(_properties(table, root))
+            keys = list(keys_of(table, root))
             close = get_close_matches(str(path[-1]), keys, 1)
             nearest = close[0] if close else None
             expected = f"unknown key; known here: {', '.join(keys)}"
         elif key:
-            held = _members(_locate(item["loc"][:-2], data, root)[1] or {}, root)
+            held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
             expected = next((each["propertyNames"]["description"] for each in held if "propertyNames" in each), "another name")
         elif item["type"] == "missing":
-            given = _at(data, path[:-1])
-            extra = [key for key in given if key not in _properties(table, root)] if isinstance(given, dict) else []
+            beside = _at(data, path[:-1])
+            extra = [key for key in beside if key not in keys_of(table, root)] if isinstance(beside, dict) else []
             close = get_close_matches(str(path[-1]), extra, 1)
             expected = f"missing: {expected}" + (f" ('{close[0]}' is no key)" if close else "")
         elif item["type"] not in get_args(ErrorType) or node is None:  # a class's own check brings its own words
@@ -343,10 +334,10 @@ def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
         value = _at(data, path)
         if item["type"] == "too_short" and isinstance(value, list | tuple) and len(value) >= item["ctx"]["min_length"]:
             continue  # items of it were wrong, told by themselves, and are not counted
-        shown = "" if item["type"] == "missing" or key else _shown(value)
+        given = "" if item["type"] == "missing" or key else shown(value)
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
-            shown = f"a list of {len(value)}"
-        found.setdefault(dotted, Fault(dotted, shown, expected, nearest))
+            given = f"a list of {len(value)}"
+        found.setdefault(dotted, Fault(dotted, given, expected, nearest))
     return list(found.values())
 
 
@@ -359,7 +350,7 @@ def _locate(loc: Sequence[str | int], data: Data, root: Data) -> tuple[list[str 
     node: Data | None = root
     table = root
     for depth, step in enumerate(loc):
-        below = _step(node, step, root)
+        below = step_below(node, step, root)
         value = _at(data, path)
         held = step in value if isinstance(value, dict) else isinstance(step, int)
         if below is None and not (held and depth == len(loc) - 1):
@@ -377,95 +368,6 @@ def _at(data: Any, path: Iterable[str | int]) -> Any:
         except (KeyError, IndexError, TypeError):
             return None
     return data
-
-
-def _members(node: Data, root: Data) -> list[Data]:
-    """The schemas that a value may follow, references resolved, null left out."""
-    if "$ref" in node:
-        return _members(root["$defs"][node["$ref"].rsplit("/", 1)[1]], root)
-    for key in ("anyOf", "oneOf", "allOf"):
-        if key in node:
-            return [member for each in node[key] for member in _members(each, root)]
-    return [] if node.get("type") == "null" else [node]
-
-
-def _properties(node: Data | None, root: Data) -> Data:
-    """Keys of a table's schema and their schemas; of all members of a union together."""
-    return {key: value for member in _members(node or {}, root) for key, value in member.get("properties", {}).items()}
-
-
-def _step(node: Data | None, step: str | int, root: Data) -> Data | None:
-    """Schema one step below: of a table's key or a list's item; None where there is none."""
-    if isinstance(step, str):
-        members = _members(node or {}, root)
-        names = [rule for member in members for rule in member.get("patternProperties", {}).items()]
-        free = [member["additionalProperties"] for member in members if isinstance(member.get("additionalProperties"), dict)]
-        free += [rule for pattern, rule in names if re.search(pattern, step)]
-        found: Data | None = _properties(node, root).get(step) or next(iter(free), None)
-        return found
-    for member in _members(node or {}, root):
-        items: list[Data] = member.get("prefixItems", [])
-        if member.get("type") == "array":
-            return items[step] if step < len(items) else member.get("items")
-    return None
-
-
-# ---- plain words -----------------------------------------------------------------------------------------------------
-
-
-def _words(node: Data | None, root: Data) -> str:
-    """What a schema asks for, in plain words: "a number > 0 and <= 1000000"."""
-    if node and "pattern" in node and "description" in node:
-        return str(node["description"])
-    return " or ".join(dict.fromkeys(_simple_words(member, root) for member in _members(node or {}, root))) or "a value"
-
-
-_COUNTS = {"minItems": "at least", "maxItems": "at most"}
-
-
-def _simple_words(node: Data, root: Data) -> str:
-    if "const" in node or "enum" in node:
-        return _one_of(node.get("enum") or [node["const"]])
-    kind = node.get("type")
-    if kind == "object":
-        return f"a table with {', '.join(node.get('properties', ()))}"
-    if kind == "array":
-        if "prefixItems" in node:
-            return "a list of " + ", ".join(_words(item, root) for item in node["prefixItems"])
-        bounds = " and ".join(f"{word} {node[key]}" for key, word in _COUNTS.items() if key in node)
-        return f"a list{f' of {bounds}' if bounds else ''}, each item {_words(node.get('items'), root)}"
-    signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
-    bounds = " and ".join(f"{sign} {node[key]:.12g}" for key, sign in signs.items() if key in node)
-    name = {"number": "a number", "integer": "a whole number", "boolean": "true or false", "string": "text"}.get(
-        str(kind), "a value"
-    )
-    if "pattern" in node:
-        name += f" of the form {node['pattern']}"
-    return f"{name} {bounds}" if bounds else name
-
-
-def _one_of(names: Sequence[object]) -> str:
-    shown = ", ".join(_shown(name) for name in names)
-    return f"one of {shown}" if len(names) > 1 else shown
-
-
-def _shortened(text: str) -> str:
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _shown(value: object) -> str:
-    """A value as a spec would write it, at most 60 characters."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, Mapping):
-        return f"a table with {_shortened(', '.join(map(str, value)))}" if value else "an empty table"
-    if isinstance(value, list | tuple):
-        return _shortened(f"[{', '.join(_shown(item) for item in value)}]")
-    if isinstance(value, int) and abs(value) >= 10**30:
-        return f"a number of about 1e{math.floor(math.log10(abs(value)))}"
-    if isinstance(value, str):
-        return _shortened(repr(value))
-    return f"{value:.12g}" if isinstance(value, float) else str(value)
 
 
 # ---- writing ---------------------------------------------------------------------------------------------------------

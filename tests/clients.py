@@ -1,8 +1,9 @@
 """Real programs open every part that specs/ produces: pytest tests/clients.py, or python tests/clients.py FOLDER...
 
-admesh, prusa-slicer, openscad and librecad come with apt, GDAL with `pip install pyogrio`, lib3mf with camgen; what is not
-installed is passed over, and said so. Exit codes of these programs mean little, so what they print is read: each client
-answers with what it has against a file, "" for nothing. Areas and volumes are compared with the exact ones of report.json.
+admesh, prusa-slicer, openscad and librecad come with apt, GDAL and gmsh with `pip install pyogrio gmsh`, lib3mf with camgen;
+what is not installed is passed over, and said so. Exit codes of these programs mean little, so what they print is read: each
+client answers with what it has against a file, "" for nothing. Areas and volumes are compared with the exact ones of
+report.json.
 """
 
 from __future__ import annotations
@@ -232,12 +233,47 @@ def gdal(path: Path) -> Problem:
     return unlike("area", areas[0] - sum(areas[1:]), part_of(path)["area_mm2"], 1e-4)
 
 
+# ---- exact solids ----------------------------------------------------------------------------------------------------
+
+GMSH = """
+import json, sys, gmsh
+gmsh.initialize(interruptible=False)
+gmsh.option.setNumber("General.Terminal", 0)
+gmsh.logger.start()
+gmsh.model.occ.importShapes(sys.argv[1])
+gmsh.model.occ.synchronize()
+solids = [tag for _, tag in gmsh.model.getEntities(3)]
+names = [gmsh.model.getEntityName(3, tag).rpartition("/")[2] for tag in solids]
+gmsh.option.setNumber("Mesh.MeshSizeMin", 5)
+gmsh.model.mesh.generate(2)
+wrong = [line for line in gmsh.logger.get() if line.startswith(("Error", "Warning"))]
+loose = [tag for _, tag in gmsh.model.getEntities(2) if not len(gmsh.model.getAdjacencies(2, tag)[0])]
+print("GMSH", json.dumps([sum(gmsh.model.occ.getMass(3, tag) for tag in solids), names, wrong, len(loose)]))
+"""
+
+
+def gmsh(path: Path) -> Problem:
+    """STEP: its kernel finds valid solids under their names, the right volume, and meshes every face."""
+    text = said(sys.executable, "-c", GMSH, path)
+    if "GMSH " not in text:
+        return text.strip()[-200:] or "crashed"
+    volume, names, wrong, loose = json.loads(text.rpartition("GMSH ")[2])
+    if wrong or loose or not names:
+        return "; ".join(wrong) or f"{loose} faces of no solid, {len(names)} solids"
+    part = part_of(path)
+    if not part:
+        return ""
+    if names != [part["name"]]:
+        return f"holds {names}"
+    return unlike("volume", volume, part["material_mm3"], 1e-4)
+
+
 # ---- every part ------------------------------------------------------------------------------------------------------
 
 CLIENTS: dict[str, Sequence[Client]] = {
-    ".stl": (admesh, prusa_slicer, openscad), ".3mf": (lib3mf, prusa_slicer), ".dxf": (librecad, gdal)
+    ".stl": (admesh, prusa_slicer, openscad), ".3mf": (lib3mf, prusa_slicer), ".dxf": (librecad, gdal), ".step": (gmsh,)
 }  # fmt: skip
-PACKAGES = {lib3mf: "lib3mf", gdal: "pyogrio"}  # of Python; the others are programs
+PACKAGES = {lib3mf: "lib3mf", gdal: "pyogrio", gmsh: "gmsh"}  # of Python; the others are programs
 
 
 def installed(client: Client) -> bool:
@@ -267,7 +303,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     out = tmp_path_factory.mktemp("parts")
 
     def build(spec: Path) -> str:
-        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf", limit=600)
+        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step", limit=600)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
@@ -398,6 +434,13 @@ UNPLACED = ("</resources>", '<object id="77"><mesh><vertices>' + "".join(
 ) + "</vertices><triangles>" + "".join(
     f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
 ) + "</triangles></mesh></object></resources>")  # fmt: skip
+def edited_step(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="ascii")
+    changed = re.sub(old, new, text, count=1)
+    assert changed != text
+    path.write_text(changed, encoding="ascii")
+
+
 A_HOLE = (r'<triangle v1="\d+" v2="\d+" v3="\d+" ?/>', "")
 DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
     (admesh, "hole", lambda path: edited_stl(path, lambda t: t[1:])),
@@ -422,6 +465,11 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
     (librecad, "inches", lambda path: edited_dxf(path, in_inches)),
     (librecad, "open", lambda path: edited_dxf(path, unclosed)),
     (librecad, "truncated", truncated),
+    (gmsh, "face lost", lambda path: edited_step(path, r"(CLOSED_SHELL\('',\()#\d+,", r"\1")),
+    (gmsh, "metres", lambda path: edited_step(path, r"SI_UNIT\(.MILLI.", "SI_UNIT($")),
+    (gmsh, "renamed", lambda path: edited_step(path, r"PRODUCT\('cam','cam'", "PRODUCT('rod','rod'")),
+    (gmsh, "thicker", lambda path: edited_step(path, r",12\.0\)", ",12.5)")),
+    (gmsh, "truncated", truncated),
     (gdal, "open", lambda path: edited_dxf(path, unclosed)),
     (gdal, "gap", lambda path: edited_dxf(path, gapped)),
     (gdal, "crossing", lambda path: edited_dxf(path, crossing)),

@@ -13,6 +13,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -95,11 +96,45 @@ def test_worst_code_wins_and_each_is_reported(run: Run, results: dict[str, Any])
 def test_table_shows_measured_limit_margin_and_verdict(run: Run, results: dict[str, Any]) -> None:
     results |= {"good": report(), "bad": report(False)}
     line = next(line for line in run("build", "good")[1].splitlines() if "MOTION_ERROR" in line)
-    assert line.split() == ["MOTION_ERROR", "1", "2", "1", "deg", "cam.dxf", "ok"]
+    assert line.split() == ["MOTION_ERROR", "1", "<=", "2", "1", "deg", "cam.dxf", "ok"]
     out = run("build", "bad")[1]
     line = next(line for line in out.splitlines() if "MOTION_ERROR" in line)
-    assert line.split() == ["MOTION_ERROR", "1", "0.5", "-0.5", "deg", "cam.dxf", "FAIL"]
-    assert "the cam is off" in out
+    assert line.split() == ["MOTION_ERROR", "1", "<=", "0.5", "-0.5", "deg", "cam.dxf", "FAIL"]
+    assert "MOTION_ERROR (cam.dxf) fails: 1 deg; at most 0.5 deg is allowed. the cam is off." in out
+    assert "camgen explain MOTION_ERROR" in out
+
+
+def test_quiet_tells_what_fails_and_verbose_tells_all(run: Run, results: dict[str, Any]) -> None:
+    results |= {"good": report(), "bad": report(False)}
+    assert run("build", "good", "--quiet") == (0, "", "")
+    code, out, _ = run("build", "bad", "-q")
+    assert (code, len(out.splitlines())) == (1, 3) and "the cam is off" in out and "margin" not in out
+    assert "the cam is off" not in run("build", "good")[1] and "the cam is off" in run("build", "good", "-v")[1]
+
+
+def test_the_last_lines_say_where_the_files_are_and_what_to_open(run: Run, results: dict[str, Any], tmp_path: Path) -> None:
+    for name in ("report.html", "cam-plate.3mf", "cam-disc.dxf", "cam-disc.stl"):
+        (tmp_path / name).write_text("")
+    results["a"] = replace(report(), folder=tmp_path)
+    *_, where, see, make = run("build", "a")[1].splitlines()
+    assert where == f"files are in {tmp_path}: 1 DXF, 1 STL, 1 3MF"
+    assert str(tmp_path / "report.html") in see and str(tmp_path / "cam-plate.3mf") in make
+    assert str(tmp_path / "cam-disc.dxf") in run("build", "a", "-v")[1]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shell_completes(shell: str) -> None:
+    def complete(instruction: str, **words: str) -> str:
+        environment = os.environ | {"_CAMGEN_COMPLETE": f"{shell}_{instruction}"} | words
+        return subprocess.run(CAMGEN, env=environment, capture_output=True, text=True, check=True).stdout
+
+    assert f"_CAMGEN_COMPLETE={shell}_complete" in complete("source")
+    typed = {"bash": "camgen new di", "zsh": "camgen new di", "fish": "camgen new"}[shell]
+    word = {"bash": "2", "zsh": "2", "fish": "di"}[shell]
+    assert "disc-cam" in complete("complete", COMP_WORDS=typed, COMP_CWORD=word)
+    typed = {"bash": "camgen explain UNDER", "zsh": "camgen explain UNDER", "fish": "camgen explain"}[shell]
+    word = {"bash": "2", "zsh": "2", "fish": "UNDER"}[shell]
+    assert "UNDERCUT" in complete("complete", COMP_WORDS=typed, COMP_CWORD=word)
 
 
 def test_internal_error_is_one_line_and_code_70(run: Run, results: dict[str, Any]) -> None:
@@ -117,7 +152,7 @@ def test_interrupt_is_130(run: Run, results: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("build",), ("check",), ("new",), ("schema",), ("bild",), ("build", "a", "--only", "step"), ("build", "--nope"),
+        ("build",), ("check",), ("new",), ("schema",), ("bild",), ("build", "a", "--only", "iges"), ("build", "--nope"),
         ("build", "a", "--only", ""), ("new", "uniform-swin"), ("schema", "uniform-swin"), ("build", "a", "--set"),
     ],
 )  # fmt: skip
@@ -246,11 +281,15 @@ def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_new_prints_and_writes_the_starter(run: Run, tmp_path: Path, root: Path, mechanism: str) -> None:
-    text = (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
+    text = f"#:schema ./{mechanism}.schema.json\n" + (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
     assert run("new", mechanism) == (0, text, f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml\n")
-    file = tmp_path / "mine.toml"
-    assert run("new", mechanism, file) == (0, "", "")
+    file, schema = tmp_path / "mine.toml", tmp_path / f"{mechanism}.schema.json"
+    code, out, err = run("new", mechanism, file)
+    assert (code, out) == (0, "") and f"wrote {file}" in err and str(schema) in err and f"camgen build {file}" in err
     assert file.read_text(encoding="utf-8") == text
+    assert schema.read_text(encoding="utf-8") == run("schema", mechanism)[1]
+    schema.write_text("mine")
+    assert str(schema) not in run("new", mechanism, tmp_path / "another.toml")[2] and schema.read_text() == "mine"
     file.write_text("changed")
     code, _, err = run("new", mechanism, file)
     assert code == 4 and "exists already" in err
@@ -323,7 +362,7 @@ def build(spec, out, only, overrides, progress, jobs):
         time.sleep(float(sys.argv[2]))
     raise OSError("that was all")
 pipeline.build = build
-main(["build", "a.toml", "-o", sys.argv[1]])
+main(["build", "a.toml", "-o", sys.argv[1], *sys.argv[3:]])
 """
 
 
@@ -354,12 +393,12 @@ def test_a_signal_that_the_shell_ignores_ends_nothing(tmp_path: Path) -> None:
     assert "that was all" in process.communicate()[1] and process.returncode == FileError.exit_code
 
 
-@pytest.mark.parametrize("seconds, shown", [("2.5", True), ("0", False)])
-def test_step_of_over_a_second_is_shown_on_a_terminal(tmp_path: Path, seconds: str, shown: bool) -> None:
+@pytest.mark.parametrize("more, shown", [((), True), (("--quiet",), False)])
+def test_step_is_named_from_the_start_on_a_terminal(tmp_path: Path, more: tuple[str, ...], shown: bool) -> None:
     terminal, side = pty.openpty()
     environment = os.environ | {"TERM": "xterm"}
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, str(tmp_path), seconds], stdout=subprocess.PIPE, stderr=side, env=environment
+        [sys.executable, "-c", SLOW, str(tmp_path), "0", *more], stdout=subprocess.PIPE, stderr=side, env=environment
     )
     os.close(side)
     seen, until = b"", time.monotonic() + 20
@@ -371,4 +410,4 @@ def test_step_of_over_a_second_is_shown_on_a_terminal(tmp_path: Path, seconds: s
     os.close(terminal)
     out, _ = process.communicate()
     assert out == b"ready\n"
-    assert (b"turning the handle" in seen) is shown
+    assert (b"turning the handle" in seen) is shown and b"that was all" in seen

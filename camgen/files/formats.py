@@ -1,6 +1,6 @@
 """The formats that a part is written in and read back from, one module each, under the endings of their files.
 
-Each module has `write_part(path, job)` and `read_part(path, name)`: a solid and remarks on the file, or a drawing. They are
+Each module has `write_part(path, job)` and `read_part(path, name)`: a mesh or an exact solid and remarks, or a drawing. They are
 loaded where they are used. Whoever makes or judges files takes from here which there are and what they hold.
 """
 
@@ -16,21 +16,28 @@ from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:
     from camgen.files.dxf import Drawing
+    from camgen.geometry.brep import Brep
     from camgen.geometry.mesh import Mesh
     from camgen.geometry.outlines import Region
+    from camgen.parts.part import Part
 
 
 @dataclass(frozen=True)
 class Format:
-    """A format: its module in this package, and whether it holds a solid or else a drawing.
+    """A format: its module in this package, and what it holds: a drawing, a mesh, or an exact solid.
 
     rounding: of a length in a file, as a share of it; numbers: what rounds, for people.
     """
 
     module: str
-    solid: bool
+    holds: Literal["drawing", "mesh", "exact"]
     rounding: float
     numbers: str
+
+    @property
+    def solid(self) -> bool:
+        """Whether it holds a mesh."""
+        return self.holds == "mesh"
 
     @property
     def code(self) -> Any:
@@ -39,11 +46,14 @@ class Format:
 
 
 FORMATS = {
-    "dxf": Format("dxf", False, 0.0, "decimals"),
-    "stl": Format("stl", True, FLOAT32_ROUNDING, "float32"),
-    "3mf": Format("threemf", True, FLOAT32_ROUNDING, "float32"),
+    "dxf": Format("dxf", "drawing", 0.0, "decimals"),
+    "stl": Format("stl", "mesh", FLOAT32_ROUNDING, "float32"),
+    "3mf": Format("threemf", "mesh", FLOAT32_ROUNDING, "float32"),
+    "step": Format("step", "exact", 0.0, "decimals"),
 }
-DRAWN, SOLID = (tuple(kind for kind, form in FORMATS.items() if form.solid == solid) for solid in (False, True))
+_HELD = ("drawing", "mesh", "exact")
+DRAWN, SOLID, EXACT = (tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD)
+USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones
 
 
 @dataclass(frozen=True)
@@ -52,7 +62,7 @@ class Job:
 
     name: of the part; title: of the file; key: what identifiers inside a file are made from.
     region, centres (complex mm): what a drawing shows, within tolerance, mm, as arcs ("bulge") or chords ("lines").
-    solid: as it is sent to the printer, None where drawings alone are asked for.
+    solid: as it is sent to the printer, None where no mesh is asked for; part: itself, where an exact solid is.
     """
 
     name: str
@@ -63,6 +73,7 @@ class Job:
     tolerance: float
     curves: Literal["bulge", "lines"]
     solid: Mesh | None
+    part: Part | None = None
 
 
 def write_part(path: Path, job: Job) -> None:
@@ -77,6 +88,12 @@ def read_solid(path: Path, name: str) -> tuple[Mesh, list[str]]:
     """
     mesh, remarks = FORMATS[path.suffix[1:]].code.read_part(path, name)
     return mesh, remarks
+
+
+def read_exact(path: Path, name: str) -> tuple[Brep, list[str]]:
+    """The exact solid of the part of this name, and what is wrong with the file as such; FileError where it cannot be read."""
+    body, remarks = FORMATS[path.suffix[1:]].code.read_part(path, name)
+    return body, remarks
 
 
 def read_drawing(path: Path, name: str) -> Drawing:

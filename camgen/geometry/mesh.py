@@ -108,7 +108,7 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
         turned_normals=0 if mesh.normals is None else _turned(mesh.normals, mesh.across),
-        bodies=_components(len(mesh.faces), face[joined], face[joined + 1]),
+        bodies=len(np.unique(components(len(mesh.faces), face[joined], face[joined + 1]))),
         volume=mesh.volume,
     )
 
@@ -120,8 +120,8 @@ def _turned(stored: Floats, own: Floats) -> int:
     return int(np.count_nonzero(~(off <= NORMAL_ROUNDING) & (size[:, 0] > 0)))
 
 
-def _components(count: int, a: Ints, b: Ints) -> int:
-    """Number of connected components of a graph with links a-b: every node takes its neighbours' least label."""
+def components(count: int, a: Ints, b: Ints) -> Ints:
+    """Connected components of a graph with links a-b, (count,): every node takes its neighbours' least label."""
     label = np.arange(count)
     while (label[a] != label[b]).any():
         least = np.minimum(label[a], label[b])
@@ -129,7 +129,7 @@ def _components(count: int, a: Ints, b: Ints) -> int:
         np.minimum.at(label, label[b], least)
         while (label[label] != label).any():
             label = label[label]
-    return int(np.count_nonzero(label == np.arange(count)))
+    return label
 
 
 def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:

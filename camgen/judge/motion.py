@@ -232,7 +232,7 @@ def judge_machine(
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
     form = FORMATS[kind]
-    found = read(features, files, not form.solid)
+    found = read(features, files, form.holds == "drawing")
     every = named(where, parts_of(features))
     if found.lost:
         return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(found.lost)),))

@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.formats import FORMATS, read_drawing, read_solid
+from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
+from camgen.files.step import read_step
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring, thinnest_wall
@@ -139,6 +140,25 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
 
 
+def judge_exact(path: Path, expected: Expected) -> Judged:
+    """Closed shell, volume, sections and walls of the one exact solid in a file."""
+    body, remarks = read_exact(path, expected.part)
+    where = path.name
+    if remarks:
+        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
+    said = f"{body.faults} edges without their two faces, {body.bodies} body(ies) of {len(body.faces)} planes and cylinders"
+    findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
+    if not findings[0].ok:
+        return Judged(tuple(findings), None)
+    findings.append(_volume(body.volume, expected, where))
+    try:
+        sections = [(section, body.section(z)) for section in expected.sections for z in section.heights]
+    except ValueError as error:
+        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
+        return Judged(tuple(findings), None)
+    return _judge_sections(sections, expected, where, 0.0, findings, _level_error(body.heights, expected))
+
+
 def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> Judged:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
@@ -200,6 +220,30 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
     remark = f"{len(package.items)} copies of {len(package.meshes)} parts, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
+
+
+def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[tuple[str, Floats]]) -> Finding:
+    """ROUND_TRIP of an assembly of exact solids: each is the one in its part's own file, every copy stands in its place.
+
+    files: of each part; places: the wanted part and (3, 4) transform of each copy, in any order.
+    """
+    bodies, copies, remarks = read_step(path)
+    where = path.name
+    if sorted(bodies) != sorted(files) or len(copies) != len(places):
+        held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
+        remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
+    if remarks:
+        return at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks))
+    off = 0.0
+    for name, file in files.items():
+        own, body = read_exact(file, name)[0], bodies[name]
+        same = own.corners.shape == body.corners.shape and (own.edges, own.faces) == (body.edges, body.faces)
+        off = max(off, float(np.max(np.abs(own.corners - body.corners))) if same else math.inf)
+    laid = [(copy.object, copy.transform) for copy in copies]
+    for one, other in ((laid, places), (places, laid)):
+        off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
+    said = f"{len(copies)} copies of {len(bodies)} parts, each as its own file has it"
+    return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
 def _astray(copy: tuple[str, Floats], others: Sequence[tuple[str, Floats]]) -> float:

@@ -50,13 +50,25 @@ class Tip:
     at: str = "tip"
 
 
+@dataclass(frozen=True)
+class Strung:
+    """A further spring between a body's point and another's, body and point each; way: its shortest and longest inside its
+    eyes, mm."""
+
+    title: str
+    a: tuple[str, str]
+    b: tuple[str, str]
+    wire: ExtensionSpring
+    way: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class Bench:
     """The machine of `cams.machine` as one that is made.
 
     drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
     is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
-    by body.
+    by body; strung: further springs, by name.
     """
 
     drawn: Machine
@@ -70,25 +82,46 @@ class Bench:
     heavy: Sequence[str] = ()
     gears: Mapping[str, Gear] = field(default_factory=dict)
     more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
+    strung: Mapping[str, Strung] = field(default_factory=dict)
 
     @cached_property
     def machine(self) -> Machine:
         """The machine with fits, masses of its solids and its spring."""
-        machine = self.bodies.weighed(self.density, self.heavy)
+        machine = self._weighed(self.bodies)
         return machine if self.spring is None else replace(machine, loads=(*machine.loads, self._pull(self.spring)))
+
+    def _weighed(self, bodies: Bodies) -> Machine:
+        """With masses of its solids, and all springs but that which returns the follower."""
+        machine = bodies.weighed(self.density, self.heavy)
+        return replace(machine, loads=(*machine.loads, *self.pulls))
+
+    @property
+    def pulls(self) -> list[Spring]:
+        """The further springs, between the middles of their pins."""
+        points, pin = {body.name: body.points for body in self._named(False).bodies}, self.sizes.pin_diameter
+
+        def place(body: str, point: str) -> Place:
+            return Place(body, complex(points[body][point]))
+
+        return [
+            Spring(each.title, place(*each.a), place(*each.b), each.wire.rate, each.wire.free - pin)
+            for each in self.strung.values()
+        ]
 
     @cached_property
     def bodies(self) -> Bodies:
         """What is made."""
         if self.spring is None:
             return self._bare
-        springs = {"spring": Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside)}
-        return Bodies(laid(replace(self._layout(self._named(True)), springs=springs), self._run))
+        layout = self._layout(self._named(True))
+        spring = Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside)
+        return Bodies(laid(replace(layout, springs={"spring": spring, **layout.springs}), self._run))
 
     def bought(self) -> list[Bought]:
         """Drive, screws, spring."""
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
-        return found if self.spring is None else [*found, self.spring.bought(*self.way)]
+        found += [] if self.spring is None else [self.spring.bought(*self.way)]
+        return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
 
     # ---- layout -----------------------------------------------------------------------------------------------------
 
@@ -102,7 +135,10 @@ class Bench:
         return Bodies(laid(layout, self._run))
 
     def _layout(self, machine: Machine) -> Layout:
-        return Layout(machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears)
+        springs = {name: Stretched(each.a, each.b, each.wire.outside) for name, each in self.strung.items()}
+        return Layout(
+            machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears, springs=springs
+        )  # fmt: skip
 
     @cached_property
     def _run(self) -> Run:
@@ -249,7 +285,7 @@ class Bench:
     def _least(self) -> float:
         """Force, N, of a spring that keeps contact, with something over."""
         leaves = self.cam.follower.leaves
-        effort = leaves * solve(self._bare.weighed(self.density, self.heavy), _SAMPLES).forces().contacts["contact"]
+        effort = leaves * solve(self._weighed(self._bare), _SAMPLES).forces().contacts["contact"]
         missing = float(np.nanmax(np.where(np.isfinite(effort), -effort, 0.0) / self._lever))
         return max(_LEAST, _OVER * missing)
 

@@ -35,6 +35,7 @@ from camgen.machine.model import Machine
 from camgen.machines.bench import Bench, Tip
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
 from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
+from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.standing import StandingCams
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
@@ -380,6 +381,7 @@ class DiscCamDrive(StandingCams):
         notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
         if math.isinf(self.program.peak(2)):
             notes.append("The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out.")
+        notes += open_rails(self.bench.bodies.layout) if self.standing else []
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes

@@ -1,36 +1,17 @@
-"""Published constants beside those that this installation computes: trust in a second.
-
-A published value is a text: its last decimal says how exact it is.
-"""
+"""Published constants beside those that this installation computes: trust in a second."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.machine.closed_form import four_bar, slider_travel, transmission_extremes
+from camgen.machines import papers
+from camgen.machines.row import Row as Row
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, UNIFORM, Law, end_speed, largest, modified_sine
 from camgen.motion.program import Program, Segment, uniform_swing
-
-
-@dataclass(frozen=True)
-class Row:
-    """One constant: what it is, as published, as computed here."""
-
-    what: str
-    published: str
-    ours: float
-
-    @property
-    def ok(self) -> bool:
-        """Whether ours rounds to the published value, by half a unit of its last decimal and a hair."""
-        mantissa, _, exponent = self.published.partition("e")
-        unit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
-        return bool(abs(self.ours - float(self.published)) <= 0.5001 * unit)
-
 
 # C_v, C_a, C_j inside the segment, jerk at the crossover, largest |v a|.   [VDI 2143; Norton]
 _LAWS = {
@@ -71,6 +52,7 @@ def rows() -> Iterator[Row]:
             yield Row(f"double dwell, {name} {'vaj'[order - 1]}", text, _double_dwell_peak(LAWS[name], order))
     yield from _mr_13()
     yield from _linkages()
+    yield from papers.rows()
 
 
 def _peak(law: Law, order: int) -> float:

@@ -120,14 +120,17 @@ class StandingCams(Mechanism):
         return self.bench.bought() if self.standing else ()
 
     def steps(self) -> Table:
-        """By height, and at last the spring."""
+        """By height, and at last the springs."""
         table = super().steps()
-        if not self.standing or self.bench.spring is None:
+        if not self.standing:
             return table
-        layout = self.bench.bodies.layout
-        z = layout.floor(layout.level["spring"] - layout.below(layout.springs["spring"]))
-        last = (len(table.rows) + 1, "extension spring", "Return spring, hooked under the heads of its pins", 1, z, "as bought")
-        return replace(table, rows=(*table.rows, last))
+        layout, rows = self.bench.bodies.layout, list(table.rows)
+        titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
+        for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
+            z = layout.floor(layout.level[name] - layout.below(spring))
+            said = f"{titles[name]}, hooked under the heads of its pins"
+            rows.append((len(rows) + 1, "extension spring", said, 1, z, "as bought"))
+        return replace(table, rows=tuple(rows))
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

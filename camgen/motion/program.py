@@ -70,9 +70,10 @@ class Program:
         starts = self.joints - self.begin
         which = np.clip(np.searchsorted(starts, angle, side="right") - 1, 0, len(self.segments) - 1)
         result = np.empty(angle.shape)
-        for k, segment in enumerate(self.segments):
-            mine = which == k
-            result[mine] = segment.at(angle[mine] - starts[k], order)
+        first, last = (which.min(), which.max()) if which.size else (0, -1)
+        for k in range(first, last + 1):
+            mine = which == k if first < last else ...  # one segment: all of them
+            result[mine] = self.segments[k].at(angle[mine] - starts[k], order)
         return result
 
     def backwards(self) -> Program:

@@ -57,15 +57,19 @@ Condition = tuple[Annotated[float, Field(ge=0, le=1)], Annotated[int, Field(ge=0
 class LawChoice(Record):
     """A law with its parameters."""
 
-    name: str
-    constant_velocity: float | None = None
-    sines: Terms | None = None
-    cosines: Terms | None = None
-    conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = None
-    points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = None
-    file: str | None = None
-    source: str | None = None
-    rest: bool | None = None
+    name: str = Field(description="of the law, see camgen list")
+    constant_velocity: float | None = Field(default=None, description="share, of the span, at constant velocity")
+    sines: Terms | None = Field(default=None, description="1, of the acceleration: sines of 2 pi u, 4 pi u, ...")
+    cosines: Terms | None = Field(default=None, description="1, of the acceleration: cosines of pi u, 3 pi u, ...")
+    conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = Field(
+        default=None, description="of a polynomial: rows u, order of the derivative, value"
+    )
+    points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = Field(
+        default=None, description="1, of a table: rows angle, displacement, in any unit"
+    )
+    file: str | None = Field(default=None, description="of a table: two columns, in a file beside the spec")
+    source: str | None = Field(default=None, description="of a table: where it is from")
+    rest: bool | None = Field(default=None, description="of a table: whether it starts and ends at rest")
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -4,7 +4,7 @@
              what must lie beside each other, such as a cam and its roller, are bands of one level
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
-    wall     stands beside a link that slides, on the link or plate that guides it, as high as the link
+    wall     stands beside a link that slides, on the link or plate that guides it, as high as the link, or its cover over it
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
     wanted   the fewest levels, then the shortest pins: depth first, or an integer program
@@ -79,13 +79,17 @@ class Axis:
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm."""
+    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm.
+
+    over: how many levels it takes over that link too.
+    """
 
     name: str
     corners: Points
     radius: float
     link: str
     on: str = ""
+    over: int = 0
 
 
 Thing = Band | Axis | Wall
@@ -230,7 +234,7 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
     if isinstance(thing, Band):
         return level[thing.level] - thing.below, level[thing.level]
     if isinstance(thing, Wall):
-        return level.get(thing.on, 0) + 1, level[thing.link]
+        return level.get(thing.on, 0) + 1, level[thing.link] + thing.over
     held = [level[link] for link in thing.links]
     return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
 
@@ -346,19 +350,19 @@ def integer_program(
             rows.append(({level[link]: 1, low: -1}, axis.under))
     big, plate = 2.0 * most + 4, column(0, 0, 0)
 
-    def ends(thing: Thing) -> tuple[int, int, int]:
-        """Column of the lowest level and what is added to it, and column of the highest."""
+    def ends(thing: Thing) -> tuple[int, int, int, int]:
+        """Column of the lowest level and what is added to it, and the same of the highest."""
         if isinstance(thing, Wall):
-            return level.get(thing.on, plate), 1, level[thing.link]
+            return level.get(thing.on, plate), 1, level[thing.link], thing.over
         if isinstance(thing, Band):
-            return level[thing.level], -thing.below, level[thing.level]
-        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1]
+            return level[thing.level], -thing.below, level[thing.level], 0
+        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1], 0
 
     for rule in rules:
-        (a0, a, a1), (b0, b, b1) = ends(rule.a), ends(rule.b)
+        (a0, a, a1, a_over), (b0, b, b1, b_over) = ends(rule.a), ends(rule.b)
         broken, upper = column(_BROKEN, 0, 1), column(0, 0, 1)
-        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a))  # a over b where `upper` is 0
-        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b - big))
+        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over))  # a over b where `upper` is 0
+        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b + a_over - big))
     table = np.zeros((len(rows), len(cost)))
     for k, (row, _) in enumerate(rows):
         table[k, list(row)] = list(row.values())

@@ -13,20 +13,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_circle, facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
+from camgen.parts.caps import Faces, area, recapped, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
-
-Faces = NDArray[np.int64]
-
-# Earcut takes quadratic time. Rings of more points than _LONG are first cut into some _CHUNKS chunks, see _banded.
-_LONG, _CHUNKS = 8000, 1500
 
 
 def solid(part: Part, tolerance: float) -> Mesh:
@@ -36,11 +31,12 @@ def solid(part: Part, tolerance: float) -> Mesh:
     circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
     itself or another one, or where the layers do not make exactly one body.
     """
-    layers = [_prism(layer, tolerance, part.name, pocket=False) for layer in part.layers]
+    alone = len(part.layers) == 1 and not part.engraved and part.crossed is None
+    layers = [_prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers]
     pockets = [_prism(layer, tolerance, part.name, pocket=True) for layer in part.engraved]
     if part.crossed is not None:
         mesh = _cross(layers, part, tolerance)
-    elif len(layers) > 1 or pockets:
+    elif not alone:
         mesh = _combine(layers, pockets)
     else:  # one body, since its rings bound one region
         _check(layers[0], part.name)
@@ -71,20 +67,15 @@ def _ring(contour: Contour, tolerance: float, outside: bool) -> Points:
         if not idle.any() or len(z) <= 3:
             break
         z = z[~idle]
-    return z if _area(z) > 0 else z[::-1]
+    return z if area(z) > 0 else z[::-1]
 
 
-def _area(z: Points) -> float:
-    """Signed area of a ring, mm^2."""
-    w = z - z[0]
-    return float(np.sum((np.conj(w) * np.roll(w, -1)).imag)) / 2
-
-
-def _prism(layer: Layer, tolerance: float, name: str, pocket: bool) -> Mesh:
-    """The layer's region between its two heights; raises DesignError where the rings cross."""
+def _prism(layer: Layer, tolerance: float, name: str, pocket: bool, fine: bool = False) -> Mesh:
+    """The layer's region between its two heights, its caps as they are to stay (fine) or to be cut; DesignError where the rings
+    cross."""
     loops = rings(layer.region, tolerance, pocket)
     _check_rings(loops, name)
-    z, cap = _triangles(loops)
+    z, cap = triangles(loops, fine)
     n = len(z)
     floor = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z0))])
     ceiling = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z1))])
@@ -95,72 +86,6 @@ def _prism(layer: Layer, tolerance: float, name: str, pocket: bool) -> Mesh:
     following[np.cumsum(sizes) - 1] -= sizes
     walls = [np.column_stack([here, following, following + n]), np.column_stack([here, following + n, here + n])]
     return Mesh(np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls]))
-
-
-def _triangles(loops: Sequence[Points]) -> tuple[Points, Faces]:
-    """Triangles between the rings, anticlockwise, using every point.
-
-    Returns the rings' points end to end, followed by points inside where there are many, and (m, 3) indices into them.
-    """
-    import manifold3d
-
-    z = np.concatenate(loops)
-    wanted = sum(_area(loop) for loop in loops)
-    tries = (_banded, _earcut) if len(z) > _LONG else (_earcut,)
-    for attempt in tries:
-        points, faces = attempt(loops)
-        a, b, c = points[faces].T
-        doubled = (np.conj(b - a) * (c - a)).imag
-        # Earcut makes no promise: it drops points that come in line on the way. All turned one way, as many as there must
-        # be and of the right area, they lie side by side.
-        complete = len(faces) == len(z) + 2 * (len(points) - len(z)) + 2 * (len(loops) - 1) - 2 and np.all(doubled > 0)
-        if complete and abs(np.sum(doubled) / 2 - wanted) <= 1e-9 * wanted:
-            return points, faces
-    corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
-    return z, np.asarray(manifold3d.triangulate(corners), np.int64)
-
-
-def _earcut(loops: Sequence[Points]) -> tuple[Points, Faces]:
-    """Earcut's triangles, each turned anticlockwise."""
-    import mapbox_earcut
-
-    z = np.concatenate(loops)
-    ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
-    faces = mapbox_earcut.triangulate_float64(np.column_stack([z.real, z.imag]), ends).reshape(-1, 3).astype(np.int64)
-    a, b, c = z[faces].T
-    return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
-
-
-def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
-    """A fan on each chunk of a ring from a new point inside the material, and earcut's triangles between the fans.
-
-    The new points are float32 numbers. A chunk that its point does not wholly see, at a corner, stays as it is.
-    """
-    size = sum(len(loop) for loop in loops)
-    step = -(-size // _CHUNKS)
-    kept: list[Faces] = []
-    tips: list[Points] = []
-    fans: list[Faces] = []
-    begin, new = 0, size
-    for loop in loops:
-        n = len(loop)
-        chunk, start = np.arange(n) // step, np.arange(0, n, step)
-        following = np.roll(loop, -1)
-        stop = np.append(loop[start[1:]], loop[0])
-        tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(complex) + 0
-        seen = (np.conj(following - loop) * (tip[chunk] - loop)).imag > 0
-        good = np.logical_and.reduceat(seen, start)
-        number = new + np.cumsum(good) - 1
-        edge = np.flatnonzero(good[chunk])
-        fans.append(np.column_stack([begin + edge, begin + (edge + 1) % n, number[chunk[edge]]]))
-        stays = np.flatnonzero(~good[chunk] | (np.arange(n) % step == 0))
-        place = np.concatenate([stays, start[good] + 0.5])
-        kept.append(np.concatenate([begin + stays, number[good]])[np.argsort(place)])
-        tips.append(tip[good])
-        begin, new = begin + n, new + int(np.count_nonzero(good))
-    points = np.concatenate([*loops, *tips])
-    _, inner = _earcut([points[index] for index in kept])
-    return points, np.concatenate([*fans, np.concatenate(kept)[inner]])
 
 
 def _check_rings(loops: Sequence[Points], name: str) -> None:
@@ -194,7 +119,7 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     known = np.unique(np.concatenate([m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)]))
     plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known)
 
-    return _ordered(np.column_stack([plan.real, plan.imag, height]), faces)
+    return recapped(_ordered(np.column_stack([plan.real, plan.imag, height]), faces))
 
 
 def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:

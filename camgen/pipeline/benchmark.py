@@ -20,7 +20,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.files.dxf import write_dxf
-from camgen.files.formats import FORMATS
+from camgen.files.formats import FORMATS, USUAL
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
 from camgen.findings import ROUTINE, Finding
@@ -44,7 +44,7 @@ from camgen.pipeline.judging import Read, judge_motion, judge_part, pass_by
 from camgen.pipeline.making import compensation
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-KINDS, JUDGED = tuple(FORMATS), ("dxf", "stl")  # a 3MF holds the numbers of the STL
+KINDS, JUDGED = USUAL, ("dxf", "stl")  # a 3MF holds the numbers of the STL
 STAGES = ("design", "arcs", "solids", "write", "judge dxf", "judge stl")
 _EXACT = 1e-6  # mm, chords of the sections that stand for the exact ones
 

@@ -12,7 +12,7 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
-from camgen.files.formats import FORMATS
+from camgen.files.formats import FORMATS, USUAL
 from camgen.findings import at_most
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.machine.features import PartPose
@@ -25,7 +25,7 @@ from camgen.pipeline.making import make
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 
-KINDS = (*FORMATS, "report")
+KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
 _PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "matplotlib")
 _DRAWN = 0.01  # mm, arc tolerance of the report's moving picture
 _FRAMES = 120  # of the moving picture
@@ -36,24 +36,27 @@ def build(
 ) -> Report:
     """Make, read back and judge one mechanism; its folder out/<name>/ appears, whole, only when all is done.
 
-    spec: a path, tables or a mechanism; only: the kinds of files to make, of KINDS; jobs: cores to use, which changes nothing
+    spec: a path, tables or a mechanism; only: the kinds of files to make, of ANY_KIND; where they are
+    all of KINDS, those that the spec asks for as well; jobs: cores to use, which changes nothing
     in the files.
     Raises SpecError, DesignError or FileError; failed findings do not raise.
     """
-    wrong = sorted(map(str, only - set(KINDS)))
+    wrong = sorted(map(str, only - set(ANY_KIND)))
     if wrong:
-        raise SpecError([specs.unknown("only", kind, KINDS) for kind in wrong])
+        raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
     if said := mechanism.beforehand(len(only & FORMATS.keys())):
         progress(f"note: {said}")
     mechanism = mechanism.resolved()
+    if only >= frozenset(KINDS) and mechanism.output.step:
+        only |= {"step"}
     staged = Staged(out / mechanism.name)
     with staged as folder, Workers(jobs) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case = Case(mechanism, folder)
         make(case, only, workers, progress)
-        report, columns = judge(case, [kind for kind in KINDS if kind in only], workers, progress, "was made (--only)")
+        report, columns = judge(case, [kind for kind in ANY_KIND if kind in only], workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
@@ -71,7 +74,7 @@ def build(
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
-        remarks.append(f"the earlier {staged.target} had {count}, which are gone with it: a build without --only makes all")
+        remarks.append(f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all")
     return replace(report, remarks=remarks, folder=staged.target)
 
 
@@ -83,7 +86,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
     if lost is not None:
         how = "no plain file" if (folder / lost).exists() else "not there"
         raise FileError(folder / lost, f"is listed in manifest.json and {how}")
-    kinds = [kind for kind in KINDS if any(path.name in listed or path.exists() for path in _files(case, kind))]
+    kinds = [kind for kind in ANY_KIND if any(path.name in listed or path.exists() for path in _files(case, kind))]
     with Workers(jobs) as workers:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}

@@ -46,11 +46,21 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
     """
     if isinstance(spec, Mechanism):
         return spec
+    return changed(*read_tables(spec), overrides)
+
+
+def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
+    """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
+    assert not isinstance(spec, Mechanism), "has no tables of its own"
     if isinstance(spec, Mapping):
         data, source, folder = specs.tables(spec), "spec", Path()
     else:
         data, source, folder = specs.read(Path(spec)), str(spec), Path(spec).parent
-    data = opened(data, folder)
+    return opened(data, folder), source, folder
+
+
+def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str] = ()) -> Mechanism:
+    """The mechanism of some tables with some keys set anew."""
     for override in overrides:
         data = specs.override(data, override)
     data = with_tables(data, folder)

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.files.formats import FORMATS, SOLID
+from camgen.errors import DesignError
+from camgen.files.formats import EXACT, FORMATS, SOLID
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
@@ -24,9 +25,18 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
-from camgen.judge.round_trip import Undo, judge_copies, judge_drawing, judge_mesh, judge_solid
+from camgen.judge.round_trip import (
+    Undo,
+    judge_copies,
+    judge_drawing,
+    judge_exact,
+    judge_exact_copies,
+    judge_mesh,
+    judge_solid,
+)
 from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
@@ -108,9 +118,17 @@ def judge(
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
-        (*not_judged(asked, files, findings, lacks), *moved.not_judged), unheard(mechanism, files),
+        (*not_judged(asked, files, findings, lacks), *moved.not_judged, *_merged(parts)), unheard(mechanism, files),
     )  # fmt: skip
     return report, columns
+
+
+def _merged(outcomes: Sequence[Outcome]) -> list[NotJudged]:
+    """What could not be judged of parts, what needs the same as one."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for each in (each for outcome in outcomes for each in outcome.not_judged):
+        found.setdefault((each.code, each.needs), []).append(each.why)
+    return [NotJudged(code, "; ".join(whys), needs) for (code, needs), whys in found.items()]
 
 
 # ---- a part by itself ------------------------------------------------------------------------------------------------
@@ -122,16 +140,32 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
     features, tolerance, fit = mechanism.features(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
     findings: list[Finding] = []
     read: Read = {}
+    refused: list[NotJudged] = []
     for kind in kinds:
         path = case.file(name, kind)
+        if kind in EXACT and not path.exists():
+            refused += _without(part, tolerance)
+            continue
         solid = FORMATS[kind].solid
         sent, marked = (fit, False) if solid else (None, mechanism.output.center_marks)
         meant = expected(part, tolerance, features, sent, marked)
-        judged = (judge_mesh if solid else judge_drawing)(path, meant)
+        judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings
         if judged.shape is not None:
             read[kind] = judged.sections
-    return Outcome(findings), read
+    return Outcome(findings, not_judged=refused), read
+
+
+_JUDGES = {"drawing": judge_drawing, "mesh": judge_mesh, "exact": judge_exact}
+
+
+def _without(part: Part, tolerance: float) -> list[NotJudged]:
+    """Why a part has no exact solid."""
+    try:
+        exact(part, tolerance)
+    except DesignError as error:
+        return [NotJudged("ROUND_TRIP", f"no STEP of {part.name}: {error}", "STL or 3MF")]
+    return []
 
 
 def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:
@@ -142,7 +176,7 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
         "material_mm3": part.volume,
         "thickness_mm": part.thickness,
         "area_mm2": part.region.area,
-        "files": [case.file(part.name, kind).name for kind in kinds],
+        "files": [file.name for kind in kinds if (file := case.file(part.name, kind)).exists() or kind not in EXACT],
     }
 
 
@@ -253,6 +287,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
+    if any(kind in EXACT for kind in kinds):
+        stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
     return [*stages, Stage((), work=list_parts), *reading(mechanism)]
 
@@ -267,7 +303,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     numbers: dict[str, float] = {}
     columns: dict[str, Floats] = {}
     plots = []
-    for kind in kinds:
+    for kind in (kind for kind in kinds if kind not in EXACT):
         cleared = judge_clearance(kind, case.folder, mechanism.name, pairs, mechanism.poses, mechanism.accuracy.chord_tolerance)
         findings += cleared.findings
         numbers |= cleared.numbers
@@ -288,6 +324,13 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
             findings += [finding for finding in judged.findings if not finding.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
+
+
+def judge_exact_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
+    """ROUND_TRIP of the assembly of exact solids: every copy of every part that has one, where it belongs at theta = 0."""
+    files = {name: file for name in case.parts if (file := case.file(name, "step")).exists()}
+    places = [(copy.object, copy.transform) for copy in assembled(case.mechanism) if copy.object in files]
+    return Outcome([judge_exact_copies(case.file("assembly", "step"), files, places)] if places else [])
 
 
 def _written(case: Case) -> dict[str, Mesh]:
@@ -351,6 +394,6 @@ def _plates(case: Case) -> list[Path]:
 
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
-    fixed = [case.file("assembly", "3mf"), case.file("parts", "csv")]
+    fixed = [case.file("assembly", "3mf"), case.file("assembly", "step"), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
     return [path.name for path in (*fixed, *_plates(case), *more) if path.exists()]

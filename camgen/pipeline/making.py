@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from contextlib import nullcontext, suppress
 from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
@@ -12,9 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen import spec as specs
-from camgen.files.formats import FORMATS, Job, write_part
+from camgen.errors import DesignError
+from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.study import Table
@@ -27,7 +30,7 @@ PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines ea
 
 
 def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> None:
-    """Write the files of these kinds ("dxf", "stl", "3mf") into the case's folder, beside the spec that is there."""
+    """Write the files of these kinds, of FORMATS, into the case's folder, beside the spec that is there."""
     mechanism, names = case.mechanism, list(case.parts)
     listed = mechanism.printed()
     meshes: dict[str, Mesh] = {}
@@ -40,6 +43,8 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
             meshes[name], sent[name] = pair
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    if "step" in only:
+        write_exact_assembly(case)
     if "3mf" not in only:
         return
     progress("putting the assembly together", 0.4)
@@ -78,14 +83,28 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         sent = solid(compensated(part, fit), tolerance) if fit else mesh
     centres = part.centres if mechanism.output.center_marks else ()
     title, key = f"{mechanism.name}-{name}", _key(mechanism)
-    job = Job(name, title, key, part.region, centres, tolerance, mechanism.output.curves, sent)
+    job = Job(name, title, key, part.region, centres, tolerance, mechanism.output.curves, sent, part)
     for kind in wanted:
-        write_part(case.file(name, kind), job)
+        with suppress(DesignError) if kind in EXACT else nullcontext():  # a part that has none is told as files are judged
+            write_part(case.file(name, kind), job)
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
 
         write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
     return None if mesh is None or sent is None else (mesh, sent)
+
+
+def write_exact_assembly(case: Case) -> None:
+    """Write the exact solids of all parts that have one, every copy where it is at theta = 0; nothing where none has."""
+    from camgen.files.step import write_step
+
+    mechanism = case.mechanism
+    parts = [part for part in case.parts.values() if case.file(part.name, "step").exists()]
+    bodies = {part.name: exact(part, mechanism.accuracy.chord_tolerance) for part in parts}
+    copies = [copy for copy in assembled(mechanism) if copy.object in bodies]
+    if copies:
+        titles = {part.name: part.title for part in parts}
+        write_step(case.file("assembly", "step"), bodies, titles, f"{mechanism.name}-assembly", copies)
 
 
 def _key(mechanism: Mechanism) -> str:

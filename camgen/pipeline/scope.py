@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from camgen.files.formats import DRAWN, SOLID
+from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from camgen.pipeline.jobs import Case
 
 ANY = (*DRAWN, *SOLID)
+READ = (*ANY, *EXACT)  # part by part
 
 # Keys of [print] that change what is sent to a printer.
 _FITS = ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot")
@@ -44,25 +45,25 @@ def reading(mechanism: Mechanism) -> list[Stage]:
     holes = any(layer.region.holes for part in mechanism.parts() for layer in part.layers)
     stages = [
         Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN),
-        Stage(("WATERTIGHT", "VOLUME"), "solids", SOLID),
-        Stage(("ROUND_TRIP", *(("MIN_WALL",) if holes else ())), "contours as they are in the files", ANY),
+        Stage(("WATERTIGHT", "VOLUME"), "solids", (*SOLID, *EXACT)),
+        Stage(("ROUND_TRIP", *(("MIN_WALL",) if holes else ())), "contours as they are in the files", READ),
     ]
     features = mechanism.features()
     cams = [feature for feature in features if isinstance(feature, CamOutline)]
     if cams:
         ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.meant.ripple) for cam in cams) else ()
-        stages.append(Stage(("MOTION_ERROR", *ripple), "the follower, rolled on the outline", ANY))
+        stages.append(Stage(("MOTION_ERROR", *ripple), "the follower, rolled on the outline", READ))
     if len(cams) > len({cam.joint for cam in cams}):
-        stages.append(Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", ANY))
+        stages.append(Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", READ))
     if any(cam.own is not None for cam in cams):
-        stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", ANY))
+        stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", READ))
     if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
-        stages.append(Stage(("FACE_WIDTH",), "where the face is touched", ANY))
+        stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
     if len(cams) < len(features):
         asked = mechanism.asked()
         more = dict.fromkeys(target.code for each in asked for target in each.targets)
         more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
-        stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *more), "the linkage, closed on the holes of its parts", ANY))
+        stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *more), "the linkage, closed on the holes of its parts", READ))
     return stages
 
 
@@ -87,10 +88,12 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     """Sentences on keys that were set and cannot act on a kind of file that is there."""
     found = []
     drawn, solid = (" and ".join(map(str.upper, each)) for each in (DRAWN, SOLID))
-    for key in _FITS if any(kind in kinds for kind in DRAWN) else ():
+    as_drawn = [kind.upper() for kind in (*DRAWN, *EXACT) if kind in kinds]
+    told = f"{' and '.join(as_drawn)} {'is' if len(as_drawn) == 1 else 'are'} as drawn"
+    for key in _FITS if as_drawn else ():
         value = getattr(mechanism.print, key)
         if value:
-            found.append(f"print.{key} = {value:g} acts on {solid} alone: the {drawn} is as drawn")
+            found.append(f"print.{key} = {value:g} acts on {solid} alone: the {told}")
     curves = mechanism.output.curves
     if curves != "bulge" and any(kind in kinds for kind in SOLID) and not any(kind in kinds for kind in DRAWN):
         found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')

@@ -1,10 +1,16 @@
-"""What a terminal shows: the findings as a table, and what is being made while it takes long."""
+"""What a terminal shows: the findings as a table, where the files are, and what is being made meanwhile."""
 
 from __future__ import annotations
 
+import math
+import os
+import re
 import sys
+import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from threading import Lock, Timer
+from pathlib import Path
+from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
 from camgen.errors import printable
@@ -15,8 +21,8 @@ if TYPE_CHECKING:
     from camgen.report.report import Report
 
 _CONDENSED_FROM = 40  # findings; fewer are printed one by one
-_PATIENCE = 1.0  # s, work that takes less needs no bar
-
+_TICK = 1.0  # s between two looks at the clock of the progress line
+_BAR = 20  # characters of its bar
 
 def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     """Findings to print, each with how many it stands for: of many routine checks that hold only the tightest."""
@@ -45,11 +51,12 @@ _WIDE = 52  # characters of "where" at most
 _BETWEEN = 2  # characters between columns
 
 
-def print_report(report: Report) -> None:
-    """The findings as a table on stdout, then the verdict."""
-    from rich import box
+def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> None:
+    """The findings as a table on stdout, what fails first; then each failure in words, the verdict, and where the files are.
+
+    quiet: what fails alone, and nothing where all holds; verbose: every finding by itself and in words, every file by name.
+    """
     from rich.console import Console
-    from rich.table import Table
     from rich.text import Text
 
     from camgen.findings import left_out
@@ -58,10 +65,43 @@ def print_report(report: Report) -> None:
         def on_broken_pipe(self) -> None:
             raise BrokenPipeError  # `main` knows what to do; rich would end with the code of a finding that fails
 
-    rows = [_cells(report, finding, of) for finding, of in _condensed(report.findings)]
-    rows += [dict.fromkeys(_COLUMNS, "") | {"finding": each.code, "where": each.why, "": _OPEN} for each in report.not_judged]
     # A table that goes to a file or a pipe is as wide as it needs to be.
     console = Terminal(highlight=False, width=None if sys.stdout.isatty() else 240)
+
+    def say(text: str, style: str = "") -> None:
+        console.print(Text(printable(text), style), soft_wrap=True)
+
+    failed = [finding for finding in report.findings if not finding.ok]
+    if quiet and not failed:
+        return
+    if not quiet:
+        _print_table(console, report, verbose)
+    for finding in (*failed, *(finding for finding in report.findings if verbose and finding.ok)):
+        say(_in_words(finding))
+    for text in () if quiet else (*report.warnings, *report.remarks):
+        say(f"note: {text}")
+    count = len(report.findings)
+    held = "the one finding holds" if count == 1 else f"all {count} findings hold"
+    verdict = f"{len(failed)} of {count} findings {'FAILS' if len(failed) == 1 else 'FAIL'}" if failed else held
+    open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
+    say(f"{report.name}: {verdict}{open_}", "bold red" if failed else "bold green" if not open_ else "bold")
+    codes = list(dict.fromkeys(finding.code for finding in failed))
+    if codes:
+        say(f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}")
+    for text in () if quiet or report.folder is None else _where_to_go(report, Path(report.folder), verbose):
+        say(text)
+
+
+def _print_table(console: Any, report: Report, every: bool) -> None:
+    """The findings as a table of the console's width, those that fail first."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    findings = [(finding, 1) for finding in report.findings] if every else _condensed(report.findings)
+    bad = [_cells(report, finding, of) for finding, of in findings if not finding.ok]
+    open_ = [dict.fromkeys(_COLUMNS, "") | {"finding": each.code, "where": each.why, "": _OPEN} for each in report.not_judged]
+    rows = [*bad, *open_, *(_cells(report, finding, of) for finding, of in findings if finding.ok)]
     widths = _widths(rows, console.width)
     console.width = max(console.width, sum(widths.values()) + _BETWEEN * len(widths))
     table = Table(title=Text(printable(f"{report.name} ({report.mechanism})")), title_justify="left", box=box.SIMPLE_HEAD,
@@ -73,27 +113,47 @@ def print_report(report: Report) -> None:
     for row in rows:
         table.add_row(*(Text(text, styles.get(text, "") if not name else "") for name, text in row.items() if name in widths))
     console.print(table)
-    failed = [finding for finding in report.findings if not finding.ok]
-    for finding in failed:
-        console.print(Text(printable(f"{finding.code} ({finding.where}): {finding.message}")), soft_wrap=True)
-    for text in (*report.warnings, *report.remarks):
-        console.print(Text(printable(f"note: {text}")), soft_wrap=True)
-    count = len(report.findings)
-    verdict = f"{count} findings hold" if not failed else f"{len(failed)} of {count} findings FAIL"
-    open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
-    console.print(Text(printable(verdict + open_)), soft_wrap=True)
-    if report.folder is not None:
-        console.print(Text(printable(f"files are in {report.folder}")), soft_wrap=True)
+
+
+def number(value: float) -> str:
+    """A number of four digits, as short as it goes: "0.0018", "1.234e-5"."""
+    return re.sub(r"e([+-])0*(\d)", lambda found: f"e{found[1].strip('+')}{found[2]}", f"{value:.4g}")
+
+
+def _in_words(finding: Finding) -> str:
+    """A finding as a sentence with its numbers."""
+    unit = f" {finding.unit}" if finding.unit else ""
+    measured = f"{number(finding.measured)}{unit}" if not math.isnan(finding.measured) else "could not be measured"
+    most, asked = ("least", "asked") if finding.floor else ("most", "allowed")
+    limit = "" if math.isnan(finding.limit) else f"; at {most} {number(finding.limit)}{unit} is {asked}"
+    at = f" ({finding.where})" if finding.where else ""
+    return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {finding.message}".rstrip(" .") + "."
+
+
+def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
+    """Where the files are, and what to open."""
+    names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
+    kinds = Counter(name.rpartition(".")[2] for name in names)
+    held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in ("dxf", "stl", "3mf", "pdf") if kinds[kind])
+    said = [f"files are in {folder}{f': {held}' if held else ''}"]
+    if every:
+        said += [f"  {folder / name}" for name in names]
+    plate = next((name for name in names if name.startswith(f"{report.name}-plate") and name.endswith(".3mf")), None)
+    if "report.html" in names:
+        said.append(f"open {folder / 'report.html'} in a browser to see it move")
+    if plate is not None:
+        said.append(f"print {folder / plate}")
+    return said
 
 
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
     margin = abs(finding.limit - finding.measured)
-    limit = f"{'>= ' if finding.floor else ''}{finding.limit:.4g}"
+    limit = "none" if math.isnan(finding.limit) else f"{'>=' if finding.floor else '<='} {number(finding.limit)}"
     short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ").replace(", crank angle ", ", at ")
     cells = {
-        "finding": finding.code, "measured": f"{finding.measured:.4g}", "limit": limit,
-        "margin": f"{margin if finding.ok else -margin:.4g}", "unit": finding.unit,
+        "finding": finding.code, "measured": number(finding.measured), "limit": limit,
+        "margin": number(margin if finding.ok else -margin), "unit": finding.unit,
         "where": short if of == 1 else f"tightest of {of}: {short}", "": "ok" if finding.ok else "FAIL",
     }  # fmt: skip
     return {name: printable(text) for name, text in cells.items()}
@@ -111,45 +171,56 @@ def _widths(rows: Sequence[Mapping[str, str]], room: int) -> dict[str, int]:
 
 
 class Bar:
-    """A progress bar on stderr that names the step at work, once the work takes over a second; only on a terminal."""
+    """A line on stderr that names the step at work and shows how far it is, from the start; only on a terminal."""
+
+    def __init__(self, wanted: bool = True) -> None:
+        """wanted: whether it is shown at all."""
+        self._shown = wanted and sys.stderr is not None and sys.stderr.isatty()
 
     def __enter__(self) -> Progress:
-        self._bar: Any = None
-        self._state: tuple[str, float | None] = ("", None)
-        self._lock = Lock()
-        self._timer = Timer(_PATIENCE, self._show)
-        self._timer.daemon = True
-        if sys.stderr is not None and sys.stderr.isatty():
-            self._timer.start()
+        self._begun = time.monotonic()
+        self._state: tuple[str, float | None] = ("starting", None)
+        self._lock, self._over = Lock(), Event()
+        if self._shown:
+            self._draw()
+            self._ticker = Thread(target=self._tick, daemon=True)
+            self._ticker.start()
         return self._step
 
     def _step(self, text: str, done: float | None = None) -> None:
         if text.startswith("note: ") and sys.stderr is not None:  # stays on the screen, and is told at once
-            print(printable(text), file=sys.stderr, flush=True)
+            if self._shown:
+                self._write("")
+            print(("\r" if self._shown else "") + printable(text), file=sys.stderr, flush=True)
             return
-        with self._lock:
-            self._state = printable(text), done
+        self._state = printable(text), done
+        if self._shown:
             self._draw()
 
-    def _show(self) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-        with self._lock:
-            columns = BarColumn(30), TimeElapsedColumn(), TextColumn("{task.description}")
-            self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            self._bar.add_task("", total=None)
+    def _tick(self) -> None:
+        while not self._over.wait(_TICK):
             self._draw()
-            self._bar.start()
 
     def _draw(self) -> None:
         text, done = self._state
-        if self._bar is not None:
-            self._bar.update(0, description=text, completed=done or 0.0, total=None if done is None else 1.0)
+        full = 0 if done is None else round(_BAR * min(max(done, 0.0), 1.0))
+        bar = " " * (_BAR + 2) if done is None else f"[{'#' * full:.<{_BAR}}]"
+        self._write(f"{bar} {time.monotonic() - self._begun:3.0f} s  {text}")
+
+    def _write(self, line: str) -> None:
+        """Put the line in place of the one before it."""
+        try:
+            width = (os.get_terminal_size(sys.stderr.fileno()).columns or 80) - 1
+        except (OSError, ValueError):
+            width = 79
+        with self._lock:
+            sys.stderr.write(f"\r{line[:width]:<{width}}")
+            sys.stderr.flush()
 
     def __exit__(self, *_: object) -> None:
-        self._timer.cancel()
-        if self._timer.is_alive():
-            self._timer.join()
-        if self._bar is not None:
-            self._bar.stop()
+        if self._shown:
+            self._over.set()
+            self._ticker.join()
+            self._write("")
+            sys.stderr.write("\r")
+            sys.stderr.flush()

@@ -13,7 +13,7 @@ import pytest
 from test_solids import TOLERANCE, cam, hub
 
 from camgen.files.dxf import read_dxf, write_dxf
-from camgen.files.formats import FORMATS, Job, read_solid, write_part
+from camgen.files.formats import FORMATS, Job, read_exact, read_solid, write_part
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.geometry.outlines import Region, circle
@@ -149,8 +149,10 @@ def test_3mf_of_an_assembly(tmp_path):
 def test_every_format_is_written_and_one_of_a_solid_read_by_its_ending(tmp_path, kind):
     part = hub()
     mesh, path = solid(part, TOLERANCE), tmp_path / f"hub.{kind}"
-    write_part(path, Job("hub", "x-hub", "key", part.region, part.centres, TOLERANCE, "bulge", mesh))
-    if FORMATS[kind].solid:
+    write_part(path, Job("hub", "x-hub", "key", part.region, part.centres, TOLERANCE, "bulge", mesh, part))
+    if FORMATS[kind].holds == "exact":
+        assert read_exact(path, "hub")[1] == []
+    elif FORMATS[kind].solid:
         found, remarks = read_solid(path, "hub")
         assert remarks == [] and found.volume == pytest.approx(mesh.volume, rel=1e-6)
         assert found.faces.shape == mesh.faces.shape

@@ -134,7 +134,7 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
 @pytest.mark.parametrize("keys", MACHINES)
 def test_other_machines_build_and_move_as_asked(keys: dict[str, Any], tmp_path: Path) -> None:
     overrides = [f"{path.replace('__', '.')}={value}" for path, value in keys.items()]
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), overrides)
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*overrides, "limits.stroke=[1, 10]"])
     assert [f for f in report.findings if not f.ok] == []
 
 
@@ -301,3 +301,23 @@ def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
     lash = next(f for f in report.findings if f.code == "LASH")
     # by hand: strap and pin 0.4 each way, the guide's share under 1 %; half of the stroke of 0.8
     assert not lash.ok and lash.measured == pytest.approx(1.6, rel=0.01) and lash.limit == pytest.approx(0.4, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "settings, fails",
+    [
+        (["limits.stroke=[2, 3]"], []),  # twice 1.5 mm is just 3
+        (["limits.stroke=[2, 2.9]"], ["STROKE"]),
+        (["limits.stroke=[3.1, 4]"], ["STROKE"]),
+        (["limits.strokes_per_s=[3, 4]"], ["STROKE_RATE"]),  # 13000 rpm is 216.7 a second
+        (["limits.strokes_per_s=[3, 4]", "motor.speed_rpm=-217"], []),
+    ],
+)
+def test_what_the_task_asks_for_is_judged(settings: list[str], fails: list[str]) -> None:
+    made = pipeline.read_mechanism(SPEC, settings)
+    assert [f.code for f in made.limits() if not f.ok] == fails
+
+
+def test_a_band_upside_down_is_a_fault() -> None:
+    with pytest.raises(SpecError, match="limits.stroke"):
+        pipeline.read_mechanism(SPEC, ["limits.stroke=[3, 2]"])

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, FileError, SpecError
+from camgen.machines.indexing_cam.card import card
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
@@ -407,3 +408,19 @@ def test_the_starter_describes_every_key() -> None:
     tables = schema(IndexingCam)["$defs"]
     own = {"Arm", "Geometry", "Limits", "LoadTable", "Motor", "Parts", "SynthesisTable", "UnloaderTable", "LawChoice"}
     assert {key for table in own for key in tables[table]["properties"] if key not in text} == set()
+
+
+def test_card_of_the_source() -> None:
+    """31 rows; P = Y G by the source's crank and spring, written out by hand, and what it differs from c on the 61 positions."""
+    table, plots, numbers = card(LAWS["mr-13"])
+    assert [row[0] for row in table.rows] == list(range(31)) and [name for name, *_ in plots[0].series] == [
+        "c, the law", "P = Y G, the unloader"]  # fmt: skip
+    for z in (0, 7, 19):
+        phi = math.pi / 10 + 2 * (math.pi - math.pi / 10) * float(table.rows[z][1])  # type: ignore[arg-type]
+        cord = math.sqrt(1 + 16 + 8 * math.cos(phi))
+        effort = 4.640648 * (0.2 + cord - 3) * 4 * math.sin(phi) / cord
+        assert table.rows[z][5] == pytest.approx(effort, abs=1e-9)
+    assert numbers["card_effort_start"] == pytest.approx(2.498, abs=5e-4)
+    assert numbers["card_effort_peak"] == pytest.approx(6.449, abs=5e-4)
+    assert numbers["card_difference_max"] == pytest.approx(0.875, abs=5e-4)
+    assert card(LAWS["cycloidal"])[1:] == ([], {})

@@ -513,7 +513,7 @@ def test_lash_is_judged_by_the_designers_limit(play: float, limit: float, tmp_pa
 def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> None:
     lengths = {"input_crank": 3e3, "coupler": 1.9e3, "output_crank": 3e3, "frame": 900, "eye_distance": 5.2e3}
     overrides = [f"geometry.{key}={value}" for key, value in lengths.items()]
-    overrides.append("geometry.guides=[[4000, 1500], [-8000, 16000]]")
+    overrides += ["geometry.guides=[[4000, 1500], [-8000, 16000]]", "consumption="]
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), overrides)
     codes = {f.code for f in report.findings if not f.ok}
     assert codes <= {"PIN_STRESS", "SHAFT_STRESS", "BED_FIT"}
@@ -535,3 +535,14 @@ def test_a_printed_shaft_is_told() -> None:
 def test_thick_pins_are_not_taken_for_their_heads(tmp_path: Path) -> None:
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"stl"}), ["parts.pin_diameter=8"])
     assert "PIN_GAP" not in {f.code for f in report.findings if not f.ok}
+
+
+def test_the_frame_has_the_greatest_influence() -> None:
+    """As the source says: spreads of w3/w1 with its printed lengths, by another's closure; of 1 mm the frame's counts most."""
+    study = made("geometry.coupler=30", "geometry.output_crank=19", "consumption=").study()
+    spread = next(plot for plot in study.plots if plot.title.startswith("Unevenness")).series[0]
+    for frame, value in ((5, 0.570), (9, 1.0959), (13, 1.793), (17, 3.029)):
+        assert np.interp(frame, spread[1], spread[2]) == pytest.approx(value, rel=0.01)
+    table = next(table for table in study.tables if table.title.startswith("Influence"))
+    changes = {str(row[0])[:2]: abs(float(row[1])) for row in table.rows[1:]}  # type: ignore[arg-type]
+    assert max(changes, key=lambda name: changes[name]) == "OC" and changes["BD"] == 0

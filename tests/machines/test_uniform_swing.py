@@ -17,6 +17,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.features import CamOutline, Eye
 from camgen.machines.uniform_swing.mechanism import UniformSwing
+from camgen.pipeline.jobs import read_mechanism
 
 SHAFTS = ["plain", "keyway", "d-flat"]
 
@@ -250,3 +251,16 @@ def test_hard_cases_keep_their_tolerance_or_are_refused(tmp_path: Path, changes:
     fine, said = outcome(USUAL | changes, tmp_path)
     assert fine and said.startswith(ends)
     assert ("told: INTERFERENCE" in said) == (changes.get("H/L") == 3.0)  # the cam sweeps over the follower's axle
+
+
+def test_figures_of_the_source() -> None:
+    """R, alpha, r, beta by its equations 2 to 5, with beta by the arccosine as printed; L = 60, H = 30, Delta = 15 deg."""
+    spec = Path(__file__).parents[2] / "specs" / "uniform-swing.toml"
+    numbers = read_mechanism(spec, ["parts.make='cams'"]).study().numbers
+    assert numbers["source_r_mm"] == pytest.approx(math.sqrt(60**2 + 30**2), rel=1e-14)
+    for k, alpha in ((1, math.acos(60 / math.sqrt(4500)) - math.pi / 12), (2, math.acos(60 / math.sqrt(4500)) + math.pi / 12)):
+        r = math.sqrt(60**2 + 4500 - 2 * 60 * math.sqrt(4500) * math.cos(alpha))
+        assert numbers[f"source_alpha_{k}_deg"] == pytest.approx(math.degrees(alpha), rel=1e-12)
+        assert numbers[f"source_r_{k}_mm"] == pytest.approx(r, rel=1e-12)
+        beta = math.degrees(math.acos(math.sqrt(4500) / r * math.sin(alpha)))
+        assert numbers[f"source_beta_{k}_deg"] == pytest.approx(beta, rel=1e-12)

@@ -79,6 +79,16 @@ def test_spans_of_what_meets_never_share_a_level() -> None:
                 assert at < low or at > high
 
 
+@pytest.mark.parametrize("over, level", [(0, 2), (1, 3), (2, 4)])
+def test_what_passes_a_cover_lies_over_it(monkeypatch: pytest.MonkeyPatch, over: int, level: int) -> None:
+    """A wall takes so many levels over its link on level 1; what crosses it lies on the next one, by both searches."""
+    bands = [lv.Band("runner", np.array([0 * STILL, 10 * STILL]), 2), lv.Band("other", np.array([5j * STILL, 30j * STILL]), 2)]
+    walls = [lv.Wall("cover", np.array([5j * STILL]), 3, "runner", "", over)]
+    for _ in range(2):
+        assert lv.levels(bands, [], THETA, 0.2, {"runner": 1}, walls) == {"runner": 1, "other": level}
+        monkeypatch.setattr(lv, "search", lambda *_: None)
+
+
 def test_a_pin_in_the_way_is_named() -> None:
     """A link between two ground pivots that both reach higher than it may lie."""
     bands, axes = four_bar()

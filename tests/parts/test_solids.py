@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from camgen.errors import DesignError
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Region, Smooth, circle, kidney, polygon
+from camgen.parts.caps import triangles
 from camgen.parts.part import Layer, Part, keyed_bore
-from camgen.parts.solids import _check, _triangles, rings, solid
+from camgen.parts.solids import _check, rings, solid
 
 TOLERANCE = 1e-3
 
@@ -166,7 +167,7 @@ def test_triangles_cover_the_region(corners, holes, facets, turn):
 
 def covers(loops):
     """Assert that triangles lie side by side on the region of the rings and use every point; returns the points."""
-    z, faces = _triangles(loops)
+    z, faces = triangles(loops)
     a, b, c = z[faces].T
     doubled = np.imag(np.conj(b - a) * (c - a))
     polygons = [np.column_stack([loop.real, loop.imag]) for loop in loops]

@@ -144,10 +144,10 @@ def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
     print_report(report)
     told = capsys.readouterr().out
     assert re.search(r"^INTERFERENCE .* not judged *$", told, re.M)  # in the table
-    last, place = told.splitlines()[-2:]
-    assert place == f"files are in {tmp_path / 'uniform-swing'}"
+    last, place, see = told.splitlines()[-3:]
+    assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ") and str(tmp_path) in see
     assert told.count("BED_FIT") == 2  # once in the table, once in the verdict
-    assert last == f"{len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
+    assert last == f"uniform-swing: all {len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
         "BED_FIT, WATERTIGHT, VOLUME (need STL or 3MF)"
     )
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))

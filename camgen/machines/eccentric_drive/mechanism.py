@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
@@ -38,10 +38,7 @@ from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
-_LASH = (
-    "free play of the slider, mm, by the play of all joints together; 1: the source lets the needle reach 2 to 3 mm deep, and "
-    "play moves its point within that"
-)
+Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
 _FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
 
 
@@ -88,7 +85,9 @@ class Limits(Record):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 1.0
+    lash: Annotated[float, Field(ge=0, le=1e6)] = 1.0
+    stroke: Band | None = None
+    strokes_per_s: Band | None = None
     min_wall: Length = 0.8
 
 
@@ -123,6 +122,9 @@ class EccentricDrive(Mechanism):
             (motor.boss_diameter > shaft, "motor.boss_diameter", motor.boss_diameter, f"more than its shaft, {shaft:g} mm"),
             (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
         ]  # fmt: skip
+        for name in ("stroke", "strokes_per_s"):
+            low, high = getattr(self.allowed, name) or (0.0, 1.0)
+            checks.append((low < high, f"limits.{name}", low, "the least first, then the greatest"))
         return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -410,6 +412,8 @@ class EccentricDrive(Mechanism):
             nut("nut", p.screw, 6),
             Bought("screw for mounting", self._screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
             Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}", 1),
+            Bought("supply", "", "USB, 5 V, 1 A or more: a charger or a power bank", 1),
+            Bought("switch", "", "rocker switch, round, 20 mm", 1),
         )
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
@@ -440,6 +444,15 @@ class EccentricDrive(Mechanism):
         if self.motor.shaft_length is not None:
             message = "over the motor's face, up to the keeper washer; thinner parts need less"
             found.append(at_least("SHAFT_LENGTH", self.motor.shaft_length, self.shaft_length, "mm", "motor", message))
+        stroke = round(self.outermost - self._inner[0] - self.making.slider_width / 2, 9)
+        bands = (
+            ("STROKE", stroke, self.allowed.stroke, "mm", "slider", "twice geometry.eccentricity, in line"),
+            ("STROKE_RATE", abs(self.motor.speed_rpm) / 60, self.allowed.strokes_per_s, "1/s", "motor", "motor.speed_rpm / 60"),
+        )
+        for code, value, band, unit, where, message in bands:
+            if band is not None:
+                found.append(at_least(code, value, band[0], unit, where, message))
+                found.append(at_most(code, value, band[1], unit, where, message))
         return found
 
     def study(self) -> Study:

@@ -18,9 +18,9 @@ from camgen.study import Plot, Study, Table
 Motion = Callable[[Floats, int], Floats]
 
 _PAPER = (1.5, 48.0, 0.0)
-_PAPER_SPEED = 22.6  # rad/s: 13000/60 taken for rpm
+PAPER_SPEED = 22.6  # rad/s: 13000/60 taken for rpm
 # Published: angle deg, v3 mm/s, phi2 deg, phi2' rad/s.
-_PUBLISHED = (
+PUBLISHED = (
     (30, 16.49, 0.9, 0.61), (60, 28.9, 1.55, 0.35), (90, 33.9, 1.79, 0.0), (120, 28.9, 1.55, -0.35), (150, 16.49, 0.9, -0.61),
     (180, 0.0, 0.0, -0.7), (210, -16.49, -0.9, -0.61), (240, -28.9, -1.55, -0.35), (270, -33.9, -1.79, 0.0),
     (300, -28.9, -1.55, 0.35), (330, -16.49, -0.9, 0.61), (360, 0.0, 0.0, 0.7),
@@ -92,7 +92,8 @@ def study(
     tables = [Table("Travel from the outermost place, at the motor's speed", columns, rows.tolist())]
     notes: tuple[str, ...] = ()
     if lengths == _PAPER:
-        numbers |= {"paper_speed_rad_s": _PAPER_SPEED, "paper_peak_speed_mm_s": top * _PAPER_SPEED}
+        plots.append(_other_sizes(machine))
+        numbers |= {"paper_speed_rad_s": PAPER_SPEED, "paper_peak_speed_mm_s": top * PAPER_SPEED}
         tables.append(_published(machine, motion))
         source = "Source: Sviridov, Vladimirov, Chusovitin, study of the crank-slider mechanism of a tattoo machine."
         notes = (source, *_ERRATA)
@@ -119,21 +120,30 @@ def _peak(motion: Motion) -> tuple[float, float]:
     return float(found[k]), float(speeds[k])
 
 
+def _other_sizes(machine: Machine) -> Plot:
+    """The paper's figure 6: speed at its own crank speed, with crank and rod larger and smaller. By how much it does not say."""
+    theta = np.linspace(0, math.tau, 721)
+    speed = solve(machine, theta, 1).derivatives("travel")[1] * PAPER_SPEED
+    # crank and rod by one factor: the same shape, so the same curve by that factor
+    series = [(f"crank {_PAPER[0] * k:g}, rod {_PAPER[1] * k:g}", np.degrees(theta), speed * k) for k in (4 / 3, 1.0, 2 / 3)]
+    return Plot(f"Slider speed of figure 6, at {PAPER_SPEED:g} rad/s", "crank angle, deg", "mm/s", series)
+
+
 def _published(machine: Machine, motion: Motion) -> Table:
     """The paper's table beside exact values at the paper's speed; v3 positive towards the shaft, as printed."""
-    theta = np.radians([row[0] for row in _PUBLISHED])
+    theta = np.radians([row[0] for row in PUBLISHED])
     rod = solve(machine, theta, 1).angle("rod")
-    tilt, rate = np.degrees(rod[0]), rod[1] * _PAPER_SPEED
-    exact = zip(*(_clean(values) for values in (motion(theta, 1) * _PAPER_SPEED, tilt, rate)), strict=True)
+    tilt, rate = np.degrees(rod[0]), rod[1] * PAPER_SPEED
+    exact = zip(*(_clean(values) for values in (motion(theta, 1) * PAPER_SPEED, tilt, rate)), strict=True)
     rows = [
         [angle, v, x, round((v / x - 1) * 100, 9) + 0.0 if x else 0.0, phi, y, dphi, z]
-        for (angle, v, phi, dphi), (x, y, z) in zip(_PUBLISHED, exact, strict=True)
+        for (angle, v, phi, dphi), (x, y, z) in zip(PUBLISHED, exact, strict=True)
     ]
     columns = (
         "crank angle, deg", "published v3, mm/s", "exact v3, mm/s", "v3 off by, %", "published phi2, deg",
         "exact phi2, deg", "published phi2', rad/s", "exact phi2', rad/s",
     )  # fmt: skip
-    return Table(f"Published table and exact values at {_PAPER_SPEED:g} rad/s", columns, rows)
+    return Table(f"Published table and exact values at {PAPER_SPEED:g} rad/s", columns, rows)
 
 
 def _clean(values: Floats) -> list[float]:

@@ -33,131 +33,33 @@ from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Bench, Tip
+from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.study import IndexingStudy
+from camgen.machines.indexing_cam.tables import (
+    UNLOADER_KEYS,
+    Geometry,
+    Limits,
+    LoadTable,
+    Motor,
+    Parts,
+    SynthesisTable,
+    UnloaderTable,
+)  # fmt: skip
 from camgen.machines.indexing_cam.unloader import CrankSpring, Load, OnLink, SpringTorque, antisymmetric, law_torque, peak
 from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
-from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
+from camgen.motion.segments import MATCHED, backwards, law_of, turning_rows
 from camgen.motion.spring_law import characteristic, trade_off
-from camgen.parts.disc_cams import ShaftHole, Thickness, holes_in, turning_note
+from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
-from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.spec import validate
 from camgen.study import Plot, Sketch, Study
 
-_LASH = (
-    "free play of the follower between the pair of cams, deg; 0.25: under a hundredth of a swing of 30 deg. In the dwells the "
-    "unloader presses one roller on, so the link stands there without play"
-)
 _LINK = "driven-link"
+_NOT_MADE = 'The unloader is not made, and the driven link goes without it: unloader.torque = "crank" is one that can be made.'
 _SPRING_POINTS = 101  # of a table that stands for a spring
-Span = Annotated[float, Field(ge=1, lt=360)]
-NotNegative = Annotated[float, Field(ge=0, le=1e6)]
-Positive = Annotated[float, Field(gt=0, le=1e6)]
-
-
-class Arm(Record):
-    """The follower: a roller on an arm, and its axle."""
-
-    arm: Length
-    pivot_distance: Length
-    roller_radius: Length
-
-
-class Geometry(Record):
-    """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
-
-    follower: Arm
-    base_radius: Length
-    law: NamedLaw
-    rise_deg: Span
-    dwell_deg: Annotated[float, Field(ge=0, lt=360)]
-    return_deg: Span | None = None
-    index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
-    gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
-    closure: Literal["conjugate", "force"] = "conjugate"
-
-
-class Motor(Record):
-    """What drives the cam shaft."""
-
-    speed_rpm: Annotated[Rpm, turning()] = 30.0
-
-
-class LoadTable(Record):
-    """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
-    presses the follower on a cam with closure "force"."""
-
-    inertia_kg_m2: Positive
-    follower_inertia_kg_m2: NotNegative = 0.0
-    friction_n_m: NotNegative = 0.0
-    dwell_torque_n_m: NotNegative = 0.0
-    closing_n_m: NotNegative = 0.0
-
-
-class UnloaderTable(Record):
-    """The spring on the driven link.
-
-    torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
-    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
-    """
-
-    torque: Literal["law", "crank", "table", "none"] = "law"
-    balance: Annotated[float, Field(gt=0, le=2)] | None = None
-    design_rpm: Positive | None = None
-    points: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None = None
-    stiffness_n_mm: Positive | None = None
-    crank: Length | None = None
-    guide: Length | None = None
-    stretch: NotNegative | None = None
-    lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
-
-
-_KEYS = {  # keys of an unloader by its kind: needed, allowed
-    "none": ((), ()),
-    "law": ((), ("balance", "design_rpm")),
-    "table": (("points",), ()),
-    "crank": (("stiffness_n_mm", "crank", "guide", "stretch", "lead_deg"), ()),
-}
-
-
-class SynthesisTable(Record):
-    """Laws sought for the unloader's spring: one for each weight q of Q = C^2 + q Y^2."""
-
-    weights: Annotated[tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)]
-    sines: Annotated[int, Field(ge=1, le=8)] = 5
-    cosines: Annotated[int, Field(ge=0, le=3)] = 1
-
-
-class Parts(ShaftHole):
-    """The cams as bodies."""
-
-    thickness: Thickness = 8.0
-    bore: Length = 12.0
-    shaft: Literal["plain", "keyway", "d-flat"] = "keyway"
-    key_width: Length = 4.0
-    key_depth: Length = 1.8
-    flat_depth: Length = 1.0
-    windows: Annotated[int, Field(ge=0, le=24)] = 0
-    wall: Length = 4.0
-
-
-class Limits(Record):
-    """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
-
-    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
-    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    acceleration_jump: NotNegative = 3.0
-    residual: Annotated[float, Field(ge=0, le=100)] = 0.25
-    min_wall: Length = 0.8
-
-
 class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
@@ -186,7 +88,7 @@ class IndexingCam(StandingCams):
              f"more than the crank, {u.crank or 0:g} mm"),
         ]  # fmt: skip
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        needed, further = _KEYS[u.torque]
+        needed, further = UNLOADER_KEYS[u.torque]
         takes = ", ".join((*needed, *further)) or "nothing more"
         missing = f"missing: torque '{u.torque}' needs it"
         found += [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(u, key) is None]
@@ -318,23 +220,40 @@ class IndexingCam(StandingCams):
         f, load = self.geometry.follower, self.load
         sizes = Sizes.model_validate({_LINK: {"hub_diameter": f.arm}, **self.sizes.model_dump(exclude_none=True)})
         gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -self.geometry.gear_ratio})
+        drawn, gears = self._drawn(0.0), {"gears": gear}
+        points: dict[str, dict[str, complex]] = {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}}
+        strung, made = {}, self._made_unloader
+        if made is not None:
+            drawn, gears["unloader gears"] = made.added(self._drawn(0.0, False), _LINK), made.gear
+            points[GROUND] |= {"crank": made.axle, "anchor": made.post}
+            points[CRANK] = {"crank": 0j, "hook": made.hook(drawn.start_of(CRANK).angle)}
+            strung = {"unloader": made.strung()}
         return Bench(
-            self._drawn(0.0), self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
+            drawn, self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
             self.allowed.min_wall, self.density, FollowerLoad(preload=load.closing_n_m),
-            [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])],
-            {"gears": gear}, {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}},
+            [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])], gears, points, strung,
         )  # fmt: skip
+
+    @cached_property
+    def _made_unloader(self) -> StandingUnloader | None:
+        """The unloader of a machine that is made; None where its spring is none that can be."""
+        if not isinstance(self._spring, CrankSpring):
+            return None
+        return StandingUnloader(
+            self._spring, self._link_centre, self.geometry.follower.arm / 2, [*self.cams.values()], self.swing, self.sizes
+        )
 
     def _alone(self) -> Machine:
         """Cam, follower and driven link; outputs "swing" of the follower and "link", rad."""
         return self._drawn(self.load.closing_n_m)
 
-    def _drawn(self, closing: float) -> Machine:
+    def _drawn(self, closing: float, unloaded: bool = True) -> Machine:
+        """The model; unloaded: whether with the unloader's torque, as no part gives it."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=closing)
         drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
         link, ratio = Body(_LINK, inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
-        spring = None if self._spring is None else OnLink(self._spring, ratio * self.swing)
+        spring = None if self._spring is None or not unloaded else OnLink(self._spring, ratio * self.swing)
         borne = Resistance("unloader and friction", Angle(link.name), friction=self.load.friction_n_m, law=spring)
         return replace(
             drive,
@@ -465,7 +384,8 @@ class IndexingCam(StandingCams):
                     "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
         drawn = Plot("Contact force", "cam angle, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
         sketches = () if self.standing else self._sketches()
-        return Study(numbers, (*found.plots, drawn), found.tables, sketches, found.notes)
+        notes = [*found.notes, *([_NOT_MADE] if self.standing and self._spring and self._made_unloader is None else [])]
+        return Study(numbers, (*found.plots, drawn), found.tables, sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""

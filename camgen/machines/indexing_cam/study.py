@@ -12,6 +12,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.cams.profile import DiscCam
+from camgen.machines.indexing_cam.card import card
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, peak, torques
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
@@ -152,7 +153,8 @@ class IndexingStudy:
 
     def study(self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None) -> Study:
         """Numbers, plots, tables and notes; asked: weights, sines and cosines of laws to look for."""
-        tables = [self._peaks(), self._card()]
+        table, curves, figures = card(self.law)
+        tables = [self._peaks(), table]
         tables += [self._unloaders(), self._speeds()] if self.spring else []
         if asked is not None and self.spring is not None:
             tables.append(self._synthesis(self.spring, *asked))
@@ -164,7 +166,7 @@ class IndexingStudy:
                 f"The law starts with c = {float(self.law(0.0, 2)):.6g}: it assumes that the spring pulls before the link moves, "
                 "so that the cam gives way rather than pushes. Without the unloader each end of the turn is a knock."
             )
-        return Study(self._numbers(), self._plots(cams), tables, (), notes)
+        return Study(self._numbers() | figures, [*self._plots(cams), *curves], tables, (), notes)
 
     def _numbers(self) -> dict[str, float]:
         _, turning, found = self._fine
@@ -233,12 +235,6 @@ class IndexingStudy:
         for name, f in curves:
             rows.append([name, float(np.max(np.abs(f(points)))), largest(f, breaks)])
         return Table(f"Peaks of the law {law.name}", ("invariant", f"{len(points)}-point table", "continuum"), rows)
-
-    def _card(self) -> Table:
-        z = np.arange(0, _Z + 1, 2)
-        values = [np.round(self.law(z / (2 * _Z), order), 12) for order in range(3)]
-        rows = [[int(z[k]), *(float(v[k]) for v in values), float(values[1][k] * values[2][k])] for k in range(len(z))]
-        return Table("Position invariants over the run-up, kappa = z/60", ("z", "a", "b", "c", "b c"), rows)
 
     def _unloaders(self) -> Table:
         """The spring beside none, and beside the ideal one."""

@@ -2,7 +2,7 @@
 
     link     a band round its hubs, a plate where it has three and more; it lies on its level
     slot     straight, as long as its pin's way; its link lies over the one with the pin
-    slide    a bar between rails of the plate or of the link that guides it; it is held down by the links on its pins
+    slide    a bar between rails of the plate or of the link that guides it; a cover on the rails holds it down
     plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
     pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
              a level the plate's pins have their heads under it and are pressed into their highest link; or a steel
@@ -23,7 +23,6 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -32,6 +31,7 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlotFaces, StandIn
 from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.troughs import covers, rails
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
 from camgen.parts.catalogue import STEEL, Bought, dowel, nut
 from camgen.parts.disc_cams import Parts as Disc
@@ -42,7 +42,7 @@ from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
 _MM = 1e-3
 _HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
-_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin"}
+_ABOUT = {"pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "cover": "Cover {} of a guide"}
 
 Placed = tuple[Part, Mount]
 
@@ -73,7 +73,7 @@ class Bodies:
         mounts += [Mount(part_name(name), name, z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
         for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
-                            *(each for point in layout.pivots for each in self._stack(point))]:  # fmt: skip
+                            *(each for point in layout.pivots for each in self._stack(point)), *covers(layout)]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -108,7 +108,9 @@ class Bodies:
             motors = [Bought("drive", face.standard, frame, 1),
                       Bought("screw of the motor", face.screw.standard, f"{face.screw.thread} x {length:g}", 4)]  # fmt: skip
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
-        return [*motors, Bought("screw of the plate, from behind", "", screw, 2)]
+        covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
+        screws = self.layout.cover.bought(covers) if self.layout.cover else []
+        return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws]
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate."""
@@ -134,21 +136,11 @@ class Bodies:
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         return Part(
             part_name(link), f"Link {link}",
-            (Layer(region, 0.0, self.sizes.thickness), *self._rails(link, self.sizes.thickness)), centres=tuple(points.values()),
+            (Layer(region, 0.0, self.sizes.thickness), *rails(layout, link, self.sizes.thickness)),
+            centres=tuple(points.values()),
             notes=(f"level {layout.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
             points=tuple(points.items()),
         )  # fmt: skip
-
-    def _rails(self, link: str, floor: float) -> list[Layer]:
-        """The rails that stand on a link or the plate, from a height of it, mm; in steps, as some are higher than others."""
-        layout = self.layout
-        rails = [
-            (round(layout.top(layout.level[runner]) - layout.floor(layout.level[link]), 9),
-             Region(hull([(z, self.sizes.rail_width / 2) for z in ends])))
-            for runner, guide in layout.guides.items() if guide.joint.guide.body == link for ends in guide.rails
-        ]  # fmt: skip
-        steps = [floor, *sorted({top for top, _ in rails})]
-        return [Layer(rail, low, high) for low, high in pairwise(steps) for top, rail in rails if top >= high]
 
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
@@ -185,7 +177,7 @@ class Bodies:
             under, region = floor - self.sizes.pocket, plate("ground plate", outer, holes | pockets, self.min_wall)
             layers = [Layer(layers[0].region, 0.0, under), Layer(region, under, floor)]
         return Part(
-            part_name(GROUND), "Ground plate", (*layers, *self._rails(GROUND, floor)),
+            part_name(GROUND), "Ground plate", (*layers, *rails(layout, GROUND, floor)),
             centres=(*points.values(), *screws), min_wall=self.min_wall,
             notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
         )  # fmt: skip

@@ -15,6 +15,7 @@ from camgen.machine.landmarks import double_points
 from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
+from camgen.machines.linkage.troughs import open_rails
 from camgen.study import Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
@@ -80,8 +81,7 @@ def study(linkage: Linkage) -> Study:
     if linkage.springs:
         notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
                      "pins; they are not in the sweep.")  # fmt: skip
-    for slide in (joint for joint in linkage.chain.joints if isinstance(joint, m.Slide)):
-        notes.append(f"{slide.runner.body} slides between rails that are open above: what lies on its pins alone holds it down.")
+    notes += open_rails(linkage.bodies.layout) if linkage.lacking() is None else []
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)

@@ -5,7 +5,8 @@
     both      stems at both ends
     wing      holes beside one line, or a slot: a plate from which the stems stick out
 
-The rails stand on what guides, one level or more under the runner.
+The rails stand on what guides, one level or more under the runner. Where they are beyond the way of its holes a cover on
+them holds it down.
 """
 
 from __future__ import annotations
@@ -17,11 +18,13 @@ from dataclasses import dataclass
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.features import Faces, SlideFaces
+from camgen.machines.linkage.covers import Cover
 from camgen.machines.linkage.tables import Parts
 from camgen.parts.part import hull, with_bar
 from camgen.tolerances import SAME_POINT
 
 STEMS = ("along", "ahead", "behind", "both")
+COVERED = ("ahead", "behind", "both", "along")  # in which order, where a cover is to hold them: along it none can
 _GRIP = 4.0  # half widths of the bar: how long rails are that it does not stay between
 _AIR = 1.0  # mm, between the ends of such rails and what moves before them
 
@@ -33,7 +36,8 @@ class Guide:
     """A slide as bodies.
 
     joint: with the places of both sides on the bar's middle line; half: the bar's half width, mm; stems: both ends of the
-    middle line of each bar, in the runner's axes; rails: the same of each rail, in the guide's; wing: hubs beside the bar.
+    middle line of each bar, in the runner's axes; rails: the same of each rail, in the guide's, those of a pair one after the
+    other; wing: hubs beside the bar; covered: whether covers lie on them.
     """
 
     joint: m.Slide
@@ -41,6 +45,12 @@ class Guide:
     stems: list[tuple[complex, complex]]
     rails: list[tuple[complex, complex]]
     wing: Discs
+    covered: bool = False
+
+    @property
+    def pairs(self) -> list[list[tuple[complex, complex]]]:
+        """Rails on both sides of the bar."""
+        return [self.rails[k : k + 2] for k in range(0, len(self.rails), 2)]
 
     @property
     def bands(self) -> list[Discs]:
@@ -67,7 +77,7 @@ class Guide:
 
 def guide(
     joint: m.Slide, stroke: tuple[float, float], hubs: Sequence[tuple[complex, float]], slotted: bool, least: float,
-    clearance: float, sizes: Parts, stem: str, clear: tuple[float, float],
+    clearance: float, sizes: Parts, stem: str, clear: tuple[float, float], cover: Cover | None = None,
 ) -> Guide:  # fmt: skip
     """The bodies of a slide whose runner has these hubs, place in its axes and radius.
 
@@ -85,7 +95,8 @@ def guide(
         reach = max(radius for _, radius in discs)
         half = min(least, 0.8 * ((max(across) - min(across)) / 2 + reach))
         stem = "both" if stem == "along" else stem
-    grip, rim = _GRIP * half, max(half, *(radius for _, radius in discs)) + _AIR
+    grip = max(_GRIP * half, cover.least(sizes.rail_width) if cover else 0.0)
+    rim = max(half, *(radius for _, radius in discs)) + _AIR
     stems, spans = [], []
     if stem == "along":
         stems, spans = [(begin - half, end + half)], [(low + begin - half, high + end + half)]
@@ -109,5 +120,5 @@ def guide(
         held, half, [(held.runner.at + a * own, held.runner.at + b * own) for a, b in stems],
         [(held.guide.at + (a + side * 1j * off) * along, held.guide.at + (b + side * 1j * off) * along)
          for a, b in spans for side in (-1, 1)],
-        list(hubs) if wing else [],
+        list(hubs) if wing else [], cover is not None and stem != "along",
     )  # fmt: skip

@@ -20,7 +20,8 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.guides import STEMS, Guide, guide
+from camgen.machines.linkage.covers import Cover, cover
+from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
 from camgen.parts.levels import Axis, Band, Wall, hull_corners, levels
@@ -269,7 +270,10 @@ class Layout:
     def stems_of(self, link: str) -> Sequence[str]:
         """How a link that slides may reach its rails: away from a cam that its own end touches."""
         sides = {tip.leaves for tip in self.noses(link)}
-        return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+        if sides or self.cover is None:
+            return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+        wide = any(slot.guide.body == link for slot in self.slots.values())
+        return ("both", *COVERED) if wide else COVERED
 
     def noses(self, link: str) -> list[Tip]:
         """Knives and faces of a link."""
@@ -330,10 +334,15 @@ class Layout:
         return {
             link: guide(
                 joint, self.strokes[joint.name], self.round_hubs(link), bool(self.slots_of(link)), head,
-                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link),
+                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link), self.cover,
             )
             for link, joint in self.slides.items()
         }  # fmt: skip
+
+    @cached_property
+    def cover(self) -> Cover | None:
+        """What lies on rails to hold down what slides; None where nothing slides, or none is wanted."""
+        return cover(self.sizes, self.fits, self.min_wall) if self.slides else None
 
     def _clear(self, link: str) -> tuple[float, float]:
         """Between which places on the line of its slide no rails of a link may stand, for cams on their way up, mm."""
@@ -415,10 +424,14 @@ class Layout:
         walls = []
         for link, each in self.guides.items():
             on = each.joint.guide.body
-            walls += [
-                Wall(f"rail of {link}", ways(on, ends), self.sizes.rail_width / 2, link, "" if on == GROUND else on)
-                for ends in each.rails
-            ]
+            base = "" if on == GROUND else on
+            if each.covered and self.cover is not None:
+                for pair in each.pairs:
+                    screws = self.cover.places(pair, self.sizes.rail_width)
+                    corners = ways(on, [screws[k] for k in hull_corners(screws)])
+                    walls.append(Wall(f"cover of {link}", corners, self.cover.radius, link, base, self.cover.levels))
+            else:
+                walls += [Wall(f"rail of {link}", ways(on, ends), self.sizes.rail_width / 2, link, base) for ends in each.rails]
             over += [(link, on)] if on != GROUND else []
         return levels(bands, axes, run.theta, self.fits.slide_clearance, self.given, walls, over, explain, searched=explain)
 

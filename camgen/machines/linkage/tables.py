@@ -19,7 +19,7 @@ from camgen.motion.segments import NamedLaw, SegmentTable, program
 from camgen.parts.catalogue import DOWELS, MOTOR_FACES, MotorFace
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
-_SUNK = 0.2  # mm, by which a screw's head lies below the surface
+SUNK = 0.2  # mm, by which a screw's head lies below the surface
 
 Name = Annotated[
     str,
@@ -223,6 +223,7 @@ class Parts(Record):
         "none", description="screwed under the plate, its own shaft drives"
     )
     rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
+    cover: bool = Field(True, description="whether a cover on its rails holds down what slides")
     mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
@@ -240,7 +241,7 @@ class Parts(Record):
     @property
     def pocket(self) -> float:
         """Depth of the pockets for the heads of its screws, mm."""
-        return 0.0 if self.face is None else self.face.screw.height + _SUNK
+        return 0.0 if self.face is None else self.face.screw.height + SUNK
 
     def faults(self, links: Iterable[str], nozzle: float) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""

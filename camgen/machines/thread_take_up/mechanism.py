@@ -47,7 +47,6 @@ Disc = tuple[complex, float]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Point = tuple[Coordinate, Coordinate]
 
-_LASH = "free play of the feed by that of all joints, mm; 7: what it gives or takes is excess, and the source bears 7 mm of it"
 _GLUED = "pressed and glued in"
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
@@ -105,7 +104,7 @@ class Limits(Record):
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
     gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
     excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    lash: Annotated[float, Field(ge=0, le=1e6, description=_LASH)] = 7.0
+    lash: Annotated[float, Field(ge=0, le=1e6)] = 7.0
     min_wall: Length = 0.8
 
 

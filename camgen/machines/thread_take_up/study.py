@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault
+from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.closed_form import four_bar, transmission_extremes
 from camgen.machine.forces import Forces
@@ -157,7 +157,8 @@ def _readings(t: TakeUp) -> tuple[TakeUp, ...]:
 def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Consumption | None) -> Study:
     """Figures, curves and tables; forces only with masses, and then with a speed."""
     figures = [motion_numbers(each) for each in _readings(t)]
-    notes, plots, tables = [*_NOTES, *(_ERRATA if _of_source(t) else ())], _motion_plots(t), [_turns(t)]
+    notes = [*_NOTES, *(_ERRATA if _of_source(t) else ())]
+    plots, tables = [*_motion_plots(t), _by_frame(t)], [_turns(t), _influence(t)]
     if masses is not None and rpm is not None:
         speed = rpm * TURN / 60
         for found, each in zip(figures, _readings(t), strict=True):
@@ -259,6 +260,47 @@ def strengths(
     stress, bears = 16 * torque / (math.pi * shaft**3), _SHEAR * bears
     remark = f"twisted by {torque:.4g} N mm; a {made} shaft {shaft:g} mm thick bears {bears:.4g} MPa in shear"
     return [*found, at_most("SHAFT_STRESS", stress, bears, "MPa", "input shaft", remark)]
+
+
+_LENGTHS = {"frame": "OC", "crank": "OA", "coupler": "AB", "output": "BC", "eye_distance": "BD"}
+_LONGER = 1.0  # mm
+
+
+def _unevenness(t: TakeUp) -> float:
+    """Greatest less least rate of the output crank; nan where it does not turn fully."""
+    try:
+        (low, _), (high, _) = t.rate_extremes(True)
+    except DesignError:
+        return math.nan
+    return high - low
+
+
+def _influence(t: TakeUp) -> Table:
+    """What each length does, 1 mm longer, to how unevenly the output crank turns, to the feed and to the eye's stop."""
+
+    def figures(each: TakeUp) -> list[float]:
+        try:
+            return [_unevenness(each), each.diagram.range, each.diagram.ratio, math.degrees(each.lingers(1.0))]
+        except DesignError:
+            return [math.nan] * 4
+
+    here = figures(t)
+    rows: list[Sequence[object]] = [["as it is", *here]]
+    for key, name in _LENGTHS.items():
+        length = getattr(t, key) + _LONGER
+        found = figures(replace(t, **{key: length}))
+        rows.append([f"{name} = {length:g}", *(value - before for value, before in zip(found, here, strict=True))])
+    columns = ("length, mm", "spread of BC's rate", "feed range, mm", "let-down ratio", "within 1 mm of the stop, deg")
+    return Table(f"Influence of each length: what {_LONGER:g} mm more changes", columns, rows)
+
+
+def _by_frame(t: TakeUp) -> Plot:
+    """Spread of the output crank's rate over the frame's length: the source's remark that it matters most."""
+    most = min(t.crank, t.coupler, t.output)
+    frame = np.linspace(0.05, 0.95, 19) * most
+    spread = np.array([_unevenness(replace(t, frame=float(length))) for length in frame])
+    label = "rate of BC, greatest less least, per crank"
+    return Plot("Unevenness against the frame's length", "OC, mm", label, [("spread", frame, spread)], [("this spec", t.frame)])
 
 
 def _peak(values: Floats | Points) -> float:

@@ -36,7 +36,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
-from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact
+from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact, source_figures
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
@@ -46,10 +46,6 @@ from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, window
 from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Plot, Sketch, Study, Table
 
-_LASH = (
-    "free play of the follower between the two tips, deg; 0.25: so far the nozzle stands still after each reversal, 1 % of a "
-    "swing of 25 deg where the source bears 10 % of the canvas's thickness"
-)
 _ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
 
 
@@ -91,7 +87,7 @@ class Limits(Record):
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
     undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.1
-    lash_deg: Annotated[float, Field(ge=0, le=180, description=_LASH)] = 0.25
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     min_wall: Length = 0.8
 
@@ -388,6 +384,7 @@ class UniformSwing(Mechanism):
         numbers = {
             "swing_deg": g.swing_deg,
             "speed_ratio": 1 / speed,
+            **source_figures(g.pivot_distance, g.arm_offset, math.radians(g.swing_deg)),
             "uniform_share_percent": 100 * (1 - g.reversal_blend_deg / 180),
             "follower_speed_deg_s": math.degrees(speed) * rpm * math.tau / 60,
             "peak_speed_mm_s": abs(cam.follower.arm) * speed * rpm * math.tau / 60,

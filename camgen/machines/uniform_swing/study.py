@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping
 
@@ -127,3 +128,17 @@ def keeps_contact(found: Loaded, load: FollowerLoad) -> Finding:
     stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""
     remedy = f"a spring.preload of {preload:.4g} N m{stiffer} keeps it; less inertia or a longer reversal_blend_deg lowers that"
     return found.keeps_contact(_NO_SPRING if found.kick else remedy)
+
+
+def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float]:
+    """R, and at both ends of the swing alpha (angle OAC), r = OC and beta (of OC from Oy), by equations 2 to 5 of the source."""
+    reach, middle = math.hypot(pivot, offset), math.atan2(offset, pivot)
+    numbers = {"source_r_mm": reach}
+    for k, alpha in ((1, middle - swing / 2), (2, middle + swing / 2)):
+        tip = pivot - cmath.rect(reach, alpha)
+        numbers |= {
+            f"source_alpha_{k}_deg": math.degrees(alpha),
+            f"source_r_{k}_mm": abs(tip),
+            f"source_beta_{k}_deg": math.degrees(math.atan2(abs(tip.real), -tip.imag)),
+        }
+    return numbers

@@ -1,0 +1,37 @@
+"""The guide: pages of Markdown beside this file, shown by `camgen guide` and `camgen explain`, readable on the forge as well."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+_PAGES = Path(__file__).parent
+
+# The pages in the order in which one reads them.
+TOPICS = (
+    "first-cam", "own-linkage", "printing", "laser", "report", "findings", "python", "new-machine", "theory-disc-cam",
+    "theory-uniform-swing", "theory-eccentric-drive", "theory-thread-take-up", "theory-chain-stitch-looper",
+    "theory-indexing-cam", "theory-linkage",
+)  # fmt: skip
+
+
+def page(topic: str) -> str:
+    """Markdown of a page of TOPICS."""
+    return (_PAGES / f"{topic}.md").read_text(encoding="utf-8")
+
+
+def title(topic: str) -> str:
+    """Its first line."""
+    return page(topic).partition("\n")[0].lstrip("# ")
+
+
+def entries() -> dict[str, str]:
+    """What is said of each code of a finding, as Markdown under its own head, in the order of the page."""
+    parts = re.split(r"^## (?=[A-Z_]+$)", page("findings"), flags=re.MULTILINE)[1:]
+    return {part.partition("\n")[0]: f"## {part.strip()}\n" for part in parts}
+
+
+def in_short(entry: str) -> str:
+    """An entry's first sentence."""
+    text = " ".join(entry.partition("\n")[2].partition("\n- ")[0].split())
+    return re.split(r"(?<=[a-z0-9)])\. |: ", text, maxsplit=1)[0].rstrip(".")

@@ -1,0 +1,108 @@
+"""Many four-bars at once: what a search or a map asks of a million designs, in blocks that stay in the processor's cache.
+
+    O crank A coupler B output C, frame O-C along x; branch +1 has B to the left of the way from A to C
+
+A block is a list of designs with consecutive numbers; arrays are (angles, designs), so that each step is one stroke over a
+row. Lengths mm, angles rad. Nothing of a block is kept but what it was asked for: a million designs at 64 angles are 64
+million positions, a gigabyte.   [the dyad of `dyads.two_angles`, without derivatives]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from camgen.numerics import Floats, Points
+
+BLOCK = 1024  # designs whose 64 positions are a megabyte
+
+
+@dataclass(frozen=True)
+class Block:
+    """Some four-bars at all angles, (angles, designs); nan where the chain does not close.
+
+    first: number of the first design; a, b: ends of crank and output crank, complex mm; span: from A to C, squared, mm^2.
+    """
+
+    first: int
+    frame: Floats
+    coupler: Floats
+    output: Floats
+    a: Points
+    b: Points
+    span: Floats
+
+    @property
+    def closes(self) -> Floats:
+        """Share of the angles at which each closes, (designs,)."""
+        return np.asarray(np.mean(np.isfinite(self.b.real), axis=0))
+
+    @property
+    def transmission(self) -> tuple[Floats, Floats]:
+        """Least and greatest angle between coupler and output crank over the angles, rad, (designs,); it grows with the span."""
+        with np.errstate(invalid="ignore"):
+            ends = [fold(np.where(np.isfinite(self.b.real), self.span, out), axis=0)
+                    for fold, out in ((np.min, np.inf), (np.max, -np.inf))]  # fmt: skip
+            sides, product = self.coupler**2 + self.output**2, 2 * self.coupler * self.output
+            least, most = (np.arccos(np.clip((sides - end) / product, -1.0, 1.0)) for end in ends)
+        none = ~np.isfinite(ends[0])
+        return np.where(none, math.nan, least), np.where(none, math.nan, most)
+
+    @property
+    def output_range(self) -> Floats:
+        """How far the output crank turns between its extremes over the angles, rad, (designs,); nan where it opens on the way.
+
+        A full turn of the output counts as one: the angle is followed from each angle to the next.
+        """
+        arm = self.b - self.frame
+        seen = arm * np.conj(np.sum(arm, axis=0))  # from the mean direction: within a quarter turn most rockers stay
+        with np.errstate(invalid="ignore", divide="ignore"):
+            slope = np.divide(seen.imag, seen.real)
+            found = np.arctan(np.max(slope, axis=0)) - np.arctan(np.min(slope, axis=0))
+            wide = np.flatnonzero(np.min(seen.real, axis=0) <= 0)
+        if wide.size:
+            steps = arm[1:, wide] * np.conj(arm[:-1, wide])
+            turned = np.cumsum(np.arctan2(steps.imag, steps.real), axis=0)
+            found[wide] = np.maximum(np.max(turned, axis=0), 0.0) - np.minimum(np.min(turned, axis=0), 0.0)
+        return np.asarray(found)
+
+    def coupler_point(self, along: ArrayLike, aside: ArrayLike) -> Points:
+        """Path of a point of each coupler, complex mm, (angles, designs): so far from A towards B and to the left of that way."""
+        unit = (self.b - self.a) / self.coupler
+        return np.asarray(self.a + unit * (np.asarray(along) + 1j * np.asarray(aside)))
+
+
+def four_bars(
+    frame: ArrayLike, crank: ArrayLike, coupler: ArrayLike, output: ArrayLike, theta: ArrayLike, branch: ArrayLike = 1,
+    block: int = BLOCK,
+) -> Iterator[Block]:  # fmt: skip
+    """Positions of many four-bars, block by block.
+
+    frame, crank, coupler, output: lengths > 0, mm, (n,) or numbers; theta: crank angles, (m,) rad; branch: +1 or -1, (n,).
+    """
+    given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(each, float)) for each in (frame, crank, coupler, output, branch)))
+    turn = np.exp(1j * np.asarray(theta, float))[:, None]
+    for first in range(0, given[0].size, block):
+        f, r, c, o, side = (each[first : first + block] for each in given)
+        a = turn * r
+        way = f - a
+        span = way.real**2
+        span += way.imag**2
+        square = (c + o) ** 2 - span  # Heron's formula in factors, which lose nothing to cancellation
+        square *= span - (c - o) ** 2
+        with np.errstate(invalid="ignore", divide="ignore"):
+            root = np.sqrt(square, out=square)
+            half = 0.5 / span
+            root *= half
+            root *= side
+            half *= c**2 - o**2
+            half += 0.5
+            b = np.empty(way.shape, complex)
+            b.real, b.imag = half, root
+            b *= way
+        b += a
+        yield Block(first, f, c, o, a, b, span)

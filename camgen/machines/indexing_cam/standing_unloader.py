@@ -1,0 +1,188 @@
+"""The unloader as it is made: a crank that is geared to the driven link, and an extension spring from its pin to a post.
+
+                    post
+                     |        cord over a guide, spring behind it: as drawn by the source, and by [unloader]
+                     | spring straight from pin to post: made; its free length is guide - crank - stretch
+      link ==( )==  pin
+            gears   crank     it turns 2 (180 - lead) deg while the link turns once
+
+Pin and post are as far apart as pin and guide, so both pull alike at each angle.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.model import GROUND, Body, Gear, Machine, Pin, Place
+from camgen.machine.model import Pose as Start
+from camgen.machines.bench import Strung
+from camgen.machines.indexing_cam.unloader import CrankSpring
+from camgen.machines.linkage.tables import Gear as GearTable
+from camgen.machines.linkage.tables import Parts
+from camgen.parts.levels import hull_corners
+from camgen.parts.springs import extension_spring
+
+CRANK = "unloader"
+_TEETH = 60  # of a wheel: the most of one part of the ratio
+_EYE = 1.1  # of the spring, to its pins
+_DIRECTIONS = np.exp(1j * np.linspace(0, math.tau, 144, endpoint=False))
+_POSITIONS = np.linspace(0, 1, 25)  # of the stroke, at which the spring's line is looked at
+_ROUND = np.linspace(0, math.tau, 181)
+_BESIDE = 3.0  # mm, between what moves and posts or shafts
+
+Disc = tuple[complex, float]
+
+
+@dataclass(frozen=True)
+class StandingUnloader:
+    """Where crank and post are, mm on the ground: beside the cams about the origin and their follower, which swings so far, rad.
+
+    link: axle of the driven link, table: radius that its parts take.
+    """
+
+    spring: CrankSpring
+    link: complex
+    table: float
+    cams: Sequence[DiscCam[SwingingArm]]
+    swing: float
+    sizes: Parts
+
+    @cached_property
+    def ratio(self) -> float:
+        """Angle of the crank over that of the link, below 0; DesignError where no wheels of so few teeth have it."""
+        ratio = 2 * (math.pi - self.spring.lead) / abs(self.spring.stroke)
+        share = Fraction(ratio).limit_denominator(_TEETH)
+        if abs(share - ratio) > 1e-9 * ratio or max(share.numerator, share.denominator) > _TEETH:
+            near = min((Fraction(n, d) for d in range(1, 13) for n in range(1, 40)), key=lambda each: abs(float(each) - ratio))
+            lead = math.degrees(math.pi - float(near) * abs(self.spring.stroke) / 2)
+            raise DesignError(
+                "turns of the unloader's crank to one of the driven link", ratio, float(near), "",
+                "2 (180 - unloader.lead_deg) / geometry.index_deg",
+                f"take a ratio of whole teeth: unloader.lead_deg = {lead:.9g} gives {near}",
+            )  # fmt: skip
+        return -ratio
+
+    @property
+    def gear(self) -> GearTable:
+        """The pair of wheels, the driven link's first."""
+        return GearTable.model_validate({"a": "link", "b": CRANK, "ratio": self.ratio})
+
+    @property
+    def _pivot(self) -> complex:
+        return self.cams[0].follower.pivot
+
+    @property
+    def _busy(self) -> list[Disc]:
+        """What else moves, as discs on the ground: the cams, the follower with its rollers."""
+        wide = self.sizes.wall + self.sizes.pin_diameter
+        found = [(0j, max(float(np.abs(cam.profile(_ROUND)).max()) for cam in self.cams)), (self._pivot, wide)]
+        for follower in (cam.follower for cam in self.cams):
+            for arm in follower.arm * np.exp(1j * np.linspace(0, self.swing, 9)):
+                found += [(self._pivot + arm, max(follower.tip_radius, wide)), (self._pivot + arm / 2, wide)]
+        return found
+
+    @cached_property
+    def _places(self) -> tuple[complex, complex]:
+        """Axle of the crank and post: such that nothing is in their way, and the plate is small."""
+        pin = self.sizes.pin_diameter / 2 + self.sizes.head + self.sizes.wall
+        reach, found = self.spring.crank + pin, []
+        far = self.table + reach + _BESIDE
+        places, radii = (np.array([disc[k] for disc in self._busy]) for k in (0, 1))
+        for way in _DIRECTIONS:
+            axle = self.link + far * way
+            if np.any(np.abs(axle - places) < radii + reach + _BESIDE):
+                continue
+            posts = axle + self.spring.guide * _DIRECTIONS
+            free = np.all(np.abs(posts[:, None] - places) > radii + pin + _BESIDE, axis=1)
+            free &= np.abs(posts - self.link) > self.table + pin + _BESIDE
+            for post in posts[free]:
+                size = _around([0j, self.link, axle, complex(post)])
+                blocked = self._blocked(axle, complex(post), places, radii, pin)
+                if blocked < 2:
+                    found.append((blocked, size, axle, complex(post)))
+        if not found:
+            raise DesignError(
+                "places of the unloader's crank and post", 0, 1, "", "[unloader]",
+                "use a smaller unloader.crank or a longer unloader.guide, or make the cams alone: parts.make = 'cams'",
+            )  # fmt: skip
+        _, _, axle, post = min(found, key=lambda each: (each[0], *np.round([each[1], each[2].imag, each[3].real], 6)))
+        return complex(axle), post
+
+    def _blocked(self, axle: complex, post: complex, places: np.ndarray, radii: np.ndarray, pin: float) -> int:
+        """0 where the spring passes beside everything, 1 where it must lie over or under something, 2 where over a shaft."""
+        pins = axle + self._pin(axle, post) * np.exp(1j * self._turned(_POSITIONS))
+        near = [_to_lines(complex(z), pins, post) for z in (0j, self._pivot, self.link)]
+        if min(near) < 2 * pin + _BESIDE:
+            return 2
+        return int(any(_to_lines(complex(z), pins, post) < r + pin for z, r in zip(places, radii, strict=True)))
+
+    def _pin(self, axle: complex, post: complex) -> complex:
+        """The pin from the axle at the dead centre."""
+        return self.spring.crank * (axle - post) / abs(axle - post)
+
+    def _turned(self, a: np.ndarray) -> np.ndarray:
+        """Of the crank past its dead centre over the stroke, rad."""
+        return np.asarray(self.spring.lead + 2 * (math.pi - self.spring.lead) * a)
+
+    @property
+    def axle(self) -> complex:
+        """Of the crank, on the ground, mm."""
+        return self._places[0]
+
+    @property
+    def post(self) -> complex:
+        """Of the spring, on the ground, mm."""
+        return self._places[1]
+
+    # ---- as parts of the machine ------------------------------------------------------------------------------------
+
+    def added(self, machine: Machine, link: str) -> Machine:
+        """The machine with the crank; its spring is no load of it yet."""
+        start = self.ratio * machine.start_of(link).angle
+        return replace(
+            machine,
+            bodies=(*machine.bodies, Body(CRANK)),
+            joints=(*machine.joints, Pin("unloader's axle", Place(CRANK), Place(GROUND, self.axle)),
+                    Gear("unloader gears", link, CRANK, self.ratio)),
+            start={**machine.start, CRANK: Start(self.axle, start)},
+        )  # fmt: skip
+
+    def hook(self, start: float) -> complex:
+        """The pin in the crank's axes, mm; start: the angle of these at the begin of the stroke, rad."""
+        return self._pin(self.axle, self.post) * cmath.exp(1j * (self.spring.lead - start))
+
+    def strung(self) -> Strung:
+        """The spring; DesignError where no wire makes it."""
+        s, pin = self.spring, self.sizes.pin_diameter
+        free, shortest = s.guide - s.crank - s.stretch + pin, s.guide - s.crank + pin
+        longest = abs(s.crank * cmath.exp(1j * s.lead) + s.guide) + pin
+        wire = extension_spring(s.stiffness, free, longest, _EYE * pin)
+        if wire is None:
+            raise DesignError(
+                "springs of round wire for the unloader", 0, 1, "",
+                f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, way from {shortest:.4g} to {longest:.4g} mm",
+                "use another unloader.stiffness_n_mm, a longer unloader.guide or shorter unloader.crank, or parts.make = 'cams'",
+            )  # fmt: skip
+        return Strung("Unloader's spring", (CRANK, "hook"), (GROUND, "anchor"), wire, (shortest, longest))
+
+
+def _around(points: Sequence[complex]) -> float:
+    """Length of a band round points, mm."""
+    corners = [points[k] for k in hull_corners(points)]
+    return sum(abs(b - a) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True))
+
+
+def _to_lines(z: complex, starts: np.ndarray, end: complex) -> float:
+    """Least distance of a place from straight lines to one end, mm."""
+    way, off = end - starts, z - starts
+    share = np.clip((way.conj() * off).real / np.abs(way) ** 2, 0, 1)
+    return float(np.min(np.abs(off - share * way)))

@@ -1,0 +1,116 @@
+"""The tables of an indexing cam's spec."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from camgen.motion.segments import NamedLaw
+from camgen.parts.disc_cams import ShaftHole, Thickness
+from camgen.spec import Length, Record, Rpm, turning
+
+Span = Annotated[float, Field(ge=1, lt=360)]
+NotNegative = Annotated[float, Field(ge=0, le=1e6)]
+Positive = Annotated[float, Field(gt=0, le=1e6)]
+
+
+class Arm(Record):
+    """The follower: a roller on an arm, and its axle."""
+
+    arm: Length
+    pivot_distance: Length
+    roller_radius: Length
+
+
+class Geometry(Record):
+    """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
+
+    follower: Arm
+    base_radius: Length
+    law: NamedLaw
+    rise_deg: Span
+    dwell_deg: Annotated[float, Field(ge=0, lt=360)]
+    return_deg: Span | None = None
+    index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
+    gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
+    closure: Literal["conjugate", "force"] = "conjugate"
+
+
+class Motor(Record):
+    """What drives the cam shaft."""
+
+    speed_rpm: Annotated[Rpm, turning()] = 30.0
+
+
+class LoadTable(Record):
+    """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
+    presses the follower on a cam with closure "force"."""
+
+    inertia_kg_m2: Positive
+    follower_inertia_kg_m2: NotNegative = 0.0
+    friction_n_m: NotNegative = 0.0
+    dwell_torque_n_m: NotNegative = 0.0
+    closing_n_m: NotNegative = 0.0
+
+
+class UnloaderTable(Record):
+    """The spring on the driven link.
+
+    torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
+    crank pin; "table": points of position (0 to 0.5 of the stroke) and N m; "none": no spring.
+    """
+
+    torque: Literal["law", "crank", "table", "none"] = "law"
+    balance: Annotated[float, Field(gt=0, le=2)] | None = None
+    design_rpm: Positive | None = None
+    points: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None = None
+    stiffness_n_mm: Positive | None = None
+    crank: Length | None = None
+    guide: Length | None = None
+    stretch: NotNegative | None = None
+    lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
+
+
+UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
+    "none": ((), ()),
+    "law": ((), ("balance", "design_rpm")),
+    "table": (("points",), ()),
+    "crank": (("stiffness_n_mm", "crank", "guide", "stretch", "lead_deg"), ()),
+}
+
+
+class SynthesisTable(Record):
+    """Laws sought for the unloader's spring: one for each weight q of Q = C^2 + q Y^2."""
+
+    weights: Annotated[tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)]
+    sines: Annotated[int, Field(ge=1, le=8)] = 5
+    cosines: Annotated[int, Field(ge=0, le=3)] = 1
+
+
+class Parts(ShaftHole):
+    """The cams as bodies."""
+
+    thickness: Thickness = 8.0
+    bore: Length = 12.0
+    shaft: Literal["plain", "keyway", "d-flat"] = "keyway"
+    key_width: Length = 4.0
+    key_depth: Length = 1.8
+    flat_depth: Length = 1.0
+    windows: Annotated[int, Field(ge=0, le=24)] = 0
+    wall: Length = 4.0
+
+
+class Limits(Record):
+    """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
+
+    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
+    """
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    acceleration_jump: NotNegative = 3.0
+    residual: Annotated[float, Field(ge=0, le=100)] = 0.25
+    min_wall: Length = 0.8

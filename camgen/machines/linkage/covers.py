@@ -1,0 +1,111 @@
+"""What keeps a runner in its guide: over each pair of rails a cover that is screwed on them, under the runner a saddle.
+
+    cover    one level over the runner, or more where the heads of its screws need it; the heads are sunk into it
+    screw    two in each rail, from above into core holes as deep as the rail stands over the saddle
+    saddle   fills what lies between rails under a runner on a level that is not the lowest
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Region, circle
+from camgen.machines.linkage.tables import SUNK, Parts
+from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
+from camgen.parts.hardware import plate
+from camgen.parts.part import Layer, Part, hull
+from camgen.spec import Print
+
+_THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold
+_HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
+
+Ends = tuple[complex, complex]
+
+
+@dataclass(frozen=True)
+class Cover:
+    """Screws of all covers; length: of a screw, radius: of a cover's corner about each, mm; levels: how many a cover takes;
+    thickness: of a cover, grip: under a screw's head, mm."""
+
+    screw: Screw
+    length: float
+    radius: float
+    levels: int
+    thickness: float
+    grip: float
+
+    @property
+    def core(self) -> float:
+        """Diameter of a core hole, mm."""
+        return CORE_HOLES[self.screw.thread]
+
+    def inset(self, rail_width: float) -> float:
+        """How far a screw is from the middle of a rail's round end, so that the cover reaches no further, mm."""
+        return max(0.0, self.radius - rail_width / 2)
+
+    def least(self, rail_width: float) -> float:
+        """Least length of a rail's middle line, mm: the corners of a cover stay beside each other."""
+        return 2 * (self.inset(rail_width) + self.radius)
+
+    def places(self, rails: Sequence[Ends], rail_width: float) -> list[complex]:
+        """Of the screws in the rails under one cover, in the guide's axes."""
+        inset = self.inset(rail_width)
+        ways = [(a, b, (b - a) / abs(b - a)) for a, b in rails]
+        return [z for a, b, way in ways for z in (a + inset * way, b - inset * way)]
+
+    def part(self, places: Sequence[complex], along: complex, min_wall: float) -> Part:
+        """The cover with its screws at these places; its origin is their middle, Ox the guide's line."""
+        middle = sum(places) / len(places)
+        own = [(z - middle) / along for z in places]
+        outer = hull([(z, self.radius) for z in own])
+        low, high = (
+            plate("cover", outer, {f"screw {k}": circle(z, wide / 2) for k, z in enumerate(own, 1)}, min_wall)
+            for wide in (self.screw.clearance, self.screw.head + _HEAD_ROOM)
+        )
+        return Part(
+            "cover", "Cover of a guide", (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
+            centres=tuple(own), min_wall=min_wall,
+            notes=(f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk",),
+        )  # fmt: skip
+
+    def bought(self, covers: int) -> list[Bought]:
+        """The screws of so many covers."""
+        size = f"{self.screw.thread} x {self.length:g}, into core holes of {self.core:g}"
+        return [Bought("screw of a cover", self.screw.standard, size, 4 * covers)] if covers else []
+
+
+def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:
+    """With the largest screws that the rails hold; None where none is wanted. DesignError where they hold none."""
+    if not sizes.cover:
+        return None
+    step, play = sizes.thickness + fits.slide_clearance, fits.slide_clearance
+    for screw in (SCREWS[thread] for thread in _THREADS):
+        levels = math.ceil((screw.height + SUNK + 2 * fits.nozzle + play) / step - 1e-9)
+        thickness = levels * step - play
+        grip = thickness - screw.height - SUNK
+        length = screw.length(grip, sizes.thickness + 2 * play)
+        wall = (sizes.rail_width - CORE_HOLES[screw.thread]) / 2
+        if wall >= min_wall and length >= grip + screw.nominal / 2:
+            radius = (screw.head + _HEAD_ROOM) / 2 + 1.25 * max(min_wall, 2 * fits.nozzle)
+            return Cover(screw, length, radius, levels, thickness, grip)
+    needed = CORE_HOLES[_THREADS[-1]] + 2 * min_wall
+    raise DesignError(
+        "parts.rail_width", sizes.rail_width, needed, "mm", "screws of the covers",
+        "make the rails wider and as high as half a screw's diameter, or set parts.cover = false",
+    )  # fmt: skip
+
+
+def drilled(rail: Ends, width: float, screws: Sequence[complex], core: float) -> Region:
+    """A rail seen from above, with the core holes of those screws that are in it."""
+    a, b = rail
+    way = (b - a) / abs(b - a)
+    own = [z for z in screws if abs(((z - a) / way).imag) < width / 2]
+    return Region(hull([(a, width / 2), (b, width / 2)]), tuple(circle(z, core / 2) for z in own))
+
+
+def saddle(rails: Sequence[Ends], width: float) -> Region:
+    """What lies under a runner and the rails beside it."""
+    return Region(hull([(z, width / 2) for ends in rails for z in ends]))

@@ -1,0 +1,416 @@
+"""From a part to its exact solid: one body of planes and cylinders, however many layers it is made of.
+
+All outlines of all layers are laid on one plane and divide each other there into strokes. Of each stroke and each layer it
+is known whether there is material to its left and to its right, and so, between any two heights, whether it carries a wall;
+what one height has and the next one has not is a level face. Edges are shared by construction.
+
+    stroke   a piece of outline, a line or an arc of less than half a turn, which no other outline crosses or ends on
+    slab     what lies between two neighbouring heights of the layers
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.errors import DesignError
+from camgen.geometry.arcs import bulges, fit_arcs
+from camgen.geometry.brep import Brep, Edge, Face, Loop
+from camgen.geometry.outlines import Points
+from camgen.parts.part import Layer, Part
+
+Bools = NDArray[np.bool_]
+Step = tuple[int, bool]
+
+# Points nearer than this are one, and outlines that run so near beside each other are one outline, mm: layers of one part
+# whose equal outlines were worked out by different routes differ by up to 6e-7. STEP files tell it as their uncertainty.
+SAME = 2e-6
+
+
+@dataclass
+class _Points:
+    """Points in the order in which they were first met, each standing for all within SAME of it."""
+
+    at: list[complex] = field(default_factory=list)
+    cells: dict[tuple[int, int], list[int]] = field(default_factory=lambda: defaultdict(list))
+
+    def number(self, z: complex) -> int:
+        """Index of the point."""
+        column, row = math.floor(z.real / SAME), math.floor(z.imag / SAME)
+        for cell in ((column + i, row + j) for i in (0, -1, 1) for j in (0, -1, 1)):
+            for k in self.cells.get(cell, ()):
+                if abs(self.at[k] - z) <= SAME:
+                    return k
+        self.at.append(z)
+        self.cells[column, row].append(len(self.at) - 1)
+        return len(self.at) - 1
+
+
+@dataclass(frozen=True)
+class _Stroke:
+    """From a to b, mm, with its bulge."""
+
+    a: complex
+    b: complex
+    bulge: float
+
+    @property
+    def sweep(self) -> float:
+        return 4 * math.atan(self.bulge)
+
+    @property
+    def centre(self) -> complex:
+        t = self.bulge
+        return (self.a + self.b) / 2 + 0.5j * (self.b - self.a) * (1 - t * t) / (2 * t)
+
+    def point(self, share: float) -> complex:
+        """Point at a share of its length."""
+        if not self.bulge:
+            return self.a + share * (self.b - self.a)
+        return self.centre + (self.a - self.centre) * complex(np.exp(1j * share * self.sweep))
+
+    def share(self, z: complex) -> float:
+        """The share of its length at which it passes nearest to a point near it."""
+        if not self.bulge:
+            return ((z - self.a) / (self.b - self.a)).real
+        turn = float(np.angle((z - self.centre) / (self.a - self.centre)))
+        return 0.5 + (turn - self.sweep / 2 + math.pi) % math.tau / self.sweep - math.pi / self.sweep
+
+    def off(self, z: complex) -> float:
+        """Distance of a point from its line or circle."""
+        if not self.bulge:
+            return abs(((z - self.a) / (self.b - self.a)).imag) * abs(self.b - self.a)
+        return abs(abs(z - self.centre) - abs(self.a - self.centre))
+
+    def part(self, low: complex, high: complex) -> _Stroke:
+        """The piece between two points on it."""
+        sweep = self.sweep * (self.share(high) - self.share(low)) if self.bulge else 0.0
+        return _Stroke(low, high, math.tan(sweep / 4))
+
+    def leaves(self) -> complex:
+        """Direction at its beginning."""
+        return (self.b - self.a) * complex(np.exp(-0.5j * self.sweep))
+
+
+def exact(part: Part, tolerance: float) -> Brep:
+    """The part as one closed body, in its frame: lines and arcs within tolerance, mm, of its outlines, extruded.
+
+    DesignError, with what to do, for a crossed part, and for layers that meet in a line or do not make exactly one body.
+    """
+    if part.crossed is not None:
+        raise DesignError(
+            "exact solid", 1, 0, "", "", "take its STL or 3MF",
+            f"{part.name} is what two outlines share that are extruded crosswise, and no exact solid of it can be written",
+        )  # fmt: skip
+    layers = [*part.layers, *part.engraved]
+    points, strokes, runs = _divided([_outlines(layer, tolerance) for layer in layers])
+    left, right = _sides(strokes, runs)
+    heights = sorted({z for layer in layers for z in (layer.z0, layer.z1)})
+    body = _Stack(points, strokes, heights, *(_filled(side, layers, len(part.layers), heights) for side in (left, right)))
+    found = body.brep()
+    if found.faults or found.bodies != 1:
+        value, what = (found.faults, "edges with more than two faces") if found.faults else (found.bodies, "bodies and cavities")
+        raise DesignError(f"{what} of {part.name}", value, int(not found.faults), "", "", "let the layers overlap, or part them")
+    return found
+
+
+def _outlines(layer: Layer, tolerance: float) -> list[list[_Stroke]]:
+    """A layer's contours as strokes, material on their left."""
+    found = []
+    for k, contour in enumerate((layer.region.outer, *layer.region.holes)):
+        contour = contour.counter_clockwise()
+        z, bulge = bulges(fit_arcs(contour, tolerance))
+        strokes = [_Stroke(a, b, t) for a, b, t in zip(z.tolist(), np.roll(z, -1).tolist(), bulge.tolist(), strict=True)]
+        found.append([_Stroke(s.b, s.a, -s.bulge) for s in reversed(strokes)] if k else strokes)
+    return found
+
+
+def _divided(regions: Sequence[list[list[_Stroke]]]) -> tuple[list[complex], list[_Stroke], list[list[Step]]]:
+    """All outlines, divided by each other: the points where they end, the strokes between them, each once, and of each region
+    the strokes that bound it, with whether they are run forwards."""
+    ends, middles = _Points(), _Points()
+    pieces: list[_Stroke] = []  # each once
+    known: dict[tuple[int, int, int], int] = {}
+    owners: list[set[tuple[int, int]]] = []  # contours that a piece belongs to
+    outlines: list[tuple[int, list[int]]] = []  # region, its pieces; -1 - k: run backwards
+
+    def enter(stroke: _Stroke, into: list[_Stroke], index: dict[tuple[int, int, int], int]) -> int:
+        """Number of a stroke, -1 - k where the k-th is this one run backwards."""
+        a, b, middle = ends.number(stroke.a), ends.number(stroke.b), middles.number(stroke.point(0.5))
+        if (b, a, middle) in index:
+            return -1 - index[b, a, middle]
+        if (a, b, middle) not in index:
+            index[a, b, middle] = len(into)
+            into.append(_Stroke(ends.at[a], ends.at[b], stroke.bulge))
+        return index[a, b, middle]
+
+    for k, region in enumerate(regions):
+        for number, contour in enumerate(region):
+            run = []
+            for stroke in contour:
+                if ends.number(stroke.a) == ends.number(stroke.b):
+                    continue
+                run.append(enter(stroke, pieces, known))
+                piece = run[-1] if run[-1] >= 0 else -1 - run[-1]
+                if piece == len(owners):
+                    owners.append(set())
+                owners[piece].add((k, number))
+            outlines.append((k, run))
+    cuts = _cuts(pieces, owners, ends)
+    strokes: list[_Stroke] = []
+    index: dict[tuple[int, int, int], int] = {}
+    parts: list[list[int]] = []
+    for whole, found in zip(pieces, cuts, strict=True):
+        places = [whole.a, *(ends.at[k] for k in found), whole.b]
+        parts.append([enter(whole.part(a, b), strokes, index) for a, b in zip(places, places[1:], strict=False)])
+    runs: list[list[Step]] = [[] for _ in regions]
+    for k, run in outlines:
+        for number in run:
+            for part in parts[number] if number >= 0 else [-1 - part for part in parts[-1 - number]]:
+                runs[k].append((part, True) if part >= 0 else (-1 - part, False))
+    return ends.at, strokes, runs
+
+
+def _cuts(pieces: Sequence[_Stroke], owners: Sequence[set[tuple[int, int]]], ends: _Points) -> list[list[int]]:
+    """Numbers of the points at which each piece is divided, in their order along it."""
+    boxes = np.array([_box(piece) for piece in pieces])
+    apart = (boxes[:, None, :2] > boxes[None, :, 2:]).any(axis=2)
+    for i, j in zip(*np.nonzero(np.triu(~(apart | apart.T), 1)), strict=True):
+        if owners[i] & owners[j]:
+            continue  # of one contour, which does not cross itself
+        for z in _meetings(pieces[i], pieces[j]):
+            if all(-SAME <= (each.share(z) - 0.5) * _length(each) + _length(each) / 2 <= _length(each) + SAME
+                   for each in (pieces[i], pieces[j])):  # fmt: skip
+                ends.number(z)
+    places = np.array(ends.at)
+    cuts = []
+    for piece, (left, low, right, high) in zip(pieces, boxes, strict=True):
+        near = (places.real >= left) & (places.real <= right) & (places.imag >= low) & (places.imag <= high)
+        on = [(piece.share(z), k) for k in np.flatnonzero(near).tolist() if piece.off(z := ends.at[k]) <= SAME]
+        spare = SAME / _length(piece)
+        cuts.append([k for share, k in sorted(on) if spare < share < 1 - spare])
+    return cuts
+
+
+def _length(stroke: _Stroke) -> float:
+    return abs(stroke.b - stroke.a) / float(np.sinc(stroke.sweep / 2 / math.pi))
+
+
+def _box(stroke: _Stroke) -> tuple[float, float, float, float]:
+    """Least x and y, greatest x and y, and a little more."""
+    rise = abs(stroke.bulge) * abs(stroke.b - stroke.a) / 2 + SAME
+    a, b = stroke.a, stroke.b
+    return min(a.real, b.real) - rise, min(a.imag, b.imag) - rise, max(a.real, b.real) + rise, max(a.imag, b.imag) + rise
+
+
+def _meetings(one: _Stroke, other: _Stroke) -> list[complex]:
+    """Where the lines or circles of two strokes meet; where they all but touch, once; none where they are the same."""
+    if one.bulge == 0 == other.bulge:
+        way, across = one.b - one.a, other.b - other.a
+        turn = (np.conj(way) * across).imag
+        if abs(turn) <= 1e-9 * abs(way) * abs(across):
+            return []
+        return [one.a + way * float((np.conj(other.a - one.a) * across).imag / turn)]
+    if one.bulge and not other.bulge:
+        one, other = other, one
+    centre, radius = other.centre, abs(other.a - other.centre)
+    if one.bulge:
+        first, reach = one.centre, abs(one.a - one.centre)
+        apart = abs(centre - first)
+        if apart <= SAME and abs(radius - reach) <= SAME:
+            return []
+        if apart <= SAME:
+            return []
+        along = (centre - first) / apart
+        foot = (apart * apart + reach * reach - radius * radius) / (2 * apart)
+        half = reach * reach - foot * foot
+        touch = min(abs(apart - radius - reach), abs(apart - abs(radius - reach))) <= SAME
+        base = first + along * (math.copysign(reach, foot) if touch else foot)
+        along *= 1j
+    else:
+        along = (one.b - one.a) / abs(one.b - one.a)
+        offset = ((centre - one.a) / along).imag
+        base = one.a + along * ((centre - one.a) / along).real
+        half = radius * radius - offset * offset
+        touch = abs(abs(offset) - radius) <= SAME
+    if touch:
+        return [base]
+    return [base + along * math.sqrt(half), base - along * math.sqrt(half)] if half > 0 else []
+
+
+def _sides(strokes: Sequence[_Stroke], runs: Sequence[Sequence[Step]]) -> tuple[Bools, Bools]:
+    """Whether each region, (m, n), is to the left and to the right of each stroke."""
+    middles = np.array([stroke.point(0.5) for stroke in strokes])
+    left = np.zeros((len(runs), len(strokes)), bool)
+    right = left.copy()
+    for k, run in enumerate(runs):
+        bound = [strokes[stroke] for stroke, _ in run]
+        left[k] = right[k] = _inside(middles, bound)
+        for stroke, forward in run:
+            left[k, stroke], right[k, stroke] = forward, not forward
+    return left, right
+
+
+def _inside(points: Points, bound: Sequence[_Stroke]) -> Bools:
+    """Whether points, (n,), lie inside what strokes bound: by the chords, and the caps between chord and arc."""
+    found = np.zeros(len(points), bool)
+    for stroke in bound:
+        a, b = stroke.a - points, stroke.b - points
+        turn = (np.conj(a) * b).imag
+        found ^= ((a.imag > 0) != (b.imag > 0)) & ((turn > 0) == (b.imag > a.imag))
+        if stroke.bulge:
+            cap = (np.abs(points - stroke.centre) < abs(stroke.a - stroke.centre)) & (turn * stroke.bulge < 0)
+            found ^= cap
+    return found
+
+
+def _filled(side: Bools, layers: Sequence[Layer], made: int, heights: Sequence[float]) -> Bools:
+    """Whether there is material in each slab, (m, n), to one side of each stroke, and none under and over them all; the first
+    `made` layers are material, the others are taken away."""
+    found = np.zeros((len(heights) + 1, side.shape[1]), bool)
+    for k, (low, high) in enumerate(zip(heights, heights[1:], strict=False), 1):
+        middle = (low + high) / 2
+        there = [j for j, layer in enumerate(layers) if layer.z0 < middle < layer.z1]
+        solid = np.any(side[[j for j in there if j < made]], axis=0)
+        found[k] = solid & ~np.any(side[[j for j in there if j >= made]], axis=0)
+    return found
+
+
+@dataclass
+class _Stack:
+    """Faces, edges and corners of a stack, shared; left, right: (slabs + 2, strokes)."""
+
+    points: list[complex]
+    strokes: list[_Stroke]
+    heights: list[float]
+    left: Bools
+    right: Bools
+
+    def brep(self) -> Brep:
+        """The body, its parts in an order that depends on the outlines alone."""
+        index = {(z.real, z.imag): k for k, z in enumerate(self.points)}
+        ends = [(index[s.a.real, s.a.imag], index[s.b.real, s.b.imag]) for s in self.strokes]
+        faces: list[tuple[int, int, list[list[Step]]]] = []  # looks, level, loops
+        for level in range(len(self.heights)):
+            for looks, (has, lacks) in ((1, (level, level + 1)), (-1, (level + 1, level))):
+                sides = [side[has] & ~side[lacks] for side in (self.left, self.right)]
+                faces += [(looks, level, loops) for loops in self._loops(ends, *sides)]
+        walls = self._walls()
+        levels: dict[int, set[int]] = defaultdict(set)
+        used = {(s, level) for _, level, loops in faces for loop in loops for s, _ in loop}
+        used |= {(s, level) for s, _, low, high in walls for level in (low, high)}
+        for s, level in used:
+            for point in ends[s]:
+                levels[point].add(level)
+        corners: dict[tuple[int, int], int] = {}
+        edges: dict[tuple[str, int, int], int] = {}
+        made: list[Edge] = []
+
+        def corner(point: int, level: int) -> int:
+            return corners.setdefault((point, level), len(corners))
+
+        def along(s: int, level: int, forward: bool) -> Step:
+            a, b = (corner(point, level) for point in ends[s])
+            stroke = self.strokes[s]
+            if ("level", s, level) not in edges:
+                edges["level", s, level] = len(made)
+                arc = (stroke.centre, abs(stroke.a - stroke.centre)) if stroke.bulge else (0j, 0.0)
+                made.append(Edge(*((a, b) if stroke.bulge >= 0 else (b, a)), *arc))
+            return edges["level", s, level], forward == (stroke.bulge >= 0)
+
+        def upright(point: int, low: int, high: int) -> list[Step]:
+            """The edges over a point, from below."""
+            steps = sorted(level for level in levels[point] if low <= level <= high)
+            for a, b in zip(steps, steps[1:], strict=False):
+                if ("upright", point, a) not in edges:
+                    edges["upright", point, a] = len(made)
+                    made.append(Edge(corner(point, a), corner(point, b)))
+            return [(edges["upright", point, level], True) for level in steps[:-1]]
+
+        found = []
+        for looks, level, loops in faces:
+            rings: list[Loop] = []
+            for loop in loops:
+                steps = [along(s, level, forward) for s, forward in loop]
+                rings.append(tuple(steps if looks > 0 else [(e, not forward) for e, forward in reversed(steps)]))
+            found.append(Face(looks, tuple(rings)))
+        for s, forward, low, high in walls:
+            start, end = ends[s] if forward else ends[s][::-1]
+            down = [(edge, False) for edge, _ in reversed(upright(start, low, high))]
+            steps = [along(s, low, forward), *upright(end, low, high), along(s, high, not forward), *down]
+            found.append(Face(0, (tuple(steps),)))
+        places = [(self.points[p].real + 0.0, self.points[p].imag + 0.0, self.heights[level] + 0.0) for p, level in corners]
+        return Brep(np.array(places), made, found)
+
+    def _walls(self) -> list[tuple[int, bool, int, int]]:
+        """Stroke, whether its left side is the material's, and the levels between which it is a wall."""
+        walls = []
+        for s in range(len(self.strokes)):
+            begun: tuple[bool, int] | None = None
+            for slab in range(1, len(self.heights) + 1):
+                wall = None
+                if self.left[slab, s] != self.right[slab, s]:
+                    wall = bool(self.left[slab, s])
+                if begun is not None and begun[0] != wall:
+                    walls.append((s, begun[0], begun[1], slab - 1))
+                    begun = None
+                if begun is None and wall is not None:
+                    begun = wall, slab - 1
+        return walls
+
+    def _loops(self, ends: Sequence[tuple[int, int]], left: Bools, right: Bools) -> list[list[list[Step]]]:
+        """The level faces that lie to these sides of the strokes, each as its loops with the face on their left, the outer one
+        first."""
+        leaving: dict[int, list[Step]] = defaultdict(list)
+        for s in np.flatnonzero(left != right).tolist():
+            leaving[ends[s][0 if left[s] else 1]].append((s, bool(left[s])))
+        outer: list[tuple[float, list[list[Step]]]] = []
+        holes: list[tuple[float, list[Step]]] = []
+        for first in [step for steps in list(leaving.values()) for step in steps]:
+            if first not in leaving[ends[first[0]][0 if first[1] else 1]]:
+                continue  # run already
+            loop, step = [], first
+            while step in leaving[start := ends[step[0]][0 if step[1] else 1]]:
+                leaving[start].remove(step)
+                loop.append(step)
+                step = self._next(step, leaving[ends[step[0]][1 if step[1] else 0]]) or first
+            area = self._area(loop)
+            if area > 0:
+                outer.append((area, [loop]))
+            else:
+                holes.append((area, loop))
+        for _, loop in holes:
+            middle = np.array([self.strokes[loop[0][0]].point(0.5)])
+            around = [each for each in outer if _inside(middle, [self.strokes[s] for s, _ in each[1][0]])[0]]
+            if around:
+                min(around, key=lambda each: each[0])[1].append(loop)
+        return [loops for _, loops in outer]
+
+    def _run(self, step: Step) -> _Stroke:
+        stroke = self.strokes[step[0]]
+        return stroke if step[1] else _Stroke(stroke.b, stroke.a, -stroke.bulge)
+
+    def _next(self, step: Step, leaving: Sequence[Step]) -> Step | None:
+        """Of the steps that leave where one ends, the one that turns most to the left: so faces that meet in a point are two."""
+        here = self._run(step)
+        back = _Stroke(here.b, here.a, -here.bulge).leaves()
+        return min(leaving, key=lambda other: float(np.angle(back / self._run(other).leaves())) % math.tau, default=None)
+
+    def _area(self, loop: Sequence[Step]) -> float:
+        """Signed area of a loop, mm^2."""
+        found = 0.0
+        origin = self._run(loop[0]).a
+        for stroke in map(self._run, loop):
+            a, b = stroke.a - origin, stroke.b - origin
+            found += (a.conjugate() * b).imag / 2
+            if stroke.bulge:
+                radius = abs(stroke.a - stroke.centre)
+                found += radius * radius * (stroke.sweep - math.sin(stroke.sweep)) / 2
+        return found
+
+

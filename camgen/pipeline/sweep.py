@@ -1,0 +1,407 @@
+"""Many variants of one spec, each judged, as rows of one table; what is done survives a kill.
+
+    journal   a file beside the table: its first line says which sweep it is of, each further one is a variant's row; a run
+              that finds one of its own goes on from there
+    chunk     some variants with consecutive numbers, the task of one worker: pure, so that it may run twice
+    engine    runs chunks: here, in processes of this machine, or on a Dask cluster; rows are written here alone
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgen import __version__
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
+from camgen.pipeline.jobs import Progress, changed, read_tables, silent
+from camgen.pipeline.variants import Variants
+from camgen.report.sweep_page import write_page
+from camgen.spec import unknown
+
+Row = dict[str, Any]
+
+MOST = 10_000_000  # variants of a sweep; its memory is 8 bytes a variant, and a row of a few hundred in the journal
+_CHUNK = 0.5  # s of work in a chunk, so that handing it out costs little
+_LARGEST = 2_000  # variants in a chunk
+_TRIES = 3  # of a chunk whose worker dies
+
+HOLDS, FAILS, REFUSED, WRONG = "holds", "fails", "refused", "wrong"
+_TOLD = {HOLDS: "hold", FAILS: "fail", REFUSED: "cannot be made", WRONG: "are no valid spec"}
+
+
+@dataclass(frozen=True)
+class Task:
+    """What every worker needs: the spec's tables and folder, the variants, and what is wanted of each.
+
+    settings: as of `--set`, for all variants; keep: names of the figures that are kept, all where it is empty; build: the
+    kinds of files that are made of each variant, in a folder of its own below `out`; none: closed-form limits and figures.
+    """
+
+    data: Mapping[str, Any]
+    source: str
+    folder: Path
+    variants: Variants
+    settings: tuple[str, ...] = ()
+    keep: tuple[str, ...] = ()
+    build: tuple[str, ...] = ()
+    out: Path = Path()
+
+    @property
+    def digest(self) -> str:
+        """What the rows follow from, as a short text."""
+        asked = [__version__, self.data, self.variants, self.settings, self.keep, self.build]
+        return hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
+
+
+def judged(task: Task, number: int) -> Row:
+    """One variant's row: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
+    row: Row = {"variant": number}
+    for each, value in zip(task.variants.axes, task.variants.values(number), strict=True):
+        row[each.key] = _plain(value)
+    try:
+        mechanism = changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(number)])
+        if task.build:
+            from camgen.pipeline.build import build
+
+            report = build(mechanism, task.out / f"{number:08d}", frozenset(task.build))
+            findings, numbers = report.findings, report.numbers
+        else:
+            findings, numbers = mechanism.limits(), mechanism.study().numbers
+    except SpecError as error:
+        return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
+    except DesignError as error:
+        return row | {"verdict": REFUSED, "fails": "", "reason": str(error)}
+    failing = list(dict.fromkeys(finding.code for finding in findings if not finding.ok))
+    row |= {"verdict": FAILS if failing else HOLDS, "fails": " ".join(failing), "reason": ""}
+    return row | {name: _figure(numbers.get(name, math.nan)) for name in task.keep or numbers}
+
+
+def _plain(value: str) -> Any:
+    """A value of `--set` as a number where it is one."""
+    try:
+        return float(value) if math.isfinite(float(value)) else value
+    except ValueError:
+        return value.strip("\"'")
+
+
+def _figure(value: float) -> float | None:
+    return float(f"{value:.12g}") if math.isfinite(value) else None
+
+
+def _judge_chunk(task: Task, numbers: range) -> list[Row]:
+    return [judged(task, number) for number in numbers]
+
+
+# ---- the journal -----------------------------------------------------------------------------------------------------
+
+
+class Journal:
+    """Rows on disk as they come, one a line, and where each variant's row begins."""
+
+    def __init__(self, path: Path, task: Task) -> None:
+        self.path = path
+        self.places = np.full(task.variants.count, -1, dtype=np.int64)
+        head = json.dumps({"camgen": __version__, "sweep": task.digest, "variants": task.variants.count}) + "\n"
+        with file_errors():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = open(path, "a+b")  # noqa: SIM115
+            self._file.seek(0)
+            first = self._file.readline()
+            if not first.endswith(b"\n"):  # new, or ended before its first line was whole
+                self._file.truncate(0)
+                self._file.write(head.encode())
+            elif first != head.encode():
+                self._file.close()
+                said = "is the journal of another sweep; remove it, or choose another table with -o"
+                raise FileError(path, said)
+            else:
+                self._read()
+            self._file.seek(0, os.SEEK_END)
+
+    def _read(self) -> None:
+        """Find the rows; a last line that was cut off is dropped."""
+        place = self._file.tell()
+        for line in iter(self._file.readline, b""):
+            try:
+                number = json.loads(line)["variant"] if line.endswith(b"\n") else None
+            except ValueError:
+                number = None
+            if number is None:
+                self._file.truncate(place)
+                return
+            self.places[number] = place
+            place += len(line)
+
+    @property
+    def done(self) -> int:
+        """How many variants have a row."""
+        return int(np.count_nonzero(self.places >= 0))
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Write the rows of variants that have none yet; FileError where the disk is full."""
+        try:
+            for row in rows:
+                if self.places[row["variant"]] < 0:
+                    self.places[row["variant"]] = self._file.tell()
+                    self._file.write(json.dumps(row, ensure_ascii=False).encode() + b"\n")
+            self._file.flush()
+        except OSError as error:
+            said = f"{error.strerror or error}; {self.done} variants are in it: the same command goes on from there"
+            raise FileError(self.path, said) from None
+
+    def rows(self) -> Iterator[Row]:
+        """All rows by the variants' numbers."""
+        for place in self.places[self.places >= 0]:
+            self._file.seek(int(place))
+            yield json.loads(self._file.readline())
+        self._file.seek(0, os.SEEK_END)
+
+    def close(self) -> None:
+        """Leave the file as it is."""
+        self._file.close()
+
+
+# ---- engines ---------------------------------------------------------------------------------------------------------
+
+Engine = Callable[[Task, Iterator[range]], Iterator[list[Row]]]
+
+
+def here(task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
+    """One chunk after the other."""
+    for chunk in chunks:
+        yield _judge_chunk(task, chunk)
+
+
+@dataclass
+class Processes:
+    """Chunks shared out to processes of this machine; those of a worker that dies are run again, so none is lost."""
+
+    jobs: int
+    _tries: Counter[int] = field(default_factory=Counter)
+
+    def __call__(self, task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
+        """Rows as they are ready; FileError where a chunk's worker dies again and again."""
+        again: list[range] = []
+        while True:
+            pending: dict[Any, range] = {}
+            with ProcessPoolExecutor(self.jobs) as pool:
+                try:
+                    while True:
+                        while len(pending) < 2 * self.jobs and (chunk := again.pop() if again else next(chunks, None)):
+                            pending[pool.submit(_judge_chunk, task, chunk)] = chunk
+                        if not pending:
+                            return
+                        for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                            rows = future.result()
+                            del pending[future]
+                            yield rows
+                except BrokenProcessPool:
+                    again += pending.values()
+                except BaseException:
+                    pool.shutdown(cancel_futures=True)
+                    raise
+            for chunk in again:
+                self._tries[chunk.start] += 1
+                if self._tries[chunk.start] >= _TRIES:
+                    said = f"a worker died {_TRIES} times at variants {chunk.start} to {chunk.stop - 1}"
+                    raise FileError(task.source, f"{said}; fewer --jobs need less memory")
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Chunks shared out by a Dask scheduler, tcp://host:port; what a lost worker had is run again by another."""
+
+    address: str
+
+    def __call__(self, task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
+        """Rows as they are ready; FileError where there is no scheduler, or it is lost."""
+        try:
+            import distributed
+        except ImportError:
+            raise FileError(self.address, "needs Dask: pip install 'camgen[cluster]'") from None
+        cluster: Any = distributed  # without types
+        try:
+            with cluster.Client(self.address, timeout=10) as client:
+                held = client.scatter(task, broadcast=True)
+
+                def submit(chunk: range) -> Any:
+                    return client.submit(_judge_chunk, held, chunk, key=f"camgen-{task.digest}-{chunk.start}-{chunk.stop}")
+
+                most = 4 * max(sum(client.nthreads().values()), 1)
+                running = cluster.as_completed([submit(chunk) for chunk in islice(chunks, most)])
+                for future in running:
+                    yield future.result()
+                    for chunk in islice(chunks, 1):
+                        running.add(submit(chunk))
+        except CamgenError:
+            raise
+        except Exception as error:
+            why = str(error).partition("\n")[0] or type(error).__name__
+            said = f"the scheduler cannot be reached or is lost, what is done is kept: {why}"
+            raise FileError(self.address, said) from None
+
+
+# ---- the whole -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Swept:
+    """What a sweep came to: how many variants of each verdict, the most frequent reasons, s a variant, rows done before."""
+
+    count: int
+    verdicts: Mapping[str, int]
+    reasons: Sequence[tuple[str, int]]
+    seconds: float
+    before: int
+    columns: Sequence[str]
+
+    @property
+    def told(self) -> str:
+        """The verdicts in a sentence: the same for the same sweep."""
+        parts = [f"{self.verdicts[name]} {word}" for name, word in _TOLD.items() if self.verdicts.get(name)]
+        return f"{self.count} variant{'s' if self.count > 1 else ''}: {', '.join(parts)}."
+
+
+def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progress: Progress = silent) -> Swept:
+    """Judge all variants that the journal does not have yet, then write the table and take the journal away.
+
+    table: ends in .csv or .parquet. SpecError for a key that no spec has, too many variants (with the time they would take).
+    """
+    count = task.variants.count
+    write = _WRITERS.get(table.suffix.lower())
+    if write is None:
+        raise SpecError([Fault("-o", table.name, f"a name that ends in {' or '.join(_WRITERS)}")], "command line")
+    if table.suffix == ".parquet":
+        _pyarrow(table)
+    began = time.perf_counter()
+    first = judged(task, 0)
+    each = time.perf_counter() - began
+    _refuse_unknown(task, first)
+    if count > MOST:
+        cores = "one core" if jobs < 2 else f"{jobs} cores"
+        took = f"at {1e3 * each:.0f} ms each they would take {count * each / max(jobs, 1) / 3600:,.0f} h on {cores}"
+        most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
+        raise SpecError([Fault("--vary", f"{count:,} variants", most)], "command line")
+    journal = Journal(table.with_name(table.name + ".journal"), task)
+    try:
+        before = journal.done
+        journal.add([first])
+        size = int(min(max(_CHUNK / max(each, 1e-6), 1), _LARGEST, max(count / (4 * max(jobs, 1)), 1)))
+        done, told = journal.done, time.perf_counter()
+        for rows in engine(task, _left(journal.places, size)):
+            journal.add(rows)
+            done += len(rows)
+            rest = (time.perf_counter() - told) * (count - done) / max(done - before, 1)
+            progress(f"{done} of {count} variants, {_span(rest)} to go", done / count)
+        verdicts, reasons, columns = Counter[str](), Counter[str](), dict[str, None]()
+        for row in journal.rows():
+            verdicts[row["verdict"]] += 1
+            reasons[row["fails"] or row["reason"].partition("\n")[0]] += 1
+            columns |= dict.fromkeys(row)
+        del reasons[""]
+        write(table, list(columns), journal.rows())
+        found = Swept(count, dict(verdicts), reasons.most_common(5), time.perf_counter() - began, before, list(columns))
+        keys = [axis.key for axis in task.variants.axes]
+        write_page(table.with_suffix(".html"), Path(task.source).stem, found.told, found.columns, keys, journal.rows(), count)
+    finally:
+        journal.close()
+    journal.path.unlink()
+    return found
+
+
+def _refuse_unknown(task: Task, first: Row) -> None:
+    """SpecError for keys that no spec has, and for figures that the first variant has not."""
+    asked = dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(0)]
+    if first["verdict"] == WRONG:
+        try:
+            changed(*asked)
+        except SpecError as error:
+            faults = [f for f in error.faults if f.expected.startswith("unknown key") or f.path.startswith("--set")]
+            if faults:
+                raise SpecError(faults, task.source) from None
+    elif first["verdict"] != REFUSED:
+        known = changed(*asked).study().numbers
+        faults = [unknown("--keep", name, known) for name in task.keep if name not in known]
+        if faults:
+            raise SpecError(faults, "command line")
+
+
+def _left(places: np.ndarray, size: int) -> Iterator[range]:
+    """Chunks of the variants that have no row yet."""
+    missing = np.flatnonzero(places < 0)
+    breaks = np.flatnonzero(np.diff(missing) > 1) + 1
+    for run in np.split(missing, breaks):
+        for low in range(0, len(run), size):
+            part = run[low : low + size]
+            yield range(int(part[0]), int(part[-1]) + 1)
+
+
+def _span(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
+# ---- tables ----------------------------------------------------------------------------------------------------------
+
+
+def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
+    import csv
+
+    with file_errors():
+        part = path.with_name(path.name + ".part")
+        with open(part, "w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+        os.replace(part, path)
+
+
+def _pyarrow(path: Path) -> Any:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise FileError(path, "needs pyarrow: pip install 'camgen[table]'; a name that ends in .csv needs nothing") from None
+    return pyarrow
+
+
+def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
+    arrow = _pyarrow(path)
+    text = ("verdict", "fails", "reason")
+    batch = list(islice(rows, 10_000))
+    mixed = {name for name in columns if any(isinstance(row.get(name), str) for row in batch)}
+    kinds = {name: arrow.int64() if name == "variant" else arrow.string() if name in mixed or name in text else arrow.float64()
+             for name in columns}  # fmt: skip
+    schema = arrow.schema(list(kinds.items()))
+    with file_errors():
+        part = path.with_name(path.name + ".part")
+        with arrow.parquet.ParquetWriter(part, schema) as writer:
+            while batch:
+                found = [{name: str(row[name]) if name in mixed and row.get(name) is not None else row.get(name)
+                          for name in columns} for row in batch]  # fmt: skip
+                writer.write_table(arrow.Table.from_pylist(found, schema))
+                batch = list(islice(rows, 10_000))
+        os.replace(part, path)
+
+
+_WRITERS: dict[str, Callable[[Path, Sequence[str], Iterator[Row]], None]] = {".csv": _write_csv, ".parquet": _write_parquet}
+
+
+def prepared(
+    spec: Path, variants: Variants, settings: Sequence[str], keep: Sequence[str], build: Sequence[str], out: Path
+) -> Task:  # fmt: skip
+    """The task of a spec file."""
+    data, source, folder = read_tables(spec)
+    return Task(data, source, folder.absolute(), variants, tuple(settings), tuple(keep), tuple(build), out)

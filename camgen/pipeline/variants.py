@@ -1,0 +1,158 @@
+"""Which variants a sweep has: values of keys as a grid, side by side, or as a Latin hypercube; each follows from its number.
+
+Nothing is listed beforehand, so a grid of 1e12 variants can be counted, and refused, at once.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from camgen.errors import Fault, SpecError
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d+))?\s*")
+_FORM = "KEY=A:B:N, N values from A to B, or KEY=a,b,c"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key and its values: either listed, as texts, or a range from low to high of `count` values (0: of any number)."""
+
+    key: str
+    listed: tuple[str, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    count: int = 0
+
+    def __len__(self) -> int:
+        return len(self.listed) or self.count
+
+    def at(self, k: int) -> str:
+        """The k-th value, as `--set` takes it; ends of a range to the last digit."""
+        return self.listed[k] if self.listed else _text(self.low, self.high, k / (self.count - 1))
+
+    def share(self, u: float) -> str:
+        """The value at a share u, 0 to 1, of the range or of the list."""
+        return self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)] if self.listed else _text(self.low, self.high, u)
+
+
+def _text(low: float, high: float, u: float) -> str:
+    value = low * (1 - u) + high * u
+    return repr(float(f"{value:.12g}") if abs(value) > 1e-12 * (high - low) else 0.0)
+
+
+def axis(text: str) -> Axis:
+    """Read `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`; SpecError where it is none of them, empty or the wrong way round."""
+    key, equals, values = (word.strip() for word in text.partition("="))
+    if not (key and equals and values):
+        raise SpecError([Fault("--vary", repr(text), _FORM)], "command line")
+    found = _RANGE.fullmatch(values)
+    if not found:
+        listed = _split(values)
+        if not all(listed):
+            raise SpecError([Fault(f"--vary {key}", repr(values), f"a value between every two commas; {_FORM}")], "command line")
+        if len(set(listed)) < len(listed):
+            raise SpecError([Fault(f"--vary {key}", repr(values), "each value once")], "command line")
+        return Axis(key, tuple(listed))
+    low, high, count = float(found[1]), float(found[2]), int(found[3] or 0)
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise SpecError([Fault(f"--vary {key}", repr(values), f"A less than B, both finite; {_FORM}")], "command line")
+    if found[3] and count < 2:
+        raise SpecError([Fault(f"--vary {key}", repr(values), f"N of at least 2; {_FORM}")], "command line")
+    return Axis(key, low=low, high=high, count=count)
+
+
+def _split(text: str) -> list[str]:
+    """The text at its commas, but for those inside brackets and quotes."""
+    items, depth, quote = [""], 0, ""
+    for c in text:
+        if quote:
+            quote = "" if c == quote else quote
+        elif c in "\"'":
+            quote = c
+        elif c == "," and depth == 0:
+            items.append("")
+            continue
+        depth += (not quote) * ((c in "[{") - (c in "]}"))
+        items[-1] += c
+    return [item.strip() for item in items]
+
+
+@dataclass(frozen=True)
+class Variants:
+    """All variants of some axes. Numbered from 0; of a grid the last axis changes fastest.
+
+    samples: of a Latin hypercube, in which each axis has every one of so many equal shares of its range once.
+    """
+
+    axes: tuple[Axis, ...]
+    how: Literal["grid", "zip", "latin"] = "grid"
+    samples: int = 0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        faults: list[Fault] = []
+        keys = [each.key for each in self.axes]
+        twice = sorted({key for key in keys if keys.count(key) > 1})
+        if not keys:
+            faults.append(Fault("--vary", "", f"at least one: {_FORM}"))
+        faults += [Fault(f"--vary {key}", "given twice", "each key once, with all its values") for key in twice]
+        if self.how != "latin":
+            bare = [each.key for each in self.axes if not len(each)]
+            faults += [Fault(f"--vary {key}", "a range without a number of values", _FORM) for key in bare]
+        if self.how == "zip" and not faults and len({len(each) for each in self.axes}) > 1:
+            shown = ", ".join(f"{each.key} {len(each)}" for each in self.axes)
+            faults.append(Fault("--zip", f"values: {shown}", "the same number of values for every key"))
+        if faults:
+            raise SpecError(faults, "command line")
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        if self.how == "latin":
+            return self.samples
+        return len(self.axes[0]) if self.how == "zip" else math.prod(len(each) for each in self.axes)
+
+    @cached_property
+    def _shares(self) -> list[np.ndarray]:
+        rng = np.random.default_rng(self.seed)
+        return [(rng.permutation(self.samples) + 0.5) / self.samples for _ in self.axes]
+
+    def values(self, number: int) -> list[str]:
+        """The values of a variant's keys, in the order of the axes, as `--set` takes them."""
+        if self.how == "latin":
+            return [each.share(float(share[number])) for each, share in zip(self.axes, self._shares, strict=True)]
+        if self.how == "zip":
+            return [each.at(number) for each in self.axes]
+        found = []
+        for each in reversed(self.axes):
+            number, k = divmod(number, len(each))
+            found.append(each.at(k))
+        return found[::-1]
+
+    def settings(self, number: int) -> list[str]:
+        """The same as texts of `--set`."""
+        return [f"{each.key}={value}" for each, value in zip(self.axes, self.values(number), strict=True)]
+
+
+def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0) -> Variants:
+    """The variants that a command line asks for; SpecError with what is wrong with it."""
+    faults: list[Fault] = []
+    axes: list[Axis] = []
+    for text in texts:
+        try:
+            axes.append(axis(text))
+        except SpecError as error:
+            faults += error.faults
+    if zipped and latin:
+        faults.append(Fault("--zip", "with --latin", "one of the two"))
+    if faults:
+        raise SpecError(faults, "command line")
+    return Variants(tuple(axes), "latin" if latin else "zip" if zipped else "grid", latin, seed)

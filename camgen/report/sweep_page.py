@@ -1,0 +1,32 @@
+"""A sweep's table as a page for people: sortable rows, one figure over another, two as a map by colour, the front of any two."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from importlib.resources import files
+from itertools import islice
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from camgen.errors import file_errors
+
+MOST = 5_000  # rows that a page bears; of more every second, third... is shown
+
+
+def write_page(
+    path: Path, name: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
+    count: int,
+) -> None:  # fmt: skip
+    """Write the page of a sweep of `count` rows; keys: the columns that were varied."""
+    step = -(-count // MOST)
+    shown = [[row.get(column) for column in columns] for row in islice(rows, 0, None, step)]
+    if step > 1:
+        summary += f" This page shows every variant whose number is a multiple of {step}; the table has all."
+    data = json.dumps({"columns": list(columns), "keys": list(keys), "rows": shown}, ensure_ascii=False).replace("</", "<\\/")
+    page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
+    text = page.substitute(title=escape(f"Sweep of {name}"), summary=escape(summary), data=data)
+    with file_errors():
+        path.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,134 @@
+"""What the commands share: the work on each path, what is printed of it, and the exit code."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+    from camgen.report.report import Report
+
+    Work = Callable[..., Report]
+
+
+def known(name: str) -> type[Mechanism]:
+    """The class of a mechanism; SpecError with the nearest name where there is none."""
+    from camgen.machines import MECHANISMS, load
+    from camgen.spec import unknown
+
+    if name not in MECHANISMS:
+        raise SpecError([unknown("MECHANISM", name, MECHANISMS)], "command line")
+    return load(name)
+
+
+def spec_name(file: Path) -> str:
+    """A name for a spec, after a file's."""
+    return "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-") or "linkage"
+
+
+def show(markdown: str) -> None:
+    """Print a page: laid out on a terminal, else as it is written."""
+    if not sys.stdout.isatty():
+        click.echo(markdown, nl=False)
+        return
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    console = Console()
+    console.print(Markdown(markdown), width=min(console.width, 100))
+
+
+def hand_over(text: str, file: Path | None) -> None:
+    """Print the text, or write it to a new file."""
+    if file is None:
+        click.echo(printable(text, keep="\n"), nl=False)
+        return
+    try:
+        with open(file, "x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise FileError(file, "exists already and is left as it is; choose another name") from None
+
+
+def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:
+    """SpecError where two specs would write the same folder; specs that cannot be read are told when their turn comes."""
+    from camgen.pipeline import build as pipeline
+
+    first: dict[str, Path] = {}
+    for spec in specs:
+        try:
+            name = pipeline.read_mechanism(spec, settings).name
+        except CamgenError:
+            continue
+        if name in first:
+            raise SpecError([Fault("name", repr(name), f"another name, for {first[name]} writes that folder")], str(spec))
+        first[name] = spec
+
+
+def each(
+    paths: Sequence[Path], prepare: Callable[[], Work], jobs: int = 1, as_json: bool = False, quiet: bool = False,
+    verbose: bool = False,
+) -> NoReturn:  # fmt: skip
+    """Do the work on each path, print what came out in their order, and end with the worst exit code.
+
+    prepare: imports what the work needs, and gives it. Several paths are shared out to the cores; for a single one the work
+    shares out its own steps.
+    """
+    from camgen.report.terminal import Bar, print_report
+
+    jobs = jobs or os.cpu_count() or 1
+    shared = len(paths) > 1 and jobs > 1
+    worst, records = 0, []
+    with Bar(not quiet):
+        from camgen.pipeline.jobs import Workers
+
+        work = prepare()
+    with Workers(min(jobs, len(paths)) if shared else 1) as workers:
+        started = [workers.start(work, path) for path in paths] if shared else []
+        for k, path in enumerate(paths):
+            try:
+                with Bar(not quiet) as progress:
+                    if shared:
+                        progress(f"{path}, {k + 1} of {len(paths)}", k / len(paths))
+                        report = started[k]()
+                    else:
+                        report = work(path, progress=progress, jobs=jobs)
+            except (CamgenError, OSError) as error:
+                failure = explained(error)
+                if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file
+                    failure = SpecError(failure.faults, str(path))
+                worst = max(worst, failure.exit_code)
+                complain(failure, path)
+                records.append(_failure_record(path, failure))
+                continue
+            worst = max(worst, 0 if report.ok else 1)
+            records.append(report.as_dict())
+            if not as_json:
+                print_report(report, quiet, verbose)
+    if as_json:
+        import json
+
+        text = json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False)
+        click.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
+    raise click.exceptions.Exit(worst)
+
+
+def complain(error: CamgenError, source: Path | None = None) -> None:
+    """Print a user's error on stderr, with the spec's name where the error does not say it by itself."""
+    named = f"{source}: " if source is not None and isinstance(error, DesignError) else ""
+    click.echo(printable(f"error: {named}{error}", keep="\n"), err=True)
+
+
+def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
+    """What --json prints in place of a report that could not be made."""
+    faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
+    return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}

@@ -1,0 +1,133 @@
+"""The starter specs, whose comments are what the schema says of each key.
+
+A line `key = value   # what it is` describes a key, with a # before it too; lines of comment alone that are indented go on with
+the line above. Tables are as in TOML, `# [load]` is one that a spec may leave out.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from camgen import spec as specs
+from camgen.errors import file_errors
+from camgen.schemas import step_below, tables_of
+
+if TYPE_CHECKING:
+    from camgen.schemas import Data
+    from camgen.spec import Spec
+
+_TABLE = re.compile(r"(?:# )?\[\[?([a-zA-Z_.0-9-]+)\]\]?(?:\s+# (.*))?")
+_KEY = re.compile(r"(?:# )?([a-zA-Z_\"][a-zA-Z_.0-9\"-]*) = (.*)")
+_MORE = re.compile(r"\s{8,}# ?(.*)")
+_COMMENT = re.compile(r"""^((?:"[^"]*"|[^"#])*?)\s+# (.*)$""")
+
+# Units by the end of a key's name, the longest first.
+_UNITS = {
+    "_kg_m2": "kg m^2", "_g_mm2": "g mm^2", "_n_mm": "N/mm", "_n_m": "N m", "_deg": "deg", "_rpm": "rpm", "_kg": "kg",
+    "_mm": "mm", "_g": "g", "_n": "N", "ratio": "1",
+}  # fmt: skip
+
+# Units in what is said of a key: "mm, of the hub", "mm or deg, motion that may be lost", "slower to quicker; no unit".
+_UNIT = r"(?:mm|deg|share|1/s|1|N s/mm|N m s/rad|N/mm|N m/rad|N m|N|g/cm\^3)"
+_SAID = re.compile(rf"(?:^|, )({_UNIT}(?: or {_UNIT})?)(?=[,;: ])|; no (unit)$")
+
+
+def folder() -> Path:
+    """Where the starter specs are: inside the installed package, or beside it in a checkout."""
+    package = Path(__file__).parent
+    return next(each for each in (package / "specs", package.parent / "specs") if each.is_dir())
+
+
+def text(mechanism: str) -> str:
+    """The starter of a mechanism, or the spec of this name."""
+    return (folder() / f"{mechanism}.toml").read_text(encoding="utf-8")
+
+
+def summary(mechanism: str) -> str:
+    """Its first line."""
+    return text(mechanism).partition("\n")[0].lstrip("# ")
+
+
+def rows(starter: str) -> Iterator[tuple[tuple[str, ...], str, str]]:
+    """Each key or table of a starter: its path, its value as written (of a table ""), what is said of it."""
+    table: tuple[str, ...] = ()
+    begun: tuple[tuple[str, ...], str, list[str]] | None = None
+    for line in starter.splitlines():
+        more = _MORE.fullmatch(line)
+        if more and begun:
+            begun[2].append(more[1].strip())
+            continue
+        if begun:
+            yield begun[0], begun[1], " ".join(filter(None, begun[2]))
+        head, key = _TABLE.fullmatch(line), _KEY.fullmatch(line)
+        begun = None
+        if head:
+            table = tuple(head[1].split("."))
+            begun = table, "", [head[2] or ""]
+        elif key:
+            said = _COMMENT.match(key[2])
+            name = tuple(part.strip('"') for part in key[1].split(".")) if '"' not in key[1] else (key[1].strip('"'),)
+            begun = (*table, *name), said[1] if said else key[2], [said[2] if said else ""]
+    if begun:
+        yield begun[0], begun[1], " ".join(filter(None, begun[2]))
+
+
+def described(cls: type[Spec], mechanism: str) -> Data:
+    """The JSON Schema of a mechanism's spec, each key with what its starter says of it and its unit."""
+    root = specs.schema(cls, mechanism)
+    for path, _, said in rows(text(mechanism)):
+        tables = [root]
+        for step in path[:-1]:
+            tables = [each for table in tables for each in tables_of(step_below(table, step, root), root)]
+        for table in tables:
+            if said and path[-1] in table.get("properties", ()):
+                table["properties"][path[-1]]["description"] = said
+    for table in (root, *root.get("$defs", {}).values()):
+        for name, node in table.get("properties", {}).items():
+            unit = _unit(name, node)
+            if unit is not None:
+                node["unit"] = unit
+            for each in tables_of(node, root) + tables_of(step_below(node, "a", root), root):
+                if "description" in each:  # a table: what its class says, where the starter says nothing
+                    node.setdefault("description", each["description"].partition("\n")[0])
+    return root
+
+
+def schema_name(mechanism: str) -> str:
+    """Name of the schema's file beside a spec."""
+    return f"{mechanism}.schema.json"
+
+
+def schema_text(cls: type[Spec], mechanism: str) -> str:
+    """The schema as a file holds it."""
+    return json.dumps(described(cls, mechanism), indent=2, ensure_ascii=False) + "\n"
+
+
+def write_schema(cls: type[Spec], mechanism: str, where: Path) -> bool:
+    """Write it beside a spec that names it, and say so; a file that is there already stays as it is."""
+    with file_errors():
+        try:
+            with open(where / schema_name(mechanism), "x", encoding="utf-8") as stream:
+                stream.write(schema_text(cls, mechanism))
+        except FileExistsError:
+            return False
+    return True
+
+
+def _unit(name: str, node: Mapping[str, Any]) -> str | None:
+    """Unit of a key: as its type has it, or by the end of its name; None of what is no number."""
+    kinds = [node]
+    for kind in kinds:
+        items = kind.get("items")
+        kinds += [*kind.get("anyOf", ()), *kind.get("prefixItems", ()), *([items] if isinstance(items, dict) else [])]
+    types = {kind.get("type") for kind in kinds}
+    if not types & {"number", "integer"}:
+        return None
+    typed = next((kind["unit"] for kind in kinds if "unit" in kind), None)
+    said = _SAID.search(node.get("description", ""))
+    named = next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), None)
+    return typed or (said and (said[1] or "1").replace("share", "1")) or named or ("1" if "integer" in types else None)

@@ -1,0 +1,52 @@
+"""A million four-bar designs at 64 angles, and variants of a sweep a second.
+
+Run from the checkout: python tests/bench/bench_many.py
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from pathlib import Path
+
+import numpy as np
+
+from camgen.machine.four_bars import four_bars
+from camgen.pipeline.sweep import judged, prepared
+from camgen.pipeline.variants import variants
+
+COUNT, ANGLES, GOAL = 1_000_000, 64, 2.0
+SPECS = Path(__file__).parent.parent.parent / "specs"
+VARY = {
+    "disc-cam": "geometry.base_radius=12:32:41", "uniform-swing": "geometry.swing_deg=20:30:41",
+    "eccentric-drive": "geometry.rod=40:60:41", "linkage": "lengths.A-B=70:80:41",
+    "thread-take-up": "geometry.coupler=17:21:41",
+}  # fmt: skip
+
+
+def main() -> None:
+    lengths = np.random.default_rng(0).uniform(10, 60, (4, COUNT))
+    theta = np.linspace(0, math.tau, ANGLES, endpoint=False)
+    times = []
+    for _ in range(3):
+        begun, closed = time.process_time(), 0
+        for block in four_bars(*lengths, theta):
+            least, _most = block.transmission
+            closed += int(np.count_nonzero(np.isfinite(block.output_range) & (least > math.radians(40))))
+        times.append(time.process_time() - begun)
+    took = statistics.median(times)
+    what = f"{COUNT:,} four-bars x {ANGLES} angles, positions, transmission angles, output range"
+    print(f"{what}: {took:.2f} s of one core (goal {GOAL:g} s)")
+    print(f"  of them close over the turn and keep 40 deg: {closed:,}")
+    for name, vary in VARY.items():
+        task = prepared(SPECS / f"{name}.toml", variants([vary]), (), (), (), Path())
+        judged(task, 0)
+        begun = time.perf_counter()
+        for number in range(1, 11):
+            judged(task, number)
+        print(f"sweep of {name}: {10 / (time.perf_counter() - begun):.0f} variants a second on one core")
+
+
+if __name__ == "__main__":
+    main()

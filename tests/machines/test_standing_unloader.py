@@ -1,0 +1,116 @@
+"""The unloader as it is made: its spring by hand and against the torque of a spring on a cord, and what cannot be made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError
+from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.judge.assembly import sweep
+from camgen.machine.run import solve
+from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.parts.solids import solid
+from camgen.spec import read, validate
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+THETA = np.radians(np.arange(1.0, 360.0, 2.0))
+
+
+def machine(**tables: Any) -> IndexingCam:
+    data = read(SPECS / "indexing-cam.toml")
+    data["parts"]["make"] = "machine"
+    for name, table in tables.items():
+        data[name] = {**data[name], **table}
+    return validate(IndexingCam, data)
+
+
+@pytest.fixture(scope="module")
+def starter() -> IndexingCam:
+    return machine()
+
+
+def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) -> None:
+    """The source's sizes: pin 30 and guide 120 from the crank's axis, 6 stretched when nearest, 18 deg; here 1 N/mm, pins of 5.
+
+    By hand: nearest 90, so 84 without load and 6 N there; farthest |30 exp(i 18 deg) + 120| = 148.82, so 64.8 N; the eyes are
+    5 more apart inside. EN 13906-2: 81500 d^4 / (8 D^3 n) with d 1.25, D 9.375 - 1.25, n 46.4 is 1 N/mm.
+    """
+    farthest = math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18)))
+    bought = next(each for each in starter.bought() if each.name == "extension spring")
+    assert "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes, 1 N/mm" in bought.size
+    assert f"6 N at 95 and {farthest - 84:.4g} N at {farthest + 5:.4g}" in bought.size
+    assert 81500 * 1.25**4 / (8 * 8.125**3 * 46.37) == pytest.approx(1.0, rel=1e-3)
+    rows = starter.steps().rows
+    assert rows[-1][1:3] == ("extension spring", "Unloader's spring, hooked under the heads of its pins")
+    assert {"unloader", "gear-unloader_gears-unloader"} <= {row[1] for row in rows}
+
+
+@pytest.mark.parametrize("motor", [{}, {"motor": {"speed_rpm": -30.0}}])
+def test_a_straight_spring_pulls_as_one_on_a_cord(motor: dict[str, Any]) -> None:
+    """Torque at the follower: the machine of bodies with its spring between two pins, against the closed form of the torques."""
+    made = machine(**motor)
+    drawn = replace(made.bench.drawn, loads=(*made.bench.drawn.loads, *made.bench.pulls))
+    effort = solve(drawn, THETA).forces().contacts["contact"]
+    wanted = made._study.at(THETA).follower
+    assert effort == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())
+    without = solve(made.bench.drawn, THETA).forces().contacts["contact"]
+    turning = THETA < math.radians(120) if made.sense > 0 else THETA > math.radians(240)
+    assert np.abs(without[turning]).max() > 5 * np.abs(effort[turning]).max()
+
+
+def test_the_crank_turns_with_the_link_less_twice_the_lead(starter: IndexingCam) -> None:
+    """2 (180 - 18) = 324 deg while the table turns by 180; at mid stroke pin and post are nearest, 90 mm."""
+    run = starter.solve(np.radians([0.0, 60.0, 120.0]), 0)
+    assert np.abs(np.degrees(np.diff(run.pose("unloader").angle))) == pytest.approx([162.0, 162.0])
+    crank, bench = run.pose("unloader"), starter.bench
+    hook = complex(bench.drawn.body("unloader").points.get("hook", bench.more["unloader"]["hook"]))
+    far = np.abs(crank.place + np.exp(1j * crank.angle) * hook - bench.more["ground"]["anchor"])
+    assert far == pytest.approx([148.82, 90.0, 148.82], abs=0.01)
+
+
+def test_lead_whose_ratio_no_teeth_have_is_told_with_one_that_works() -> None:
+    with pytest.raises(DesignError, match=r"unloader.lead_deg = (\S+) gives") as caught:
+        machine(unloader={"lead_deg": 17.3}).parts()
+    lead = float(caught.value.remedy.partition("lead_deg = ")[2].split()[0])
+    assert abs(lead - 17.3) < 2
+    assert machine(unloader={"lead_deg": lead})._made_unloader is not None
+    assert abs(machine(unloader={"lead_deg": lead})._made_unloader.ratio) == pytest.approx(2 * (180 - lead) / 180)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("unloader", "said"),
+    [({"stiffness_n_mm": 100.0}, "springs of round wire for the unloader.*stiffness_n_mm"),
+     ({"crank": 400.0, "guide": 401.0}, "crank")],
+)  # fmt: skip
+def test_a_spring_that_cannot_be_wound_is_told(unloader: dict[str, Any], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        machine(unloader=unloader).parts()
+
+
+@pytest.mark.parametrize(("turned", "meets"), [(0.0, False), (math.pi / 35, True)])
+def test_a_wheel_half_a_tooth_off_is_found_out(tmp_path: Path, starter: IndexingCam, turned: float, meets: bool) -> None:
+    items, poses, own = [], starter.poses(np.zeros(1)), "gear-unloader_gears-unloader"
+    for part in starter.parts():
+        for k, pose in enumerate(poses[part.name]):
+            angle = float(pose.angle[0]) + (turned if part.name == own else 0.0)
+            where = placing(angle, complex(pose.place[0]), pose.z, part.thickness, pose.flipped)
+            items.append(Placed(part.name, f"{part.name}-{k + 1}", where))
+    write_3mf(tmp_path / "x.3mf", {part.name: solid(part, 0.005) for part in starter.parts()}, items, "key")
+    failed = {f.where.partition(":")[0] for f in sweep(tmp_path / "x.3mf", starter.moved())[0] if not f.ok}
+    assert (f"gear-unloader_gears-driven-link-1 and {own}-1" in failed) == meets
+    assert meets or not failed
+
+
+def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> None:
+    data = read(SPECS / "indexing-cam.toml")
+    data["parts"]["make"], data["unloader"] = "machine", {"torque": "law"}
+    ideal = validate(IndexingCam, data)
+    assert ideal._made_unloader is None and not any("spring" in each.name for each in ideal.bought())
+    assert any("not made" in note for note in ideal.study().notes)
+    assert not any("not made" in note for note in starter.study().notes if "unloader is" in note)

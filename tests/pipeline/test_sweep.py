@@ -1,0 +1,281 @@
+"""Sweeps: which variants there are, each judged as by itself, the same table whoever works, and nothing lost by a kill."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import time
+from itertools import product
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camgen.cli import cli, main
+from camgen.errors import FileError, SpecError
+from camgen.pipeline import sweep as sweeps
+from camgen.pipeline.build import build
+from camgen.pipeline.jobs import read_mechanism
+from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
+from camgen.pipeline.variants import variants
+
+SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
+VARY = ["geometry.base_radius=8:32:7", "segment.0.law=cycloidal,modified-sine"]
+
+
+def task(*vary: str, **further: object) -> Task:
+    return prepared(SPEC, variants(vary or VARY), (), ("pressure_angle_deg", "stroke_mm"), (), Path())
+
+
+def rows(table: Path) -> list[dict[str, str]]:
+    with open(table, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+# ---- which there are -------------------------------------------------------------------------------------------------
+
+
+@given(st.lists(st.integers(2, 5), min_size=1, max_size=4))
+def test_a_grid_has_every_combination_once_the_last_key_fastest(sizes: list[int]) -> None:
+    found = variants([f"k{n}=0:{size - 1}:{size}" for n, size in enumerate(sizes)])
+    every = [tuple(map(float, found.values(k))) for k in range(found.count)]
+    assert every == list(product(*(map(float, range(size)) for size in sizes)))
+
+
+@given(st.integers(1, 60), st.integers(0, 5))
+def test_a_latin_hypercube_has_one_variant_in_each_share(count: int, seed: int) -> None:
+    found = variants(["a=0:1", "b=-3:5:2"], latin=count, seed=seed)
+    for column, (low, high) in enumerate(((0, 1), (-3, 5))):
+        places = sorted(int((float(found.values(k)[column]) - low) / (high - low) * count) for k in range(count))
+        assert places == list(range(count))
+
+
+def test_values_side_by_side_and_lists_with_brackets() -> None:
+    found = variants(["a=1,2,3", 'b=[1, 2],{x = 1, y = "p,q"},z'], zipped=True)
+    assert [found.settings(k) for k in range(found.count)] == [
+        ["a=1", "b=[1, 2]"], ["a=2", 'b={x = 1, y = "p,q"}'], ["a=3", "b=z"]]  # fmt: skip
+
+
+def test_ends_of_a_range_are_what_was_typed() -> None:
+    found = variants(["a=-0.3:0.1:5"])
+    assert [found.values(k)[0] for k in range(5)] == ["-0.3", "-0.2", "-0.1", "0.0", "0.1"]
+
+
+@pytest.mark.parametrize(
+    "vary, further, said",
+    [
+        (["a"], {}, "KEY=A:B:N"), (["a="], {}, "KEY=A:B:N"), (["=1,2"], {}, "KEY=A:B:N"), (["a=5:2:3"], {}, "A less than B"),
+        (["a=2:2:3"], {}, "A less than B"), (["a=1:2:1"], {}, "at least 2"), (["a=1:2"], {}, "without a number of values"),
+        (["a=1,,2"], {}, "between every two commas"), (["a=1,1"], {}, "each value once"), ([], {}, "at least one"),
+        (["a=1,2", "a=3,4"], {}, "given twice"), (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
+        (["a=1:2"], {"zipped": True, "latin": 5}, "one of the two"), (["a=1:1e999:3"], {}, "finite"),
+    ],
+)  # fmt: skip
+def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
+    with pytest.raises(SpecError, match=said):
+        variants(vary, **further)  # type: ignore[arg-type]
+
+
+# ---- each as by itself -----------------------------------------------------------------------------------------------
+
+
+def test_each_row_is_what_the_variant_says_by_itself(tmp_path: Path) -> None:
+    swept = sweep(task(), tmp_path / "t.csv")
+    found = rows(tmp_path / "t.csv")
+    assert len(found) == swept.count == 14 and sum(swept.verdicts.values()) == 14
+    assert {row["verdict"] for row in found} == {"holds", "fails"}
+    for row in found:
+        own = read_mechanism(SPEC, [f"{key}={row[key]}" for key in ("geometry.base_radius", "segment.0.law")])
+        assert float(row["pressure_angle_deg"]) == pytest.approx(own.study().numbers["pressure_angle_deg"], rel=1e-11)
+        assert row["fails"].split() == list(dict.fromkeys(f.code for f in own.limits() if not f.ok))
+    assert [row["variant"] for row in found] == [str(k) for k in range(14)]
+    assert not (tmp_path / "t.csv.journal").exists()
+
+
+def test_what_cannot_be_made_is_a_row_with_its_reason(tmp_path: Path) -> None:
+    sweep(task("geometry.base_radius=-5,20", "parts.bore=8,9"), tmp_path / "t.csv")
+    verdicts = [(row["verdict"], row["reason"]) for row in rows(tmp_path / "t.csv")]
+    assert [verdict for verdict, _ in verdicts] == ["wrong", "wrong", "holds", "holds"]
+    assert "geometry.base_radius: -5" in verdicts[0][1]
+    spec = SPEC.parent / "uniform-swing.toml"
+    steep = prepared(spec, variants(["geometry.swing_deg=20,179"]), (), (), (), Path())
+    sweep(steep, tmp_path / "u.csv")
+    assert [row["verdict"] for row in rows(tmp_path / "u.csv")] == ["holds", "refused"]
+    assert "swing" in rows(tmp_path / "u.csv")[1]["reason"]
+
+
+def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
+    small = ("parts.thickness=4",)
+    asked = prepared(SPEC, variants(["geometry.base_radius=20,24"]), small, (), ("dxf",), tmp_path / "files")
+    sweep(asked, tmp_path / "t.csv")
+    for k, row in enumerate(rows(tmp_path / "t.csv")):
+        size = f"geometry.base_radius={row['geometry.base_radius']}"
+        alone = build(SPEC, tmp_path / "alone", frozenset({"dxf"}), [*small, size])
+        assert float(row["motion_error_dxf_mm"]) == pytest.approx(alone.numbers["motion_error_dxf_mm"], rel=1e-11)
+        drawn = [folder / "disc-cam" / "disc-cam-cam.dxf" for folder in (tmp_path / "files" / f"{k:08d}", tmp_path / "alone")]
+        assert drawn[0].read_bytes() == drawn[1].read_bytes()
+
+
+def test_page_and_parquet_hold_the_same(tmp_path: Path) -> None:
+    arrow = pytest.importorskip("pyarrow.parquet")
+    sweep(task(), tmp_path / "t.csv")
+    sweep(task(), tmp_path / "t.parquet")
+    table = arrow.read_table(tmp_path / "t.parquet").to_pylist()
+    assert [row["pressure_angle_deg"] for row in table] == [float(row["pressure_angle_deg"]) for row in rows(tmp_path / "t.csv")]
+    page = (tmp_path / "t.html").read_text(encoding="utf-8")
+    data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
+    assert len(data["rows"]) == 14 and data["keys"] == ["geometry.base_radius", "segment.0.law"] and "14 variants" in page
+
+
+# ---- the same, whoever works -----------------------------------------------------------------------------------------
+
+
+def test_processes_write_the_same_bytes(tmp_path: Path) -> None:
+    for name, engine, jobs in (("one", here, 1), ("two", Processes(2), 2)):
+        sweep(task(), tmp_path / f"{name}.csv", engine, jobs)
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+
+
+def die_once(where: Task, numbers: range) -> list[sweeps.Row]:
+    """The first worker that comes by dies of it."""
+    try:
+        os.close(os.open(where.out / "dead", os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        return [sweeps.judged(where, number) for number in numbers]
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def die_always(where: Task, numbers: range) -> list[sweeps.Row]:
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal on this system")
+def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweeps, "_judge_chunk", die_once)
+    asked = prepared(SPEC, variants(VARY), (), ("stroke_mm",), (), tmp_path)
+    assert sweep(asked, tmp_path / "t.csv", Processes(2), 2).count == 14
+    assert (tmp_path / "dead").exists() and [int(row["variant"]) for row in rows(tmp_path / "t.csv")] == list(range(14))
+    monkeypatch.setattr(sweeps, "_judge_chunk", die_always)
+    with pytest.raises(FileError, match="a worker died 3 times at variants"):
+        sweep(asked, tmp_path / "u.csv", Processes(2), 2)
+
+
+def test_a_cluster_writes_the_same_and_bears_a_killed_worker(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    many = task("geometry.base_radius=8:32:40")
+    sweep(many, tmp_path / "one.csv")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=tmp_path / "dask"
+    ) as cluster:
+        killed: list[int] = []
+
+        def watched(text: str, done: float | None = None) -> None:
+            if not killed:  # a worker that has just begun on the rest
+                killed.append(next(iter(cluster.workers.values())).pid)
+                os.kill(killed[0], signal.SIGTERM)
+
+        sweep(many, tmp_path / "two.csv", Cluster(cluster.scheduler_address), 2, watched)
+    assert killed and (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+
+
+def test_no_scheduler_is_told() -> None:
+    pytest.importorskip("distributed")
+    began = time.monotonic()
+    with pytest.raises(FileError, match="cannot be reached"):
+        list(Cluster("tcp://127.0.0.1:9")(task(), iter([range(1)])))
+    assert time.monotonic() - began < 60
+
+
+# ---- going on --------------------------------------------------------------------------------------------------------
+
+
+def test_a_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
+    """Stopped after some rows, the last of them cut off: no variant is judged twice but that one."""
+    table, seen = tmp_path / "t.csv", []
+
+    def stopped(work: Task, chunks: object) -> object:
+        for k, found in enumerate(here(work, chunks)):  # type: ignore[arg-type]
+            if k == 2:
+                raise KeyboardInterrupt
+            yield found
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(task(), table, stopped)  # type: ignore[arg-type]
+    journal = tmp_path / "t.csv.journal"
+    kept = journal.read_bytes()
+    assert not table.exists() and 2 <= kept.count(b"\n") < 15
+    journal.write_bytes(kept[:-9])
+
+    def counted(work: Task, chunks: object) -> object:
+        for found in here(work, chunks):  # type: ignore[arg-type]
+            seen.extend(row["variant"] for row in found)
+            yield found
+
+    swept = sweep(task(), table, counted)  # type: ignore[arg-type]
+    assert swept.before == kept.count(b"\n") - 2 and len(seen) == 14 - swept.before
+    sweep(task(), tmp_path / "whole.csv")
+    assert table.read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_another_sweep_s_journal_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "t.csv.journal").write_text("shopping list\n", encoding="utf-8")
+    with pytest.raises(FileError, match="another sweep"):
+        sweep(task(), tmp_path / "t.csv")
+    assert (tmp_path / "t.csv.journal").read_text(encoding="utf-8") == "shopping list\n"
+
+
+def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    add = sweeps.Journal.add
+
+    def full(self: sweeps.Journal, found: object) -> None:
+        if self.done >= 3:
+            self._file.close()
+            monkeypatch.setattr(self, "_file", open("/dev/full", "ab", buffering=0))  # noqa: SIM115
+        add(self, found)  # type: ignore[arg-type]
+
+    if not Path("/dev/full").exists():
+        pytest.skip("no full disk at hand")
+    monkeypatch.setattr(sweeps.Journal, "add", full)
+    with pytest.raises(FileError, match="No space left.*goes on from there"):
+        sweep(task(), tmp_path / "t.csv")
+    monkeypatch.undo()
+    assert sweep(task(), tmp_path / "t.csv").before >= 3
+
+
+# ---- the command -----------------------------------------------------------------------------------------------------
+
+
+def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> None:
+    table = tmp_path / "t.csv"
+    asked = ["--vary", "geometry.base_radius=8,20", "--keep", "stroke_mm", "-o", str(table)]
+    ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
+    assert ran.exit_code == 0, ran.output
+    assert "2 variants: 1 hold, 1 fail." in ran.output and "1 x PRESSURE_ANGLE" in ran.output and str(table) in ran.output
+
+
+@pytest.mark.parametrize(
+    "arguments, code, said",
+    [
+        (["--vary", "geometry.base_raduis=1:2:3"], 2, "did you mean 'base_radius'"),
+        (["--vary", "segment.9.lift=1,2"], 2, "there is no 9"),
+        (["--vary", "geometry.base_radius=20,30", "--keep", "strok_mm"], 2, "did you mean 'stroke_mm'"),
+        (["--vary", "geometry.base_radius=1:9:1000000", "--vary", "parts.bore=1:9:1000000"], 2, "1,000,000,000,000 variants"),
+        (["--vary", "geometry.base_radius=20,30", "-o", "t.txt"], 2, ".csv or .parquet"),
+        (["--vary", "geometry.base_radius=20,30", "--grid", "--zip"], 2, "one of the three"),
+    ],
+)
+def test_bad_input_writes_nothing(
+    arguments: list[str], code: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as done:
+        main(["sweep", str(SPEC), *arguments])
+    assert done.value.code == code and said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,98 @@
+"""The guide: what it says of findings is complete, what it says to type works."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_cli import run as run  # noqa: F401  a fixture
+
+from camgen import guide
+
+PACKAGE = Path(guide.__file__).parents[1]
+JUDGES = ("judge", "machine", "machines", "pipeline", "files")
+# Capitals in the code that name no finding.
+OTHERS = set(
+    "ABC ABCDEFGHIJKLMNOPQRSTUVWXYZ ABCDEFGHJKLMNPQRSTUVWXYZ ABS ARC ASA CENTER CIRCLE CONTINUOUS CUT DIM DXF ELLIPSE GROUND "
+    "HIDDEN INSERT OFF JSON LINE LWPOLYLINE PETG PLA POLYLINE SLSQP SPLINE STL TEXT VIEW".split()
+)
+WISHES = {"FEED_RANGE", "LET_DOWN_RATIO", "DWELL_DEG"}  # of the take-up, by the keys of [wanted]
+
+
+def codes(text: str) -> set[str]:
+    """Words in capitals that are whole strings of a program."""
+    strings = {node.value for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant)}
+    return {word for word in strings if isinstance(word, str) and re.fullmatch(r"[A-Z]{3,}(_[A-Z0-9]+)*", word)}
+
+
+def test_every_code_has_an_entry_and_every_entry_a_code() -> None:
+    paths = [path for wing in JUDGES for path in (PACKAGE / wing).rglob("*.py") if path.name != "step.py"]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    assert (set().union(*map(codes, texts)) - OTHERS) | WISHES == set(guide.entries())
+
+
+def test_a_code_without_an_entry_would_be_seen() -> None:
+    assert codes('at_most("NEW_CODE", 1, 2, "mm", "", "DWELL")') - set(guide.entries()) == {"NEW_CODE"}
+
+
+@pytest.mark.parametrize("code", guide.entries())
+def test_an_entry_says_meaning_formula_limit_and_remedy(code: str) -> None:
+    entry = guide.entries()[code]
+    assert re.fullmatch(
+        rf"## {code}\n[A-Z].*?\.\n- Formula: .+?\n- Limit: .+?\n- Remedy: .+?\.\n", entry, re.DOTALL
+    ), entry
+    assert 10 < len(guide.in_short(entry)) < 120
+
+
+def test_explain_shows_entries_and_names_the_nearest(run: Any) -> None:  # noqa: F811
+    code, out, _ = run("explain")
+    assert code == 0 and [line.split()[0] for line in out.splitlines()] == list(guide.entries())
+    code, out, _ = run("explain", "undercut", "MIN_WALL")
+    assert (code, out) == (0, f"{guide.entries()['UNDERCUT']}\n{guide.entries()['MIN_WALL']}")
+    code, out, err = run("explain", "UNDERCUTS")
+    assert (code, out) == (2, "") and "did you mean 'UNDERCUT'?" in err
+
+
+ROOT = PACKAGE.parent
+BLOCKS = [
+    (topic, *block) for topic in guide.TOPICS for block in re.findall(r"^```(\w+)\n(.*?)^```", guide.page(topic), re.M | re.S)
+]
+
+
+def test_every_page_is_a_topic_and_has_a_title() -> None:
+    assert {path.stem for path in Path(guide.__file__).parent.glob("*.md")} == set(guide.TOPICS)
+    assert len({guide.title(topic) for topic in guide.TOPICS}) == len(guide.TOPICS)
+    assert {kind for _, kind, _ in BLOCKS} <= {"sh", "toml", "python", "text"}
+    text = "".join(map(guide.page, guide.TOPICS))
+    assert set(re.findall(r"camgen guide ([a-z-]+)", text)) <= set(guide.TOPICS)
+    assert all((ROOT / path).exists() for path in re.findall(r"`(specs/[a-z-]+\.toml|camgen/[a-z_/]+(?:\.py|\.md)?)`", text))
+
+
+@pytest.mark.parametrize("topic", guide.TOPICS)
+def test_what_a_page_says_to_type_works(
+    topic: str, run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch  # noqa: F811
+) -> None:
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    for kind, text in [(kind, text) for page, kind, text in BLOCKS if page == topic]:
+        if kind == "toml":
+            Path(text.partition("\n")[0].lstrip("# ")).write_text(text, "utf-8")
+        elif kind == "python":
+            exec(compile(text, f"{topic}.md", "exec"), {})
+        for line in text.splitlines() if kind == "sh" else ():
+            program, *arguments = shlex.split(line, comments=True)
+            code, out, err = run(*arguments)
+            wanted = re.search(r"# ends with (\d)$", line)
+            assert program == "camgen" and code == (int(wanted[1]) if wanted else 0), f"{line}\n{out}{err}"
+
+
+def test_the_guide_is_shown_and_listed(run: Any) -> None:  # noqa: F811
+    code, out, _ = run("guide")
+    assert code == 0 and [line.split()[2] for line in out.splitlines()] == list(guide.TOPICS)
+    assert run("guide", "first-cam")[:2] == (0, guide.page("first-cam"))
+    code, out, err = run("guide", "firstcam")
+    assert (code, out) == (2, "") and "did you mean 'first-cam'?" in err
