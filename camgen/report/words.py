@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 UNITS = {
     "mpa_m_s": "MPa m/s",
     "n_m_per_rad": "N m/rad", "n_rad_s": "N rad/s", "n_m_s": "N m s", "deg_rad2": "deg/rad²", "mm_rad2": "mm/rad²",
-    "deg_rad": "deg/rad", "mm_rad": "mm/rad", "kg_m2": "kg m²", "n_mm": "N/mm", "g_mm": "g mm", "mpa_m_s": "MPa m/s", "n_m": "N m",
-    "mpa": "MPa", "w": "W", "hz": "Hz", "mm_s2": "mm/s²",
+    "deg_rad": "deg/rad", "mm_rad": "mm/rad", "kg_m2": "kg m²", "n_mm": "N/mm", "g_mm": "g mm", "n_m": "N m", "mm_s2": "mm/s²",
     "deg_s2": "deg/s²", "rad_s": "rad/s", "mm_s": "mm/s", "deg_s": "deg/s", "per_s": "1/s", "mm3": "mm³", "mm2": "mm²",
     "percent": "%", "mm": "mm", "deg": "deg", "rpm": "rpm", "mpa": "MPa", "hz": "Hz",
     "n": "N", "j": "J", "w": "W", "h": "h", "g": "g", "s": "s",
