@@ -47,8 +47,8 @@ class Driver(Record):
     """A two-crank chain (Whitworth's turning block) before the cam, which then turns fastest in the middle of each turn of the
     link: the crank turns evenly, its pin drives an arm about an axle beside its shaft, the arm the cam 2 to 1."""
 
-    crank: Length = Field(20.0, description="mm, from the crank's shaft to its pin")
-    offset: Length = Field(description="mm, of the arm's axle from the crank's shaft: less than the crank")
+    crank: Length = 20.0
+    offset: Length
 
 
 class LoadTable(Record):
