@@ -48,7 +48,7 @@ def left_out(not_judged: Sequence[NotJudged]) -> str:
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.
-ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "BED_FIT"})
+ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "BED_FIT", "SHEET_FIT", "KERF"})
 
 
 def at_most(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:

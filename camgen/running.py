@@ -103,6 +103,8 @@ def each(
                         report = work(path, progress=progress, jobs=jobs)
             except (CamgenError, OSError) as error:
                 failure = explained(error)
+                if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file
+                    failure = SpecError(failure.faults, str(path))
                 worst = max(worst, failure.exit_code)
                 complain(failure, path)
                 records.append(_failure_record(path, failure))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, extent, start_point
+from camgen.tolerances import SAME_POINT
 
 _EDGES = 16  # rows that an outline may take in the table
 
@@ -24,9 +25,14 @@ class Hole:
     radius: float = 0.0
 
 
-def holes_of(contours: Sequence[Contour]) -> list[tuple[str, Hole]]:
-    """Holes with their labels: equal shapes share a letter, numbered where there are several."""
+def holes_of(contours: Sequence[Contour], points: Sequence[tuple[str, complex]] = ()) -> list[tuple[str, Hole]]:
+    """Holes with their labels: the names of the points at which they are, mm, and numbers where there is none. Without points
+    equal shapes share a letter, numbered where there are several."""
     holes = [hole_of(contour) for contour in contours]
+    if points:
+        names = [next((name for name, place in points if abs(hole.place - place) < SAME_POINT), "") for hole in holes]
+        numbers = itertools.count(1)  # no name is one
+        return [(name or str(next(numbers)), hole) for name, hole in zip(names, holes, strict=True)]
     shapes = list(dict.fromkeys(hole.shape for hole in holes))
     named: list[tuple[str, Hole]] = []
     for letter, shape in zip(_letters(), shapes, strict=False):

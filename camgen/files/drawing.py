@@ -100,7 +100,7 @@ class _Layout:
         self.part, self.stem, self.tolerance, self.meta = part, stem, tolerance, meta
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
-        self.named = holes_of(part.region.holes)
+        self.named = holes_of(part.region.holes, part.points)
         self.rims = dict(zip(map(hole_of, part.region.holes), self.holes, strict=True))
         others = [each for k, each in enumerate(part.layers) if k != part.cut]
         covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]

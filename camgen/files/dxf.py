@@ -24,7 +24,7 @@ from camgen.geometry.rings import Ring
 from camgen.tolerances import SAME_POINT
 
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
-CUT_LAYER, MARK_LAYER = "CUT", "CENTER"
+CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER = "CUT", "CENTER", "ENGRAVE"
 _CUT, _MARKS = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
@@ -152,13 +152,14 @@ class DrawingFault:
 class Drawing:
     """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
 
-    cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks.
+    cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks; engraved: rings.
     """
 
     units: int | None
     cut: tuple[Ring, ...]
     marks: Points
     faults: tuple[DrawingFault, ...]
+    engraved: tuple[Ring, ...] = ()
 
 
 def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
@@ -207,12 +208,12 @@ def read_part(path: Path, name: str) -> Drawing:
     return read_dxf(path)
 
 
-def read_dxf(path: str | Path) -> Drawing:
+def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     """Read a DXF file; FileError when it cannot be read, is no DXF or is cut short.
 
     Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) on CUT become rings, LINEs on
-    CENTER marks. Whatever else there is, or looks otherwise than drawn plainly, is a fault: somebody's laser will cut it,
-    or leave it out.
+    CENTER marks, and where engraving may be there rings on ENGRAVE as well. Whatever else there is, or looks otherwise than
+    drawn plainly, is a fault: somebody's laser will cut it, or leave it out.
     """
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
@@ -227,6 +228,7 @@ def read_dxf(path: str | Path) -> Drawing:
     except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
         raise FileError(path, f"not a valid DXF file: {error}") from None
     rings: list[Ring] = []
+    engraved: list[Ring] = []
     marks: list[tuple[complex, complex]] = []
     faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
     for entity in drawing.modelspace():
@@ -236,7 +238,7 @@ def read_dxf(path: str | Path) -> Drawing:
             marks.append((complex(*start.vec2), complex(*end.vec2)))
             if start.z or end.z:
                 faults.append(DrawingFault("plane", 1, f"LINE #{entity.dxf.handle} is raised off the plane z = 0"))
-        elif layer != CUT_LAYER:
+        elif layer != CUT_LAYER and not (engraving and layer == ENGRAVE_LAYER):
             faults.append(DrawingFault("entity", 1, f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"))
             continue
         else:
@@ -245,10 +247,10 @@ def read_dxf(path: str | Path) -> Drawing:
             if ring is not None:
                 if any(_same(ring, other) for other in rings):
                     faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
-                rings.append(ring)
+                (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += _looks(entity)
     units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
-    return Drawing(units, tuple(rings), ends, tuple(faults))
+    return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved))
 
 
 def _looks(entity: Any) -> Iterator[DrawingFault]:
@@ -265,7 +267,8 @@ def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
             "off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked(), "not plotted": not layer.dxf.plot,
             "transparent": layer.transparency > 0, "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
         }  # fmt: skip
-        if (said := ", ".join(name for name in states if states[name])) and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER):
+        said = ", ".join(name for name in states if states[name])
+        if said and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER):
             yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
 
 

@@ -30,6 +30,7 @@ from camgen.numerics import product
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
+_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
 
 
 @dataclass(frozen=True)
@@ -159,6 +160,11 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     return _judge_sections(sections, expected, where, 0.0, findings, _level_error(body.heights, expected))
 
 
+def judge_cut(rings: Sequence[Ring], expected: Expected, where: str) -> Judged:
+    """Contours and walls of a part as it is cut of a sheet, in the part's frame."""
+    return _judge_sections([(expected.sections[expected.cut], rings)], expected, where, 0.0, [])
+
+
 def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> Judged:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
@@ -271,7 +277,7 @@ def _judge_sections(
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.undo
     try:
-        sections = [(meant, _pieces(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
+        sections = [(meant, pieces_of(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
         if undo is not None:
             sections = [(meant, shapes if meant.sent else tuple(map(undo, shapes))) for meant, shapes in sections]
     except ValueError as error:
@@ -309,7 +315,7 @@ def _judge_sections(
     return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in made))
 
 
-def _pieces(rings: Sequence[Ring]) -> tuple[Shape, ...]:
+def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
     """Separate flat parts: each ring that lies in no other one, with the rings inside it."""
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     groups: list[list[Ring]] = []
@@ -420,9 +426,10 @@ def _deviation(one: bytes, other: bytes) -> float:
 
 
 def _along(ring: Points) -> Points:
-    """A polygon's vertices, and points on its edges that are at most _ALONG apart."""
+    """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
     way = np.roll(ring, -1) - ring
-    count = np.maximum(np.ceil(np.abs(way) / _ALONG), 1).astype(int)
+    length = np.abs(way)
+    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
     edge = np.repeat(np.arange(len(ring)), count)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     return np.asarray(ring[edge] + way[edge] * step / count[edge])

@@ -174,7 +174,10 @@ class Straight(Record):
             width, begins, ends = straightest(course, self.length)
             over = f"the straightest {self.length:g} mm, from {math.degrees(begins):.1f} to {math.degrees(ends):.1f} deg"
             if math.isnan(width):
-                over = f"no two places of the path are {self.length:g} mm apart"
+                way = course.at(course.theta[:: max(1, len(course.theta) // _WINDOWS)])
+                most = float(np.max(np.abs(way[:, None] - way)))
+                said = f"the path has no stretch of {self.length:g} mm, its places are at most {most:.4g} mm apart: ask for less"
+                return at_most(self.code, width, self.tolerance, "mm", where, said)
         return at_most(self.code, width, self.tolerance, "mm", where, f"strip that holds the path {over}")
 
 

@@ -165,17 +165,25 @@ def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float,
     return [(mount.z, mount.z + thick[mount.part]) for mount in mounts]
 
 
-def distinct(parts: Sequence[Part], machine: Callable[[], Machine]) -> None:
-    """Raise SpecError where a name of an included machine is one of another machine, of its parts or in the model."""
+def distinct(found: Sequence[Included], parts: Sequence[Part], machine: Callable[[], Machine]) -> None:
+    """Raise SpecError where a name of an included machine is one of another machine, of its parts or in the model.
+
+    parts: of the machine that includes them.
+    """
+
+    def refused(name: str, said: str) -> SpecError:
+        own = [k for k, each in enumerate(found) if name.startswith((each.module.name(""), each.module.part("")))]
+        return SpecError([Fault(f"include.{own[-1] if own else 0}.name", said, right)])
+
     right = "a name of its own in front of each included machine's names: give the include another one"
-    count = Counter(part.name.lower() for part in parts)
+    count = Counter(part.name.lower() for part in (*parts, *(part for each in found for part in each.parts)))
     twice = [name for name, number in count.items() if number > 1]
     if twice:
-        raise SpecError([Fault("include.name", f"part {twice[0]} twice", right)])
+        raise refused(twice[0], f"part {twice[0]} twice")
     try:
         machine()
     except ValueError as told:
-        raise SpecError([Fault("include.name", str(told), right)]) from None
+        raise refused(str(told).rpartition(": ")[2], str(told)) from None
 
 
 def stacked(
@@ -186,25 +194,25 @@ def stacked(
     host: the tables of the spec that includes them; chain: its own model.
     """
     found: list[Included] = []
-    for each in includes:
+    for k, each in enumerate(includes):
         try:
             mechanism = _mechanism(each, host, rpm).resolved()
             levels = heights(mechanism.parts(), mechanism.mounts())
         except DesignError as e:
-            raise DesignError(f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy) from None
+            said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {str(e).removesuffix(f'; {e.remedy}')}"
+            raise DesignError(f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said) from None
         low, high = min(low for low, _ in levels), max(high for _, high in levels)
         z = top + gap - low if each.z is None else each.z
         top = max(top, z + high)
         module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
-        module = replace(module, rides=_rides(each, module, mechanism, chain))
+        module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
         found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance))
     return tuple(found)
 
 
-def _rides(each: Include, module: Module, mechanism: Mechanism, chain: Machine) -> tuple[Ride, ...]:
-    """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError where they cannot."""
+def _rides(key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine) -> tuple[Ride, ...]:
+    """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError, by the key, where they cannot."""
     bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
-    key = f"include of {module.prefix}: ride"
     wrong = [specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies]
     wrong += [specs.unknown(f"{key}.{body}", link, links) for body, link in each.ride.items() if link not in links]
     if wrong:
@@ -231,13 +239,17 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
             found.append(Fault(f"{path}.spec", each.spec, "its tables: only a spec in a file can name another file"))
             continue
         if each.spec.get("include"):
-            right = "a machine that includes none, so that none includes itself: name all side by side"
-            found.append(Fault(f"{path}.spec", f"{each.source or names[k]}, which has [[include]]", right))
+            own = each.spec["include"]
+            specs_of = [str(one["spec"]) for one in own if isinstance(one, Mapping) and isinstance(one.get("spec"), str)]
+            which = f" of {', '.join(specs_of)}" if specs_of else ""
+            right = f"a spec without [[include]], so that none includes itself: take the [[include]]{which} out of it, and write "
+            found.append(Fault(f"{path}.spec", f"{each.source or names[k]}, which has [[include]]", right + "it in this spec"))
             continue
         try:
             _mechanism(each, host, rpm)
         except SpecError as error:
-            found += [replace(fault, path=f"{path}.spec.{fault.path}") for fault in error.faults]
+            file = f" (in {each.source})" if each.source else ""
+            found += [replace(fault, path=f"{path}.spec.{fault.path}", expected=fault.expected + file) for fault in error.faults]
     return found
 
 

@@ -219,6 +219,10 @@ class Mechanism(Spec, ABC):
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height alone", columns, rows)
 
+    def beforehand(self, kinds: int) -> str:
+        """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
+        return ""
+
     def texts(self) -> Mapping[str, str]:
         """Further text files of the folder, by what follows the spec's name in theirs."""
         return {}

@@ -120,14 +120,16 @@ def law_of(choice: str | LawChoice) -> Law:
     return modified_sine(**given) if given else LAWS[name]
 
 
-def program(tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segment", turn: float = math.inf) -> Program:
+def program(
+    tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segment", turn: float = math.inf, suffix: str = ""
+) -> Program:
     """The program of these tables, the first segment beginning at theta = 0 with s = 0; SpecError with every fault.
 
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
-    as at the beginning, such as 360 of what turns on and on.
+    as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
     faults: list[Fault] = []
-    levels = _levels(tables, path, faults)
+    levels = _levels(tables, path, suffix, faults)
     laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
     total = math.fsum(table.span_deg for table in tables)
     if not abs(total - 360) <= _FULL_TURN_SLACK:
@@ -159,25 +161,25 @@ def program_faults(tables: Sequence[SegmentTable], path: str = "segment") -> Seq
     return ()
 
 
-def _levels(tables: Sequence[SegmentTable], path: str, faults: list[Fault]) -> list[float]:
+def _levels(tables: Sequence[SegmentTable], path: str, suffix: str, faults: list[Fault]) -> list[float]:
     """Displacement at each joint, from 0; nan where a fault leaves it open. Adds the faults of lift and to."""
-    levels = [0.0]
+    levels, (lift, goal) = [0.0], (f"lift{suffix}", f"to{suffix}")
     for k, table in enumerate(tables):
         here, at, to = levels[-1], f"{path}.{k}", table.to
         sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
         end = math.nan if to is None else to
         if sign == 0:
-            faults += [Fault(f"{at}.{key}", "", "nothing here: a dwell stays where it is") for key in ("lift", "law")
-                       if getattr(table, key) is not None]  # fmt: skip
+            faults += [Fault(f"{at}.{key}", "", "nothing here: a dwell stays where it is")
+                       for key, value in ((lift, table.lift), ("law", table.law)) if value is not None]  # fmt: skip
             if to is not None and abs(to - here) > 0:
-                faults.append(Fault(f"{at}.to", f"{to:g}", f"{here:g}, where the segment before ends, or leave it out"))
+                faults.append(Fault(f"{at}.{goal}", f"{to:g}", f"{here:g}, where the segment before ends, or leave it out"))
             end = here
         elif (table.lift is None) == (to is None):
-            faults.append(Fault(f"{at}.lift", "" if table.lift is None else f"{table.lift:g}", "either lift or to"))
+            faults.append(Fault(f"{at}.{lift}", "" if table.lift is None else f"{table.lift:g}", f"either {lift} or {goal}"))
         elif table.lift is not None:
             end = here + sign * table.lift
         elif sign * (end - here) <= 0:
-            faults.append(Fault(f"{at}.to", f"{to:g}", f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins"))
+            faults.append(Fault(f"{at}.{goal}", f"{to:g}", f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins"))
             end = math.nan
         levels.append(end)
     return levels

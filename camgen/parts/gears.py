@@ -104,15 +104,17 @@ def pair(distance: float, ratio: float, backlash: float, least: float, teeth: in
     """
     share = Fraction(abs(ratio)).limit_denominator(_MOST)
 
-    def refused(quantity: str, value: float, limit: float, unit: str, remedy: str) -> DesignError:
-        return DesignError(quantity, value, limit, unit, where, remedy)
+    def refused(quantity: str, value: float, limit: float, unit: str, remedy: str, said: str = "") -> DesignError:
+        return DesignError(quantity, value, limit, unit, where, remedy, said)
 
     if ratio > 0:
         remedy = "wheels side by side turn against each other: put a link with a wheel between, and two gears, each below 0"
         raise refused("ratio of wheels", ratio, 0, "", remedy)
     if abs(share - abs(ratio)) > _WHOLE * abs(ratio) or not share:
-        near = f"-{share.numerator}/{share.denominator}"
-        raise refused("ratio", ratio, -float(share), "", f"take one of whole teeth, such as {near} = {-float(share):.12g}")
+        share = (share if abs(ratio) < 1 else 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)) or Fraction(1, _MOST)
+        remedy = f"take one of whole teeth, such as -{share.numerator}/{share.denominator} = {-float(share):.12g}"
+        said = f"ratio {ratio:.12g} at {where} is none of wheels of at most {_MOST} teeth"
+        raise refused("ratio", ratio, -float(share), "", remedy, said)
     if not distance > 0:
         raise refused("distance of the axes", distance, 0, "mm", "pin both links to the ground at different points")
     parts = share.numerator + share.denominator

@@ -38,6 +38,7 @@ class Part:
     is the one with the joints. Layers of one height are separate pieces with the same z0 and z1.
     crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material;
     edges: of a crossed part, those that are rounded, none meeting another one's arc. made: how, for the list of parts.
+    points: of the spec with their places, mm; a drawing calls holes there by their names.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Part:
     crossed: Region | None = None
     edges: tuple[Edge, ...] = ()
     made: str = "printed"
+    points: tuple[tuple[str, complex], ...] = ()
 
     @property
     def thickness(self) -> float:

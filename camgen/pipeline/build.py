@@ -21,6 +21,8 @@ from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
 from camgen.pipeline.judging import judge
+from camgen.pipeline.laser import sheet_files
+from camgen.pipeline.machining import table_files
 from camgen.pipeline.making import make
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
@@ -45,7 +47,10 @@ def build(
     if wrong:
         raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
     progress("reading the spec", 0.0)
-    mechanism = read_mechanism(spec, overrides).resolved()
+    mechanism = read_mechanism(spec, overrides)
+    if said := mechanism.beforehand(len(only & FORMATS.keys())):
+        progress(f"note: {said}")
+    mechanism = mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
     staged = Staged(out / mechanism.name)
@@ -87,7 +92,8 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
     with Workers(jobs) as workers:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
-    judged |= {name for name in listed if name.endswith(".3mf")}
+    sheets = {path.name for path in (*sheet_files(case), *table_files(case))}
+    judged |= {name for name in listed if name.endswith((".3mf", ".svg")) or name in sheets}
     differ = changed_files(folder)
     as_they_are = [name for name in differ if name in judged]
     if as_they_are:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.files.formats import EXACT, FORMATS, SOLID
+from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
@@ -41,6 +41,8 @@ from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
+from camgen.pipeline.laser import sheet_files
+from camgen.pipeline.machining import judge_tables, table_files
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.pipeline.scope import ANY, Stage, not_judged, reading, unheard
 from camgen.report.report import Report
@@ -184,10 +186,10 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
 
 
 def judge_motion(
-    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats
+    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats, where: str = ""
 ) -> tuple[Verdict, Sequence[Feature]] | None:
     """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
-    is not there. Of cams those count whose parts are there.
+    is not there. Of cams those count whose parts are there; where: said in findings.
     """
     from camgen.judge.motion import judge_machine
 
@@ -199,7 +201,7 @@ def judge_motion(
     fit = compensation(mechanism) if FORMATS[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
-        kind, f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
+        kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
         mechanism.accuracy.chord_tolerance, slack, mechanism.asked(),
     )  # fmt: skip
     return verdict, features
@@ -287,6 +289,10 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
+    if mechanism.laser is not None:
+        stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
+    if mechanism.output.profile_step_deg is not None or mechanism.output.cutter_radius is not None:
+        stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
     if any(kind in EXACT for kind in kinds):
         stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
@@ -331,6 +337,24 @@ def judge_exact_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     files = {name: file for name in case.parts if (file := case.file(name, "step")).exists()}
     places = [(copy.object, copy.transform) for copy in assembled(case.mechanism) if copy.object in files]
     return Outcome([judge_exact_copies(case.file("assembly", "step"), files, places)] if places else [])
+
+
+def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Sheets for the laser: parts as cut, and the machine closed on them; what is not cut of a sheet counts as drawn."""
+    from camgen.judge.cams import judged_angles
+    from camgen.pipeline.laser import judge_sheets
+
+    findings, sections, tables, numbers = judge_sheets(case)
+    mechanism, read = case.mechanism, {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts}
+    low, high = mechanism.range
+    theta = low + judged_angles() * ((high - low) / math.tau)
+    moved = judge_motion(mechanism, "dxf", read, theta, f"{mechanism.name}-sheets, *") if numbers else None
+    return Outcome([*findings, *(moved[0].findings if moved else ())], numbers, tables=tables)
+
+
+def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Tables for machine tools, against the outlines in the parts' drawings."""
+    return Outcome(judge_tables(case))
 
 
 def _written(case: Case) -> dict[str, Mesh]:
@@ -396,4 +420,4 @@ def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
     fixed = [case.file("assembly", "3mf"), case.file("assembly", "step"), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
-    return [path.name for path in (*fixed, *_plates(case), *more) if path.exists()]
+    return [path.name for path in (*fixed, *_plates(case), *sheet_files(case), *table_files(case), *more) if path.exists()]

@@ -20,6 +20,8 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
+from camgen.pipeline.laser import make_sheets
+from camgen.pipeline.machining import make_tables
 from camgen.study import Table
 
 if TYPE_CHECKING:
@@ -43,6 +45,10 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
             meshes[name], sent[name] = pair
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    if "dxf" in only and mechanism.laser is not None:
+        make_sheets(case)
+    if "dxf" in only:
+        make_tables(case)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:

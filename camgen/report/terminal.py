@@ -189,6 +189,9 @@ class Bar:
         return self._step
 
     def _step(self, text: str, done: float | None = None) -> None:
+        if text.startswith("note: ") and sys.stderr is not None:  # stays on the screen, and is told at once
+            print(printable(text), file=sys.stderr, flush=True)
+            return
         self._state = printable(text), done
         if self._shown:
             self._draw()

@@ -19,6 +19,7 @@ from camgen.files.sheet import LAYERS, Text
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Region, circle, kidney, polygon
 from camgen.parts.part import Layer, Part, hull, keyed_bore
+from camgen.pipeline.jobs import read_mechanism
 
 META = {"Mechanism": "uniform-swing", "Material": "steel (C45)"}
 
@@ -95,6 +96,20 @@ def test_holes_are_named_and_described():
         "A": (0, "Ø8"), "B1": (10, "Ø3"), "B2": (10j, "Ø3"), "C": (0, "slot 8 on R18, 20.0° - 70.0°"),
         "D": (0, "Ø10, 10 × 11.4 overall"), "E": (2 + 1j, "4 × 2"),
     }  # fmt: skip
+
+
+def test_holes_at_points_of_the_spec_have_their_names():
+    contours = [circle(0, 4), circle(10, 1.5), circle(10j, 1.5), circle(5, 1)]
+    named = {label: hole.place for label, hole in holes_of(contours, (("pivot", 10 + 0j), ("B", 0j), ("far", 99 + 0j)))}
+    assert named == {"B": 0, "pivot": 10, "1": 10j, "2": 5}
+
+
+def test_a_link_is_drawn_with_the_points_of_its_spec(root, tmp_path):
+    """Its holes by their names; screws of the plate by numbers, as no point is called."""
+    parts = {part.name: part for part in read_mechanism(root / "specs" / "linkage.toml").parts()}
+    labels = {name: texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, META)[0]) for name in ("coupler", "ground")}
+    assert {"A", "B", "P"} <= set(labels["coupler"]) and {"O", "C", "1", "2"} <= set(labels["ground"])
+    assert not {"A", "B", "A1", "B1"} & set(labels["ground"])
 
 
 def test_table_that_is_too_long_says_so(tmp_path):

@@ -117,7 +117,8 @@ def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
         ({"name": "1a"}, "include.0.name", ""),
         ({"colour": 1}, "include.0.colour", "unknown"),
         ({"spec": {"mechanism": "linkages", "name": "x"}}, "include.0.spec.mechanism", ""),
-        ({"spec": {"include": [{"spec": "linkage.toml"}]}}, "include.0.spec", "includes itself"),
+        ({"spec": {"include": [{"spec": "linkage.toml"}]}}, "include.0.spec", "take the [[include]] of linkage.toml out of it"),
+        ({"spec": "stitch-head.toml"}, "include.0.spec", "of chain-stitch-looper.toml, thread-take-up.toml out of it, and write"),
     ],
 )
 def test_wrong_include_is_told_by_its_key(
@@ -129,11 +130,20 @@ def test_wrong_include_is_told_by_its_key(
     assert said in told.value.faults[0].expected
 
 
+def test_a_fault_inside_names_the_file(root: Path, tables: dict[str, Any]) -> None:
+    data = include(root, tables, {"spec": "thread-take-up.toml"})
+    data["include"][0]["spec"]["geometry"]["frame"] = -4
+    with pytest.raises(SpecError) as told:
+        read_mechanism(data)
+    assert [fault.path for fault in told.value.faults] == ["include.0.spec.geometry.frame"]
+    assert told.value.faults[0].expected.endswith("(in thread-take-up.toml)")
+
+
 def test_names_that_meet_those_of_the_host_are_told(root: Path, tables: dict[str, Any]) -> None:
     tables["output"][0]["name"] = "thread_take_up_feed"
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, tables, {"spec": "thread-take-up.toml"})).parts()
-    assert [fault.path for fault in told.value.faults] == ["include.name"] and "thread_take_up_feed" in str(told.value)
+    assert [fault.path for fault in told.value.faults] == ["include.0.name"] and "thread_take_up_feed" in str(told.value)
 
 
 def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str, Any]) -> None:
@@ -144,7 +154,7 @@ def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str
     assert [fault.path for fault in told.value.faults] == ["include.0.spec.geometry.frame", "include.1.name"]
     impossible = include(root, tables, {"spec": "thread-take-up.toml"})
     impossible["include"][0]["spec"]["geometry"]["frame"] = 90
-    with pytest.raises(DesignError, match=r"^thread_take_up: gap at joint B"):
+    with pytest.raises(DesignError, match=r"^thread_take_up \(thread-take-up\.toml\): gap at joint B is 71 mm"):
         read_mechanism(impossible).parts()
 
 

@@ -40,8 +40,8 @@ def figures(cell: str) -> list[float]:
 @pytest.mark.parametrize("name", STARTERS)
 def test_results_show_what_is_measured(name: str, benches: dict[str, Bench], root: Path) -> None:
     """Counts to the last one, errors to their printed digits, as far as float32 and rounding leave them."""
-    page = (root / "tests" / "bench" / "RESULTS.md").read_text(encoding="utf-8")
-    block = page.partition("<!-- bench -->")[2].partition("<!-- /bench -->")[0]
+    text = (root / "tests" / "bench" / "RESULTS.md").read_text(encoding="utf-8")
+    block = text.partition("<!-- bench -->")[2].partition("<!-- /bench -->")[0]
     shown = cells(block.partition(f"`{name}`")[2].partition("\n\n`")[0])
     found = cells(to_markdown(benches[name]))
     assert len(shown) == len(benchmark.TOLERANCES) and len(found) == len(benches[name].rows)

@@ -153,6 +153,7 @@ class Bodies:
             part_name(link), f"Link {link}",
             (Layer(region, 0.0, thick), *rails(layout, link, thick)), centres=tuple(points.values()),
             notes=(f"level {layout.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
+            points=tuple(points.items()),
         )  # fmt: skip
 
     def _pressed(self, link: str) -> list[str]:
@@ -192,7 +193,7 @@ class Bodies:
         return Part(
             part_name(GROUND), "Ground plate", (*layers, *rails(layout, GROUND, floor)),
             centres=(*points.values(), *screws), min_wall=self.min_wall,
-            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)),
+            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
         )  # fmt: skip
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------

@@ -11,7 +11,6 @@ import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machines.linkage import tables as t
-from camgen.machines.linkage.links import CLOSED, shape
+from camgen.machines.linkage.links import CLOSED, shape, too_long
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
 from camgen.spec import unknown
@@ -200,12 +199,10 @@ class Drawing:
         for name in self.levels_of_joints():
             if name in links:
                 faults.append(Fault(f"links.{name}", "", "another name: a cam or gear has it, and its level"))
-        for kind, names in (("slide", map(self.slide_name, self.slides)), ("slot", map(self.slot_name, self.slots)),
-                            ("gear", map(self.gear_name, self.gears)), ("cam", map(self.cam_name, self.cams))):  # fmt: skip
-            for k, name in enumerate(names):
-                if name in named:
-                    faults.append(Fault(f"{kind}.{k}.name", repr(name), f"a name of its own: {named[name]} has it"))
-                named[name] = f"{kind}.{k}"
+        for path, name in self._joints():
+            if name in named:
+                faults.append(Fault(f"{path}.name", repr(name), f"a name of its own: {named[name]} has it"))
+            named[name] = path
         return faults
 
     def _cam_faults(self, path: str, cam: t.Cam, link: Any) -> list[Fault]:
@@ -214,6 +211,8 @@ class Drawing:
             faults.append(Fault(f"{path}.cam", repr(cam.cam), "a link that shares a point with the ground: it turns there"))
         if not link(f"{path}.follower", cam.follower, False):
             return faults
+        if cam.follower == cam.cam:
+            return [*faults, Fault(f"{path}.follower", repr(cam.follower), "another link: a cam does not move itself")]
         slide = self._slide_of(cam.follower)
         if self._pivot(cam.follower) is None and (slide is None or slide.on != GROUND):
             faults.append(Fault(f"{path}.follower", repr(cam.follower), "a link that is pinned to the ground or slides on it"))
@@ -279,7 +278,7 @@ class Drawing:
             lengths = self._lengths_of(points)
             drawn = self._drawn(points)
             missed = shape(drawn, lengths)[1]
-            if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (told := _triangle(points, drawn, lengths)):
+            if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (told := too_long(points, drawn, lengths)):
                 faults.append(Fault(f"links.{name}", *told))
             elif missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
                 said = ", ".join(f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items())
@@ -309,6 +308,16 @@ class Drawing:
     def cam_name(cam: t.Cam) -> str:
         """Name of its joint."""
         return cam.name or f"{cam.cam} on {cam.follower}"
+
+    def _joints(self) -> Iterable[tuple[str, str]]:
+        """Path and name of each joint that has a table."""
+        for kind, names in (("slide", map(self.slide_name, self.slides)), ("slot", map(self.slot_name, self.slots)),
+                            ("gear", map(self.gear_name, self.gears)), ("cam", map(self.cam_name, self.cams))):  # fmt: skip
+            yield from ((f"{kind}.{k}", name) for k, name in enumerate(names))
+
+    def names_of_joints(self) -> list[str]:
+        """Of pins, of all joints that have a table, and of their levels."""
+        return [*self.points, *(name for _, name in self._joints()), *self.levels_of_joints(), "drive"]
 
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears."""
@@ -354,7 +363,8 @@ class Drawing:
                          to=row.to_deg if swings else row.to)
             for row in cam.segment
         )  # fmt: skip
-        return program(rows, math.radians(1) if swings else 1.0, f"{path}.segment")
+        unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
+        return program(rows, unit, f"{path}.segment", suffix=suffix)
 
     # ---- the model ------------------------------------------------------------------------------------------------
 
@@ -471,22 +481,6 @@ class Drawing:
         if slide is not None:
             return m.Output(output.name, m.Along(self.slide_name(slide)))
         return m.Output(output.name, m.Angle(output.link), "rad")
-
-
-def _triangle(points: Sequence[str], drawn: m.Points, lengths: Mapping[tuple[int, int], float]) -> tuple[str, str] | None:
-    """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
-    worst, told = 0.0, None
-    for three in combinations(range(len(points)), 3):
-        sides = {pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]])) for pair in combinations(three, 2)}
-        long = max(sides, key=lambda pair: sides[pair])
-        over = 2 * sides[long] - sum(sides.values())
-        if over > worst:
-            names = {pair: "-".join(points[k] for k in pair) for pair in sides}
-            shown = {pair: f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})" for pair, side in sides.items()}
-            short = " and ".join(shown[pair] for pair in sides if pair != long)
-            right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
-            worst, told = over, (f"{names[long]} = {sides[long]:.6g}", right)
-    return told
 
 
 def _unknown(path: str, name: str, known: Iterable[str]) -> Fault:

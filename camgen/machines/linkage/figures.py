@@ -21,6 +21,7 @@ from camgen.study import Plot, Sketch, Study, Table
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
 
+_SPRINGS = ("spring", "rate, N/mm", "free, mm", "shortest, mm", "longest, mm", "least, N", "greatest, N")
 _EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")
 _PATHS = ("path", "length, mm", "least radius, mm", "at, deg", "inflections at, deg", "cusps at, deg", "crosses itself at, deg")
 _MOST_SERIES = 8  # curves of one plot
@@ -74,7 +75,12 @@ def study(linkage: Linkage) -> Study:
                      f"{bar.margin:.6g} mm.")  # fmt: skip
     for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
         figure = f"hold_{cam.name.replace(' ', '_')}"
-        notes.append(f"{cam.name} is held by force: no spring is made for it; {figure} is the least that it needs.")
+        made = "is the least that it needs beyond the springs of the spec" if linkage.springs else "is the least that it needs"
+        none = "" if linkage.springs else "no spring is made for it; "
+        notes.append(f"{cam.name} is held by force: {none}{figure} {made}.")
+    if linkage.springs:
+        notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
+                     "pins; they are not in the sweep.")  # fmt: skip
     notes += open_rails(linkage.bodies.layout) if linkage.lacking() is None else []
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
@@ -117,7 +123,14 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
         numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.leaves * found.contacts[cam.name]).min()))
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
     plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
-    return Study(numbers, plots, [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)])
+    tables = [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)]
+    for each in linkage.sprung:
+        numbers |= dict(zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True))
+    if linkage.sprung:
+        of_springs = [(each.name, each.pull.rate, each.pull.free, each.shortest, each.longest, *each.forces())
+                      for each in linkage.sprung]  # fmt: skip
+        tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
+    return Study(numbers, plots, tables)
 
 
 def timing(linkage: Linkage) -> tuple[Study, ...]:

@@ -32,6 +32,7 @@ from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, wheels
+from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
@@ -44,6 +45,8 @@ from camgen.spec import Output, unknown
 from camgen.study import Study, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
+_OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
@@ -79,7 +82,6 @@ def _one_drive(value: object) -> object:
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
 
-
     points: t.Points
     links: t.Links
     lengths: t.Lengths = Field({}, description='mm, exact distances of two points of one link, "A-B"')
@@ -88,6 +90,7 @@ class Linkage(Mechanism):
     slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
     gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = ()
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
+    springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = ()
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
@@ -100,7 +103,9 @@ class Linkage(Mechanism):
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
         found = self._drawing.faults()
-        lying = [*moving, *self._drawing.levels_of_joints()]
+        turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
+        found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
+        lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle)
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
@@ -131,14 +136,21 @@ class Linkage(Mechanism):
         host = self.model_dump(by_alias=True, exclude_none=True)
         top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
         found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
-        parts = (*self.bodies.parts, *(part for each in found for part in each.parts))
-        inc.distinct(parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        inc.distinct(found, self.bodies.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
         return found
 
     @cached_property
     def _fitted(self) -> m.Machine:
         density = 1e3 * (self.material.density or DENSITY[self.material.name])
-        return self.bodies.weighed(density, self.masses)
+        machine = self.bodies.weighed(density, self.masses)
+        return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
+
+    @cached_property
+    def sprung(self) -> Sequence[coils.Sprung]:
+        """Springs between links; DesignError where one of them cannot be made."""
+        if not self.springs:
+            return ()
+        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making.pin_diameter)
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -246,7 +258,8 @@ class Linkage(Mechanism):
         cams = {Drawing.cam_name(cam): cam for cam in self.cams}
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
-            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears
+            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
+            springs={each.name: each.stretched for each in self.sprung},
         )  # fmt: skip
 
     def lacking(self) -> DesignError | None:
@@ -262,7 +275,7 @@ class Linkage(Mechanism):
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
         found = super().resolved()
-        same = vars(self).keys() & {"chain", "bodies", "modules"}  # cached: nothing that they depend on was filled in
+        same = vars(self).keys() & {"chain", "bodies", "modules", "sprung"}  # cached: nothing that they depend on was filled in
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -309,8 +322,9 @@ class Linkage(Mechanism):
         return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
-        """Drive and screws."""
-        own = self.bodies.bought(turning_text(self.drive.speed_rpm))
+        """Drive, screws, springs."""
+        sprung = [each.bought(self.making.pin_diameter) for each in self.sprung]
+        own = [*self.bodies.bought(turning_text(self.drive.speed_rpm)), *sprung]
         return (*own, *(thing for each in self.modules for thing in each.bought()))
 
     def limits(self) -> Sequence[Finding]:
@@ -326,6 +340,11 @@ class Linkage(Mechanism):
             ))  # fmt: skip
         found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
         return [*found, *(finding for each in self.modules for finding in each.limits())]
+
+    def beforehand(self, kinds: int) -> str:
+        """How long many links take, which are closed together on what each kind of file shows."""
+        seconds = kinds * (_OF_A_KIND + _OF_THREE * len(self.links) ** 3)
+        return f"{len(self.links)} links: to make and judge it takes about {seconds:.0f} s" if seconds > _LONG else ""
 
     def texts(self) -> Mapping[str, str]:
         """The chain as drawn, as a picture and as PMKS lines."""

@@ -62,7 +62,7 @@ class Drive(Record):
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
         rows = tuple(SegmentTable(kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg)
                      for row in self.segments)  # fmt: skip
-        return program(rows, math.radians(1), "drive.segment", 360.0) if rows else None
+        return program(rows, math.radians(1), "drive.segment", 360.0, "_deg") if rows else None
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
@@ -130,6 +130,18 @@ class Cam(Record):
     closure: Literal["force", "groove", "conjugate"] = Field("force", description="what holds the follower on the cam")
     name: Name | None = Field(None, description="of the joint; both links unless given")
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(description="the program")
+
+
+class Spring(Record):
+    """An extension spring between the pins of two points, of two links; it loads the machine."""
+
+    between: Two = Field(description="two points, of two links")
+    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(description="N/mm")
+    free: Length | None = Field(None, description="mm, between both points where it does not pull yet")
+    preload: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
+        None, description="N, in place of free: its pull where it is shortest"
+    )
+    name: Name | None = Field(None, description="of its level and its figures; spring, or with its number, unless given")
 
 
 class Wanted(Record):

@@ -31,6 +31,7 @@ from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
+_WORDS = {"tip_radius": "radius", "a smaller swing": "a smaller lift", "a larger base_radius": "a follower drawn further away"}
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
@@ -254,13 +255,13 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
     """Both wheels of each gear, a's tooth in b's gap on the line of their axes; least: module that can be made, mm."""
     found = []
     for name, spec in gears.items():
-        joint = machine.joint(name)
+        joint, where = machine.joint(name), name if name.startswith("gear") else f"gear {name}"
         assert isinstance(joint, m.Gear)
         if joint.carrier != m.GROUND:
             remedy = "wheels are made of links that turn on the ground: make this gear of such"
-            raise DesignError("carriers that move", 1, 0, "", f"gear {name}", remedy)
+            raise DesignError("carriers that move", 1, 0, "", where, remedy)
         a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
-        first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, f"gear {name}")
+        first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, where)
         line = cmath.phase(b - a)
         found.append(Toothed(level_of(name), joint, joint.a, first, line))
         found.append(Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth))
@@ -304,6 +305,8 @@ def groove_rim(sizes: Parts) -> float:
 
 
 def named(error: DesignError, thing: str, remedy: str) -> DesignError:
-    """The same error, of a named thing, with a remedy in the words of a linkage."""
+    """The same error, of a named thing, in the words of a linkage."""
     where = thing + (f", {error.where}" if error.where else "")
-    return DesignError(error.quantity, error.value, error.limit, error.unit, where, remedy)
+    for word, own in _WORDS.items():
+        remedy = remedy.replace(word, own)
+    return DesignError(_WORDS.get(error.quantity, error.quantity), error.value, error.limit, error.unit, where, remedy)

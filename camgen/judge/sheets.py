@@ -1,0 +1,236 @@
+"""The judge of sheets for a laser: every part is there, where the list says, and is itself when the beam's slot is added back.
+
+    path     what the middle of the beam follows
+    as cut   what the beam leaves of the sheet: the path, less half the slot's width all along. Walls, fits and motion take its
+             corners as sharp; how round the beam leaves those inside, and what it is too wide for, is judged by itself
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import FileError
+from camgen.files.cutting import read_svg
+from camgen.files.dxf import read_dxf
+from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.rings import Points, Ring, Shape
+from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
+from camgen.tolerances import WAY_BACK
+
+FACETS = 1e-4  # mm, chord tolerance of arcs where gaps and corners are measured
+_FINE = 1e-5  # mm, where motion and fits are
+_ROUND = 64  # chords of a quarter of the beam's circle
+_CORNER = 0.1  # rad, outlines that turn by less have no corner there
+_SVG_STEP = 1e-5  # mm, what the six decimals of an SVG may move an arc
+
+
+@dataclass(frozen=True)
+class Laid:
+    """A copy of a part on a sheet: turned by angle, rad, then moved to place, mm."""
+
+    part: str
+    copy: int
+    angle: float
+    place: complex
+
+
+@dataclass(frozen=True)
+class Beam:
+    """What a laser cuts with, and of: kerf and gap, mm; width and height of a sheet, mm."""
+
+    kerf: float
+    gap: float
+    sheet: tuple[float, float]
+
+
+def judge_sheet(
+    dxf: Path, svg: Path, laid: Sequence[Laid], meant: Mapping[str, Expected], beam: Beam
+) -> tuple[list[Finding], dict[str, Judged]]:
+    """Findings on one sheet in both formats, and its parts as cut, by name, in their own frames.
+
+    SHEET_FIT: what is missing, how far a piece stands out over the sheet, and the gap between pieces; KERF: how far a part as
+    cut is from its outline. ROUND_TRIP and MIN_WALL are those of each part as cut.
+    """
+    drawing, where = read_dxf(dxf, engraving=True), dxf.name
+    faults = [fault.message for fault in drawing.faults]
+    faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
+    findings = [
+        at_most("DXF_CLOSED", len(faults), 0, "contours", where,
+                "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity in millimetres"),
+    ]  # fmt: skip
+    if faults:
+        return findings, {}
+    try:
+        found = list(pieces_of(drawing.cut))
+    except ValueError as error:
+        return [*findings, at_most("SHEET_FIT", math.nan, 0, "mm", where, str(error))], {}
+    findings += _fit(found, beam, len(laid), where)
+    findings.append(_same_as_svg(drawing.cut, drawing.engraved, svg, beam.sheet))
+    judged: dict[str, Judged] = {}
+    for copy in laid:
+        if not found:
+            break
+        expected, turn = meant[copy.part], cmath.rect(1, copy.angle)
+        middle = turn * expected.sections[expected.cut].shapes[0].outer.centroid + copy.place
+        piece = min(found, key=lambda shape: abs(shape.outer.centroid - middle))
+        own = piece.moved(shift=-copy.place).moved(1 / turn)
+        named = f"{where}, {copy.part}-{copy.copy}"
+        try:
+            rings = [_widened(own.outer, -beam.kerf / 2), *(_widened(hole, beam.kerf / 2) for hole in own.holes)]
+        except ValueError as error:
+            findings.append(at_most("KERF", math.nan, 0, "mm", named, str(error)))
+            continue
+        one = judge_cut(rings, expected, named)
+        findings += one.findings
+        findings.append(_kerf(own, expected, beam.kerf, named))
+        if one.shape is not None:
+            judged.setdefault(copy.part, one)
+    return findings, judged
+
+
+def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: str) -> list[Finding]:
+    """SHEET_FIT of the pieces of a sheet."""
+    import shapely
+
+    boxes = np.array([shape.outer.box for shape in found]).reshape(-1, 4)
+    beyond = float(np.max(np.concatenate([-boxes[:, :2], boxes[:, 2:] - np.array(beam.sheet)]), initial=0.0))
+    width, height = beam.sheet
+    findings = [
+        at_most("SHEET_FIT", abs(len(found) - wanted), 0, "pieces", where, f"{len(found)} pieces, {wanted} in the list"),
+        at_most("SHEET_FIT", max(beyond, 0.0), 0, "mm", where, f"how far a path stands out over {width:g} x {height:g} mm"),
+    ]
+    if len(found) > 1:
+        areas = [_area(shape.outer) for shape in found]
+        near = shapely.STRtree(areas).query_nearest(areas, exclusive=True, all_matches=False, return_distance=True)[1]
+        said = "smallest gap between the paths of two pieces"
+        findings.append(at_least("SHEET_FIT", float(near.min()), beam.gap, "mm", where, said, 2 * FACETS))
+    return findings
+
+
+def _same_as_svg(cut: Sequence[Ring], engraved: Sequence[Ring], svg: Path, sheet: tuple[float, float]) -> Finding:
+    """ROUND_TRIP of the same sheet in SVG: contour by contour as in the DXF."""
+    try:
+        size, layers = read_svg(svg)
+    except FileError as error:
+        return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, str(error))
+    there = [*layers.get("ENGRAVE", ()), *layers.get("CUT", ())]
+    wanted = [*engraved, *cut]
+    if len(there) != len(wanted) or size != sheet:
+        said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
+        return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, said)
+    off = max((_apart(a, b) for a, b in zip(there, wanted, strict=True)), default=0.0)
+    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, f"{len(there)} contours, as in the DXF")
+
+
+def _apart(a: Ring, b: Ring) -> float:
+    """How far two rings are apart that run alike, mm."""
+    if a.points.shape != b.points.shape:
+        return math.inf
+    moved = np.max(np.abs(a.points - b.points))
+    rise = np.max(np.abs(a.bulges - b.bulges) * np.abs(b.ends - b.points)) / 2
+    return float(max(moved, rise))
+
+
+def _area(ring: Ring, tolerance: float = FACETS) -> Any:
+    import shapely
+
+    z = ring.facetted(tolerance)
+    return shapely.Polygon(np.column_stack([z.real, z.imag]))
+
+
+def _widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
+    """A ring moved outwards by a distance, mm (< 0: inwards), facetted, its corners sharp or as a disc leaves them; ValueError
+    where it falls apart."""
+    import shapely
+
+    style = "mitre" if sharp else "round"
+    parts = shapely.get_parts(_area(ring, _FINE).buffer(distance, quad_segs=_ROUND, join_style=style, mitre_limit=10))
+    if len(parts) != 1 or parts[0].is_empty:
+        raise ValueError(f"{len(parts)} pieces are left of a contour moved by {distance:g} mm")
+    z: Points = shapely.get_coordinates(parts[0].exterior)[:-1] @ np.array([1, 1j])
+    return Ring(z, np.zeros(len(z)))
+
+
+def _kerf(path: Shape, expected: Expected, kerf: float, where: str) -> Finding:
+    """KERF: how far the part as cut is from the outline that was meant, where inner corners come out round."""
+    import shapely
+
+    meant = expected.sections[expected.cut].shapes[0]
+    off, allowed = 0.0, 0.0
+    holes = list(path.holes)
+    pairs = [(path.outer, meant.outer, -kerf / 2)]
+    for hole in meant.holes:
+        if holes:
+            nearest, *holes = sorted(holes, key=lambda ring: abs(ring.centroid - hole.centroid))
+            pairs.append((nearest, hole, kerf / 2))
+    for ring, wanted, way in pairs:
+        cut = shapely.get_parts(_area(ring).buffer(way, quad_segs=_ROUND))
+        if len(cut) != 1:
+            return at_most("KERF", math.nan, 0, "mm", where, f"{len(cut)} pieces are left of a contour")
+        edge = shapely.get_coordinates(cut[0].exterior)[:-1] @ np.array([1, 1j])
+        target = wanted.counter_clockwise().facetted(FACETS)
+        off = max(off, float(np.max(point_to_ring(_along(target), edge))))
+        allowed = max(allowed, _round_corner(target if way < 0 else target[::-1], kerf / 2))
+    limit = allowed + 2 * expected.chord_tolerance + WAY_BACK * kerf / 2 + FACETS
+    said = "how far the part as cut is from its outline: inner corners come out round, and what is narrower than the kerf is lost"
+    return at_most("KERF", off, limit, "mm", where, said)
+
+
+def _along(ring: Points) -> Points:
+    """A polygon's vertices and the middles of its edges."""
+    return np.concatenate([ring, (ring + np.roll(ring, -1)) / 2])
+
+
+def _round_corner(ring: Points, radius: float) -> float:
+    """How far a beam of this radius stays away from the sharpest corner of a polygon that turns to its right, mm: material lies
+    to its left."""
+    way = np.roll(ring, -1) - ring
+    turn = np.angle(way / np.roll(way, 1))
+    sharpest = float(np.max(-turn, initial=0.0))
+    return radius * (1 / math.cos(sharpest / 2) - 1) if sharpest > _CORNER else 0.0
+
+
+# ---- tables for machine tools ------------------------------------------------------------------------------------------
+
+
+def judge_points(table: Path, points: Points, outline: Ring, limit: float) -> Finding:
+    """ROUND_TRIP of a table of a profile: how far its points, (n,) mm, are from the outline in the part's own file."""
+    off = float(np.max(point_to_ring(points, outline.facetted(FACETS)), initial=0.0)) if len(points) else math.nan
+    return at_most("ROUND_TRIP", off, limit, "mm", table.name, f"{len(points)} points against the outline that is cut")
+
+
+def judge_path(
+    path: Path, table: Sequence[tuple[complex, complex, float]], outline: Ring, radius: float, limit: float
+) -> list[Finding]:
+    """A cutter's path round an outline: the same in DXF and CSV; CUTTER: how far what the cutter leaves is from the outline.
+
+    table: ends and bulge of each piece. What it leaves is the area within the path less all that a disc of this radius, mm,
+    covers about its points.
+    """
+    rings = read_dxf(path).cut
+    if len(rings) != 1:
+        return [at_most("CUTTER", math.nan, 0, "mm", path.name, f"{len(rings)} contours instead of 1")]
+    ring, written = rings[0], Ring(np.array([a for a, _, _ in table]), np.array([bulge for *_, bulge in table]))
+    gaps = max((abs(b - a) for (_, b, _), (a, _, _) in zip(table, (*table[1:], *table[:1]), strict=True)), default=math.nan)
+    away = np.max(point_to_ring(written.samples(), ring.facetted(FACETS)), initial=0.0) if len(table) else math.nan
+    said = f"{len(table)} lines and arcs, as in the DXF"
+    findings = [at_most("ROUND_TRIP", max(gaps, float(away)), 2 * FACETS, "mm", path.with_suffix(".csv").name, said)]
+    left = _widened(ring, -radius, sharp=False)
+    target = outline.facetted(FACETS)
+    off = point_to_ring(_along(target), left.points)
+    worst = int(np.argmax(off))
+    z = _along(target)[worst]
+    said = (
+        f"outline less what a cutter of radius {radius:g} mm leaves, at x {z.real:.3f}, y {z.imag:.3f} mm; "
+        "where it is more, the cutter is too large for a hollow (output.cutter_radius)"
+    )
+    other = float(np.max(point_to_ring(left.points, target)))
+    return [*findings, at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said)]

@@ -1,0 +1,115 @@
+"""[[spring]]: extension springs between points of two links, as loads, on a level of their own, and bought.
+
+A spring's eyes sit on the pins of its points, so lengths between the points are those between the middles of its pins. A spring
+that is coiled close only pulls: one that would be shorter than its free length somewhere on the way is refused.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camgen.errors import DesignError, Fault
+from camgen.machine import model as m
+from camgen.machine.run import Run
+from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.layout import Stretched
+from camgen.parts.catalogue import Bought
+from camgen.parts.springs import ExtensionSpring, extension_spring
+from camgen.spec import unknown
+
+_EYE = 1.1  # of a spring, to its pin
+
+
+@dataclass(frozen=True)
+class Sprung:
+    """A spring in its machine. ends: body and point of each; pull: the load; shortest, longest: between its points, mm."""
+
+    name: str
+    ends: tuple[tuple[str, str], tuple[str, str]]
+    pull: m.Spring
+    spring: ExtensionSpring
+    shortest: float
+    longest: float
+
+    @property
+    def stretched(self) -> Stretched:
+        """What it takes up."""
+        return Stretched(*self.ends, self.spring.outside)
+
+    @property
+    def figure(self) -> str:
+        """How the names of its figures begin."""
+        return self.name if self.name.startswith("spring") else f"spring_{self.name}"
+
+    def forces(self) -> tuple[float, float]:
+        """Its least and greatest pull, N."""
+        least, most = (self.pull.rate * (length - self.pull.free) for length in (self.shortest, self.longest))
+        return least, most
+
+    def bought(self, pin: float) -> Bought:
+        """Its line in the list of parts; pin: diameter, mm."""
+        return replace(self.spring.bought(self.shortest + pin, self.longest + pin), name=f"extension spring, {self.name}")
+
+
+def names(springs: Sequence[t.Spring]) -> list[str]:
+    """Of each spring its own name, or one by its number."""
+    return [each.name or ("spring" if len(springs) == 1 else f"spring_{k}") for k, each in enumerate(springs, 1)]
+
+
+def faults(
+    springs: Sequence[t.Spring], links: Mapping[str, Sequence[str]], turning: Collection[str], taken: Collection[str]
+) -> list[Fault]:
+    """What is wrong with them. turning: links on shafts; taken: names of links, joints and levels."""
+    found, called = [], names(springs)
+    points = {point for held in links.values() for point in held}
+    shafts = {point for link in turning for point in links.get(link, ()) if point in links.get(m.GROUND, ())}
+    for k, each in enumerate(springs):
+        path = f"spring.{k}"
+        if called[k] in (*taken, *called[:k]):
+            found.append(Fault(f"{path}.name", repr(called[k]), "a name of its own, which no link, joint or other spring has"))
+        if (each.free is None) == (each.preload is None):
+            found.append(Fault(path, "", "either free or preload"))
+        wrong = [unknown(f"{path}.between.{n}", point, points) for n, point in enumerate(each.between) if point not in points]
+        wrong += [Fault(f"{path}.between.{n}", repr(point), "a point that is no shaft: its eye would sit on what turns there")
+                  for n, point in enumerate(each.between) if point in shafts]  # fmt: skip
+        both = next((name for name, held in links.items() if set(each.between) <= set(held)), None)
+        if not wrong and both is not None:
+            wrong.append(Fault(f"{path}.between", ", ".join(each.between), f"points of two links: {both} carries both"))
+        found += wrong
+    return found
+
+
+def sprung(springs: Sequence[t.Spring], run: Run, pin: float) -> list[Sprung]:
+    """The springs in their machine; run: samples over the whole motion, pin: diameter, mm. DesignError where none can be made."""
+    return [_sprung(each, name, run, pin) for each, name in zip(springs, names(springs), strict=True)]
+
+
+def _sprung(spec: t.Spring, name: str, run: Run, pin: float) -> Sprung:
+    ends = tuple((_carrier(run.machine, point), point) for point in spec.between)
+    places = [run.point(*end)[0] for end in ends]
+    length = np.abs(places[1] - places[0])
+    shortest, longest = float(length.min()), float(length.max())
+    free = shortest - (spec.preload or 0.0) / spec.rate if spec.free is None else spec.free
+    where = f"spring {name}, {math.degrees(float(run.theta[int(np.argmin(length))])):.2f} deg"
+    if not free > 0:
+        raise DesignError("free length", free, 0, "mm", where, "ask for a smaller preload or a greater rate")
+    if shortest < free - 1e-9:
+        said = f"{where}: its points come as near as {shortest:.6g} mm, its free length is {free:.6g} mm, and it only pulls"
+        raise DesignError("length", shortest, free, "mm", where, "ask for a shorter one, or for a preload", said)
+    found = extension_spring(spec.rate, free + pin, longest + pin, _EYE * pin)
+    if found is None:
+        said = f"no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
+        remedy = "ask for another rate or free length, draw its points further apart, or take thinner pins"
+        raise DesignError("length", longest, free, "mm", f"spring {name}", remedy, f"spring {name}: {said}{longest:.4g} mm")
+    a, b = (m.Place(body, complex(run.machine.body(body).points[point])) for body, point in ends)
+    return Sprung(name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), found, shortest, longest)
+
+
+def _carrier(machine: m.Machine, point: str) -> str:
+    """The link whose point it is, of several the ground or the first: its pin takes the pull."""
+    held = [body.name for body in machine.bodies if point in body.points]
+    return m.GROUND if m.GROUND in held else held[0]

@@ -1,0 +1,191 @@
+"""Sheets for a laser: which parts a sheet can be, their paths nested and written, and read back and judged as cut."""
+
+from __future__ import annotations
+
+import cmath
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from camgen.errors import DesignError, FileError
+from camgen.files.cutting import Piece, write_sheet
+from camgen.findings import Finding, at_most
+from camgen.geometry.facets import facet_contour
+from camgen.judge.measured import Sections
+from camgen.judge.round_trip import judge_drawing
+from camgen.judge.sheets import Beam, Laid, judge_sheet
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import Compensation, compensated
+from camgen.parts.nesting import Spot, nest
+from camgen.parts.part import Part
+from camgen.pipeline.expectation import expected
+from camgen.pipeline.jobs import Case
+from camgen.spec import Laser
+from camgen.study import Table
+
+_SAME = 1e-6  # mm, thicknesses that are one
+_PACKED = 0.02  # mm, chord tolerance of outlines that are only to be nested
+_COLUMNS = ("sheet", "part", "copy", "x_mm", "y_mm", "angle_deg")
+
+
+def why_not(part: Part, laser: Laser) -> str:
+    """Why a part cannot be cut of a sheet; "" where it can."""
+    if part.crossed is not None:
+        return "crossed: its outline changes with height"
+    if part.made != "printed":
+        return part.made
+    if len({(layer.z0, layer.z1) for layer in part.layers}) > 1:
+        return "stepped: its layers have different outlines"
+    if len(part.layers) > 1:
+        return "of separate pieces"
+    if abs(part.thickness - laser.thickness) > _SAME:
+        return f"{part.thickness:g} mm thick, the sheet is {laser.thickness:g}"
+    return ""
+
+
+def sheet_parts(mechanism: Mechanism) -> list[Part]:
+    """The parts that are cut of sheets."""
+    laser = mechanism.laser
+    return [part for part in mechanism.parts() if laser is not None and not why_not(part, laser)]
+
+
+def _path(part: Part, laser: Laser) -> Part:
+    """The part whose outlines are what the middle of the beam follows; DesignError where the beam is too wide for it."""
+    try:
+        return compensated(part, Compensation(hole=-laser.kerf / 2, profile=-laser.kerf / 2))
+    except DesignError as error:
+        raise DesignError(
+            error.quantity, error.value, error.limit, error.unit, error.where,
+            f"laser.kerf = {laser.kerf:g} mm is too wide for a hole or a slot of {part.name}: take a finer beam, or widen it",
+        ) from None  # fmt: skip
+
+
+def make_sheets(case: Case) -> None:
+    """Write <name>-sheet-1.dxf, .svg and so on, and the list <name>-sheets.csv; nothing where no part can be cut of a sheet.
+
+    DesignError where a part is larger than a sheet, or the beam too wide for it.
+    """
+    mechanism, laser = case.mechanism, case.mechanism.laser
+    parts = sheet_parts(mechanism)
+    if laser is None or not parts:
+        return
+    paths = {part.name: _path(part, laser) for part in parts}
+    copies = [(part.name, k + 1) for part in parts for k in range(part.count)]
+    outlines = {name: facet_contour(path.region.outer, _PACKED) for name, path in paths.items()}
+    spots: list[Spot] = []
+    for (name, _), spot in zip(copies, nest([outlines[name] for name, _ in copies], laser.sheet, laser.gap), strict=True):
+        if spot is None:
+            z = outlines[name]
+            raise DesignError(
+                f"length of {name}", max(float(np.ptp(z.real)), float(np.ptp(z.imag))), max(laser.sheet), "mm",
+                remedy=f"it fits on no sheet of {laser.sheet[0]:g} x {laser.sheet[1]:g} mm: make laser.sheet larger",
+            )  # fmt: skip
+        spots.append(spot)
+    rows = sorted(zip(copies, spots, strict=True), key=lambda row: (row[1].sheet, row[1].place.real, row[1].place.imag))
+    rounded = [(copy, Spot(s.sheet, s.angle, complex(round(s.place.real, 6), round(s.place.imag, 6)))) for copy, s in rows]
+    for number in range(1 + max(spot.sheet for spot in spots)):
+        pieces = []
+        for (name, copy), spot in rounded:
+            if spot.sheet == number:
+                turn, path = cmath.rect(1, spot.angle), paths[name]
+                engraved = [each for layer in path.engraved for each in (layer.region.outer, *layer.region.holes)]
+                moved = tuple(contour.moved(turn, spot.place) for contour in engraved)
+                pieces.append(Piece(f"{name}-{copy}", path.region.moved(turn, spot.place), moved))
+        for ending in ("dxf", "svg"):
+            write_sheet(case.file(f"sheet-{number + 1}", ending), pieces, laser.sheet, mechanism.accuracy.chord_tolerance)
+    with open(case.file("sheets", "csv"), "w", encoding="utf-8", newline="") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(_COLUMNS)
+        for (name, copy), s in rounded:
+            angle = f"{math.degrees(s.angle):.9g}"
+            lines.writerow([s.sheet + 1, name, copy, f"{s.place.real:.6f}", f"{s.place.imag:.6f}", angle])
+
+
+def sheet_files(case: Case) -> list[Path]:
+    """The files of all sheets that are there, and their list."""
+    found = sorted(case.folder.glob(f"{case.mechanism.name}-sheet-*"), key=lambda path: (len(path.name), path.name))
+    return [path for path in (*found, case.file("sheets", "csv")) if path.exists()]
+
+
+def _listed(path: Path) -> dict[int, list[Laid]]:
+    """The list of sheets as read: what lies on each, by its number; FileError where it is none."""
+    found: dict[int, list[Laid]] = {}
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                place = complex(float(row["x_mm"]), float(row["y_mm"]))
+                one = Laid(row["part"], int(row["copy"]), math.radians(float(row["angle_deg"])), place)
+                found.setdefault(int(row["sheet"]), []).append(one)
+    except OSError as error:
+        raise FileError(path, error.strerror or str(error)) from None
+    except (KeyError, ValueError, TypeError) as error:
+        raise FileError(path, f"not a list of sheets: {error!r}") from None
+    return found
+
+
+def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[Table], dict[str, float]]:
+    """Findings on all sheets; sections of every part, as cut of a sheet or else as drawn; tables; figures."""
+    mechanism, laser = case.mechanism, case.mechanism.laser
+    assert laser is not None, "sheets are asked for"
+    features, tolerance = mechanism.features(), mechanism.accuracy.chord_tolerance
+    parts = {part.name: part for part in sheet_parts(mechanism)}
+    findings: list[Finding] = []
+    sections: dict[str, Sections] = {}
+    rows: list[tuple[object, ...]] = []
+    numbers: dict[str, float] = {}
+    if parts:
+        listed = _listed(case.file("sheets", "csv"))
+        strange = sorted({one.part for laid in listed.values() for one in laid} - parts.keys())
+        if strange:
+            raise FileError(case.file("sheets", "csv"), f"lists {', '.join(strange)}, which are not cut of sheets")
+        meant = {name: expected(part, tolerance, features) for name, part in parts.items()}
+        beam = Beam(laser.kerf, laser.gap, laser.sheet)
+        for number, laid in sorted(listed.items()):
+            dxf, svg = (case.file(f"sheet-{number}", ending) for ending in ("dxf", "svg"))
+            more, cut = judge_sheet(dxf, svg, laid, meant, beam)
+            findings += more
+            sections |= {name: one.sections for name, one in cut.items()}
+            rows += _rows(number, laid, parts, laser)
+        findings += _copies(listed, parts, case)
+        numbers = {"sheets": float(len(listed)), "sheet_density": _density(listed, parts, laser)}
+    for part in mechanism.parts():
+        if part.name not in parts:
+            rows.append(("none", part.name, part.count, "", why_not(part, laser)))
+        if part.name not in sections and case.file(part.name, "dxf").exists():
+            drawn = expected(part, tolerance, features, None, mechanism.output.center_marks)
+            judged = judge_drawing(case.file(part.name, "dxf"), drawn)
+            if judged.shape is not None:
+                sections[part.name] = judged.sections
+    columns = ("sheet", "part", "count", "angles, deg", "otherwise")
+    return findings, sections, [Table("Cut of sheets, and what is made otherwise", columns, rows)], numbers
+
+
+def _rows(number: int, laid: Sequence[Laid], parts: dict[str, Part], laser: Laser) -> list[tuple[object, ...]]:
+    """What lies on a sheet, for people."""
+    found: list[tuple[object, ...]] = []
+    for name in dict.fromkeys(one.part for one in laid):
+        angles = ", ".join(f"{math.degrees(one.angle):g}" for one in laid if one.part == name)
+        found.append((f"{number}, {laser.thickness:g} mm", name, sum(one.part == name for one in laid), angles, ""))
+    return found
+
+
+def _copies(listed: dict[int, list[Laid]], parts: dict[str, Part], case: Case) -> list[Finding]:
+    """SHEET_FIT of all sheets together: copies that are missing, or too many."""
+    there = [one.part for laid in listed.values() for one in laid]
+    off = sum(abs(there.count(name) - part.count) for name, part in parts.items())
+    said = f"{len(there)} copies of {len(parts)} parts on {len(listed)} sheet{'' if len(listed) == 1 else 's'}"
+    return [at_most("SHEET_FIT", off, 0, "copies", case.file("sheets", "csv").name, said)]
+
+
+def _density(listed: dict[int, list[Laid]], parts: dict[str, Part], laser: Laser) -> float:
+    """Area within the outlines of all parts over that of the sheets, of the last one as far as it is used."""
+    area = used = 0.0
+    outlines = {name: facet_contour(part.region.outer, _PACKED) for name, part in parts.items()}
+    for number, laid in listed.items():
+        area += sum(abs(parts[one.part].region.outer.area) for one in laid)
+        ends = [float((outlines[one.part] * cmath.rect(1, one.angle) + one.place).real.max()) for one in laid]
+        used += laser.sheet[1] * (max(ends) if number == max(listed) else laser.sheet[0])
+    return area / used if used else math.nan

@@ -1,0 +1,168 @@
+"""Tables for machine tools: a cam's profile by its angle, and the path of a cutter's centre round it as exact lines and arcs.
+
+    <name>-<part>-profile.csv    contact, normal, curvature and pressure angle at each cam angle, in the part's frame
+    <name>-<part>-path.dxf .csv  where the centre of a cutter of `output.cutter_radius` runs, counter-clockwise
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError, FileError
+from camgen.files.dxf import read_dxf, write_dxf
+from camgen.findings import Finding
+from camgen.geometry.arcs import fit_arcs
+from camgen.geometry.outlines import Arc, Piece, Points, Region, end_point, start_point
+from camgen.judge.sheets import judge_path, judge_points
+from camgen.machine.cams.machine import ProfileTouch
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.features import CamOutline, Mount
+from camgen.machine.model import Cam
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import offset
+from camgen.pipeline.jobs import Case
+
+_PROFILE = ("theta_deg", "radius_mm", "angle_deg", "x_mm", "y_mm", "normal_deg", "curvature_per_mm", "pressure_angle_deg")
+_PATH = ("piece", "x0_mm", "y0_mm", "x1_mm", "y1_mm", "centre_x_mm", "centre_y_mm", "radius_mm", "sweep_deg")
+
+
+def cams_of(mechanism: Mechanism) -> dict[str, tuple[DiscCam[Any], Mount]]:
+    """Cams that are touched by their own follower, by the part that each is, and how the part stands on its body."""
+    found: dict[str, tuple[DiscCam[Any], Mount]] = {}
+    told: dict[str, int] = {}
+    for feature in mechanism.features():
+        if not isinstance(feature, CamOutline):
+            continue
+        joint, k = mechanism.model.joint(feature.joint), told.get(feature.joint, 0)
+        told[feature.joint] = k + 1
+        mount = [mount for mount in mechanism.mounts() if mount.part == feature.part][feature.copy]
+        assert isinstance(joint, Cam), f"{feature.joint} is no cam"
+        touch = joint.touches[k] if k < len(joint.touches) else None
+        if isinstance(touch, ProfileTouch) and not mount.flipped and not feature.inside and feature.part not in found:
+            found[feature.part] = touch.cam, mount
+    return found
+
+
+def make_tables(case: Case) -> None:
+    """Write what `output.profile_step_deg` and `output.cutter_radius` ask for, of every cam.
+
+    DesignError where the cutter's path falls apart.
+    """
+    output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
+    for name, (cam, mount) in cams_of(case.mechanism).items():
+        if output.profile_step_deg is not None:
+            rows = _profile(cam, mount, output.profile_step_deg)
+            _write(case.file(f"{name}-profile", "csv"), _PROFILE, rows)
+        if output.cutter_radius is not None:
+            outer = fit_arcs(case.parts[name].region.outer.counter_clockwise(), tolerance)
+            try:
+                path = offset(outer, output.cutter_radius, f"outline of {name}")
+            except DesignError as error:
+                raise DesignError(
+                    error.quantity, error.value, error.limit, error.unit, error.where,
+                    f"a cutter of output.cutter_radius = {output.cutter_radius:g} mm finds no path: use a smaller one",
+                ) from None  # fmt: skip
+            write_dxf(case.file(f"{name}-path", "dxf"), Region(path), (), tolerance)
+            _write(case.file(f"{name}-path", "csv"), _PATH, map(_piece, path.pieces))
+
+
+def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(columns)
+        lines.writerows([_text(cell) if isinstance(cell, float) else cell for cell in row] for row in rows)
+
+
+def _text(value: float) -> str:
+    """A number with nine decimals at most; blank for none."""
+    return "" if math.isnan(value) else f"{round(value, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
+
+
+def _profile(cam: DiscCam[Any], mount: Mount, step_deg: float) -> Iterable[Sequence[object]]:
+    """Rows of a cam's table over a turn; on an undercut's corner there is no normal and no curvature."""
+    theta = np.radians(np.arange(0, 360, step_deg))
+    place, normal = cam.profile(theta), cam.follower.normal(theta, cam.program)
+    radius, pressure = cam.radius(theta), cam.pressure_angle(theta)
+    with np.errstate(divide="ignore"):
+        curvature = 1 / radius
+    for cut in cam.undercuts:
+        rides = np.mod(theta - cut.begin, math.tau) < cut.end - cut.begin
+        place[rides], normal[rides], curvature[rides] = cut.corner_cam, np.nan, np.nan
+    turn = np.exp(-1j * mount.turned)
+    place, normal = (place - mount.at) * turn, normal * turn
+    columns = (
+        np.degrees(theta), np.abs(place), np.degrees(np.angle(place)) % 360, place.real, place.imag,
+        np.degrees(np.angle(normal)) % 360, curvature, np.degrees(pressure),
+    )  # fmt: skip
+    rows: list[tuple[object, ...]] = list(zip(*(column.tolist() for column in columns), strict=True))
+    return rows
+
+
+def _piece(piece: Piece) -> Sequence[object]:
+    """A row of the cutter's path; the cells of a centre are blank on a line."""
+    a, b = start_point(piece), end_point(piece)
+    ends = (a.real, a.imag, b.real, b.imag)
+    if isinstance(piece, Arc):
+        centre = (piece.centre.real, piece.centre.imag, piece.radius, math.degrees(piece.sweep))
+        return ("arc ccw" if piece.sweep > 0 else "arc cw", *ends, *centre)
+    return ("line", *ends, "", "", "", "")
+
+
+def table_files(case: Case) -> list[Path]:
+    """Tables and paths that a build may have made and that are there."""
+    names = [(f"{name}-{what}", ending) for name in case.parts for what, ending in
+             (("profile", "csv"), ("path", "dxf"), ("path", "csv"))]  # fmt: skip
+    return [path for path in (case.file(*each) for each in names) if path.exists()]
+
+
+def judge_tables(case: Case) -> list[Finding]:
+    """Whether tables lie on the outlines in the parts' own DXF, and whether the cutter on its path leaves those outlines."""
+    output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
+    findings: list[Finding] = []
+    for name in cams_of(case.mechanism):
+        outline = max(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: abs(ring.area), default=None)
+        if outline is None:
+            continue  # told as the drawing is judged
+        table = case.file(f"{name}-profile", "csv")
+        if output.profile_step_deg is not None:
+            findings.append(judge_points(table, _points(table), outline, 2 * tolerance))
+        path = case.file(f"{name}-path", "dxf")
+        if output.cutter_radius is not None:
+            pieces = _contour(path.with_suffix(".csv"))
+            findings += judge_path(path, pieces, outline, output.cutter_radius, 2 * tolerance)
+    return findings
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _points(path: Path) -> Points:
+    """Places in a table of a profile, (n,) complex mm; FileError where it is none."""
+    try:
+        return np.array([complex(float(row["x_mm"]), float(row["y_mm"])) for row in _rows(path)], complex)
+    except (KeyError, ValueError, TypeError) as error:
+        raise FileError(path, f"not a table of a profile: {error!r}") from None
+
+
+def _contour(path: Path) -> list[tuple[complex, complex, float]]:
+    """Ends and bulge of each piece in a table of a path; FileError where it is none."""
+    try:
+        found = []
+        for row in _rows(path):
+            x0, y0, x1, y1 = (float(row[key]) for key in _PATH[1:5])
+            sweep = float(row["sweep_deg"]) if row["piece"].startswith("arc") else 0.0
+            found.append((complex(x0, y0), complex(x1, y1), math.tan(math.radians(sweep) / 4)))
+        return found
+    except (KeyError, ValueError, TypeError) as error:
+        raise FileError(path, f"not a table of a path: {error!r}") from None

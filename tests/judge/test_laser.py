@@ -1,0 +1,186 @@
+"""Sheets for a laser: proved as cut, in DXF and SVG; damage, a beam that is too wide and sheets that are too small are told."""
+
+import csv
+import re
+
+import ezdxf
+import numpy as np
+import pytest
+from test_solids import oval
+
+from camgen.errors import DesignError, FileError, SpecError
+from camgen.files.cutting import Piece, read_svg, write_sheet
+from camgen.files.dxf import read_dxf
+from camgen.geometry.outlines import Region, circle, polygon, rectangle
+from camgen.judge.sheets import Beam, Laid, judge_sheet
+from camgen.parts.fits import Compensation, compensated
+from camgen.parts.part import Layer, Part, keyed_bore
+from camgen.pipeline.build import build, check
+from camgen.pipeline.expectation import expected
+from camgen.pipeline.jobs import read_mechanism
+from camgen.pipeline.laser import sheet_parts, why_not
+
+TOLERANCE, KERF = 1e-3, 0.2
+DXF = frozenset({"dxf"})
+BEAM = Beam(KERF, 2.0, (200.0, 100.0))
+
+
+def plate(*holes, outer=None):
+    return Part("plate", "Plate", (Layer(Region(outer or oval(), (circle(0, 4), *holes)), 0, 3),), bore=8.0, min_wall=1.0)
+
+
+def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j))):
+    """A sheet with copies of a part, and what is found on it."""
+    path = compensated(part, Compensation(hole=-kerf / 2, profile=-kerf / 2)).region
+    pieces = [Piece(f"p-{k}", path.moved(np.exp(1j * angle), at)) for k, (angle, at) in enumerate(places)]
+    files = [folder / f"s.{ending}" for ending in ("dxf", "svg")]
+    for file in files:
+        write_sheet(file, pieces, (200.0, 100.0), TOLERANCE)
+    laid = [Laid("plate", k + 1, angle, at) for k, (angle, at) in enumerate(places)]
+    return files, laid, {"plate": expected(part, TOLERANCE)}, BEAM
+
+
+def failing(files, laid, meant, beam=BEAM):
+    return {finding.code for finding in judge_sheet(*files, laid, meant, beam)[0] if not finding.ok}
+
+
+def test_parts_come_back_as_cut(tmp_path):
+    part = plate(keyed_bore(6, 2, 1).moved(shift=14 + 4j))
+    files, laid, meant, beam = written(tmp_path, part)
+    findings, judged = judge_sheet(*files, laid, meant, beam)
+    assert [finding for finding in findings if not finding.ok] == []
+    worst = max(finding.measured for finding in findings if finding.code == "ROUND_TRIP")
+    assert worst < 2 * TOLERANCE
+    (kerf,) = {round(finding.measured, 3) for finding in findings if finding.code == "KERF"}
+    assert kerf == pytest.approx((2**0.5 - 1) * KERF / 2, abs=2e-3)  # the keyway's corners, as round as the beam
+    (shape,) = judged["plate"].sections[0]
+    assert shape.holes[0].area != 0 and len(shape.holes) == 2
+    drawn = read_dxf(files[0], engraving=True)
+    assert drawn.units == 4 and len(drawn.cut) == 6 and not drawn.faults
+    assert {layer.dxf.name: layer.dxf.color for layer in ezdxf.readfile(files[0]).layers}["CUT"] == 1
+
+
+def test_the_path_is_exact_and_its_arcs_stay_arcs(tmp_path):
+    files, *_ = written(tmp_path, plate(outer=circle(0, 20)), places=((0.0, 50 + 50j),))
+    radii = sorted(entity.dxf.radius for entity in ezdxf.readfile(files[0]).modelspace())
+    assert radii == pytest.approx([4 - KERF / 2, 20 + KERF / 2], abs=1e-12)
+
+
+def test_a_path_without_kerf_is_told(tmp_path):
+    files, laid, meant, _ = written(tmp_path, plate(), kerf=0.0)
+    assert failing(files, laid, meant) >= {"ROUND_TRIP", "KERF"}
+
+
+def test_a_notch_narrower_than_the_kerf_is_told(tmp_path):
+    def notched(width):
+        half = width / 2
+        corners = [-20 - 20j, 20 - 20j, complex(20, -half), complex(15, -half), complex(15, half), complex(20, half)]
+        return plate(outer=polygon([*corners, 20 + 20j, -20 + 20j]))
+
+    assert failing(*written(tmp_path, notched(0.5))[:3]) == set()
+    files, laid, meant, beam = written(tmp_path, notched(0.15))
+    findings = judge_sheet(files[0], files[1], laid, meant, beam)[0]
+    assert {finding.code for finding in findings if not finding.ok} >= {"KERF"}
+    assert max(finding.measured for finding in findings if finding.code == "KERF") > 4  # of a notch that is 5 deep
+
+
+def test_damage_is_told(tmp_path):
+    files, laid, meant, _ = written(tmp_path, plate())
+    dxf, svg = files
+    text = svg.read_text()
+    svg.write_text(re.sub(r'cx="(\d+)', lambda found: f'cx="{int(found[1]) + 1}', text, count=1))
+    assert failing(files, laid, meant) == {"ROUND_TRIP"}
+    svg.write_text(text.replace('mm"', 'in"'))
+    assert failing(files, laid, meant) == {"ROUND_TRIP"}
+    svg.write_text(text.replace("#ff0000", "#00ff00"))
+    with pytest.raises(FileError, match="not a sheet in SVG"):
+        read_svg(svg)
+    svg.write_text(text)
+    assert failing(files, [*laid, Laid("plate", 3, 0.0, 0j)], meant) >= {"SHEET_FIT"}
+    assert failing(files, [laid[0], Laid("plate", 2, -2.0, 140.02 + 50j)], meant) == {"ROUND_TRIP", "KERF"}
+    assert failing(files, laid, meant, Beam(KERF, 30.0, (200.0, 100.0))) == {"SHEET_FIT"}
+    drawing = ezdxf.readfile(dxf)
+    circles = drawing.modelspace().query("CIRCLE")
+    circles[0].dxf.radius += 0.01
+    drawing.saveas(dxf)
+    assert failing(files, laid, meant) == {"ROUND_TRIP", "KERF"}
+    drawing.header["$INSUNITS"] = 1
+    drawing.saveas(dxf)
+    assert failing(files, laid, meant) == {"DXF_CLOSED"}
+
+
+def test_pieces_over_the_edge_or_too_near_are_told(tmp_path):
+    files, laid, meant, beam = written(tmp_path, plate(), places=((0.0, 20 + 45j), (0.0, 85 + 50j)))
+    found = [f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"]
+    assert [finding.ok for finding in found] == [True, False, True]
+    files, laid, meant, beam = written(tmp_path, plate(), places=((0.0, 50 + 45j), (0.0, 112 + 45j)))
+    found = [f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"]
+    assert [finding.ok for finding in found] == [True, True, False]
+
+
+def test_engraving_comes_first_and_is_not_cut(tmp_path):
+    piece = Piece("p", Region(rectangle(10 + 10j, 60 + 40j), (circle(20 + 20j, 5),)), (polygon([30 + 15j, 40 + 15j, 35 + 25j]),))
+    for ending in ("dxf", "svg"):
+        write_sheet(tmp_path / f"s.{ending}", [piece], (100.0, 50.0), TOLERANCE)
+    drawn = read_dxf(tmp_path / "s.dxf", engraving=True)
+    size, layers = read_svg(tmp_path / "s.svg")
+    assert size == (100.0, 50.0) and (len(drawn.cut), len(drawn.engraved)) == (2, 1)
+    assert {name: len(rings) for name, rings in layers.items()} == {"ENGRAVE": 1, "CUT": 2}
+    assert read_dxf(tmp_path / "s.dxf").faults  # no drawing of one part
+    for ring, other in zip((*drawn.engraved, *drawn.cut), (*layers["ENGRAVE"], *layers["CUT"]), strict=True):
+        assert ring.area == pytest.approx(other.area, rel=1e-6) and ring.centroid == pytest.approx(other.centroid, abs=1e-6)
+
+
+# ---- whole machines -----------------------------------------------------------------------------------------------------
+
+
+def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
+    settings = ("laser.thickness=4", "laser.kerf=0.3")
+    report = build(root / "specs" / "linkage.toml", tmp_path / "a", DXF, settings)
+    assert report.ok
+    (moved,) = [f for f in report.findings if f.code == "MOTION_ERROR" and "sheets" in f.where]
+    assert moved.measured < 1e-3
+    codes = {f.code for f in report.findings if "sheet" in f.where}
+    assert codes >= {"KERF", "SHEET_FIT", "PIN_GAP", "LASH", "MIN_WALL", "ROUND_TRIP"}
+    (table,) = [table for table in report.tables if table.title.startswith("Cut of sheets")]
+    otherwise = {row[1]: row[4] for row in table.rows if row[0] == "none"}
+    assert otherwise["ground"] == "5 mm thick, the sheet is 4" and otherwise["pin-1"].startswith("stepped")
+    assert 0 < report.numbers["sheet_density"] < 1 and report.numbers["sheets"] == 1
+    assert any("laser.kerf = 0.3 acts on the sheets alone" in line for line in report.warnings)
+    again = build(root / "specs" / "linkage.toml", tmp_path / "b", DXF, settings)
+    names = [path.name for path in report.folder.glob("*sheet*")]
+    assert len(names) == 3 and all((report.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names)
+    assert check(report.folder).ok
+    dxf = report.folder / "linkage-sheet-1.dxf"
+    drawing = ezdxf.readfile(dxf)
+    drawing.modelspace().query("CIRCLE")[0].dxf.center += ezdxf.math.Vec3(0.05, 0, 0)
+    drawing.saveas(dxf)
+    assert {f.code for f in check(report.folder).findings if not f.ok} >= {"MOTION_ERROR", "KERF", "ROUND_TRIP"}
+    listed = again.folder / "linkage-sheets.csv"
+    rows = list(csv.reader(listed.read_text().splitlines()))
+    rows[1][3] = "no number"
+    listed.write_text("\n".join(map(",".join, rows)))
+    with pytest.raises(FileError, match="not a list of sheets"):
+        check(again.folder)
+
+
+def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root):
+    spec = root / "specs" / "linkage.toml"
+    with pytest.raises(DesignError, match="fits on no sheet of 60 x 60 mm: make laser.sheet larger"):
+        build(spec, tmp_path, DXF, ("laser.thickness=4", "laser.sheet=[60.0, 60.0]"))
+    with pytest.raises(DesignError, match=r"laser.kerf = 5 mm is too wide for a hole or a slot of \w+: take a finer beam"):
+        build(spec, tmp_path, DXF, ("laser.thickness=4", "laser.kerf=5"))
+    with pytest.raises(SpecError, match="laser.kerf"):
+        build(spec, tmp_path, DXF, ("laser.kerf=-0.1",))
+    assert not any(tmp_path.iterdir())
+    thin = build(spec, tmp_path, DXF, ("laser.thickness=7",))
+    assert thin.ok and any("no part is flat and as thick" in line for line in thin.warnings)
+    assert not list(thin.folder.glob("*sheet*"))
+
+
+def test_which_parts_a_sheet_can_be(root):
+    mechanism = read_mechanism(root / "specs" / "thread-take-up.toml", ("laser.thickness=4",)).resolved()
+    assert {part.name for part in sheet_parts(mechanism)} == {"frame", "output-crank", "input-crank", "bell-crank", "collar"}
+    said = {part.name: why_not(part, mechanism.laser) for part in mechanism.parts()}
+    assert said["shaft"] == "turned of steel" and said["guide"].startswith("stepped")
+    assert said["dowel"] == "8.2 mm thick, the sheet is 4"
