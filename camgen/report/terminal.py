@@ -127,7 +127,8 @@ def _in_words(finding: Finding) -> str:
     most, asked = ("least", "asked") if finding.floor else ("most", "allowed")
     limit = "" if math.isnan(finding.limit) else f"; at {most} {number(finding.limit)}{unit} is {asked}"
     at = f" ({finding.where})" if finding.where else ""
-    return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {finding.message}".rstrip(" .") + "."
+    message = finding.message[:1].upper() + finding.message[1:]
+    return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(" .") + "."
 
 
 def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
