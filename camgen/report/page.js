@@ -75,6 +75,7 @@ const camgen = (() => {
 
   // ---- curves: cursor, values, seeking ----
 
+  const raised = ["", "\u207b", "\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074", "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"];
   function line(path) {  // what a path draws: pieces of points
     return path.getAttribute("d").replace("Z", "").split("M").slice(1).map(piece => piece.split("L").map(at => at.split(" ").map(Number)));
   }
@@ -121,7 +122,9 @@ const camgen = (() => {
           if (y === undefined) return "\u2013";
           const value = this.y0 + (this.low - y) / (this.low - this.top) * (this.y1 - this.y0);
           const known = Number(value.toFixed(Math.min(100, this.digits)));  // what a plot of this height can tell
-          return (this.digits > 6 && known ? known.toExponential(2) : known.toFixed(Math.min(6, this.digits))).replace(/-/g, "\u2212");
+          if (this.digits <= 6 || !known) return known.toFixed(Math.min(6, this.digits)).replace("-", "\u2212");
+          const [head, power] = known.toExponential(2).split("e");
+          return head.replace("-", "\u2212") + "\u00b710" + power.replace(/./g, c => raised["+-0123456789".indexOf(c)]);
         }).join(" \u2026 ");
       });
     }

@@ -31,7 +31,8 @@ from camgen.machine.closed_form import slider_travel
 from camgen.machine.features import CamOutline
 from camgen.machines.disc_cam import DiscCamDrive
 from camgen.pipeline import build as pipeline
-from camgen.report.report import Report, to_html
+from camgen.report.page import to_html
+from camgen.report.report import Report
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 INCH = 25.4
@@ -366,7 +367,7 @@ def test_acceleration_is_endless_where_the_speed_jumps() -> None:
     speed = 8.0 / (2 * math.pi / 3) * mechanism().motor.speed_rpm * math.tau / 60
     assert numbers["peak_speed_mm_s"] == pytest.approx(speed)
     text = to_html(Report("cam", "disc-cam", (), numbers))
-    assert re.search(r"peak acceleration</dt><dd>∞", text)
+    assert re.search(r"Peak acceleration</dt><dd>∞", text)
 
 
 def test_an_accepted_undercut_fails_nowhere() -> None:
