@@ -87,7 +87,9 @@ def judge(
     mechanism, names = case.mechanism, list(case.parts)
     files = [kind for kind in kinds if kind != "report"]
     asked = _stages(mechanism, files)
-    waiting = [workers.start(stage.work, case, files) for stage in asked if stage.work is not None and stage.runs(files)]
+    waiting = [
+        (stage.what, workers.start(stage.work, case, files)) for stage in asked if stage.work is not None and stage.runs(files)
+    ]
     reading = workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
     limits, study = mechanism.limits(), mechanism.study()
     parts: list[Outcome] = []
@@ -100,9 +102,9 @@ def judge(
     moved, columns, more = _moved(mechanism, files, read)
     budget = _budget(case, read, [study.numbers, moved.numbers]) if "report" in kinds else None
     stages = []
-    for k, stage in enumerate(waiting):
-        progress("moving the assembly through a turn", 0.7 + 0.15 * k / len(waiting))
-        stages.append(stage())
+    for k, (what, outcome_of) in enumerate(waiting):
+        progress(f"looking at {what or 'the design'}", 0.7 + 0.15 * k / len(waiting))
+        stages.append(outcome_of())
     if not columns:
         columns = dict(study.columns)
         for outcome in stages:
