@@ -150,7 +150,8 @@ def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
     assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ") and str(tmp_path) in see
     assert told.count("BED_FIT") == 2  # once in the table, once in the verdict
     assert last == f"uniform-swing: all {len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
-        "BED_FIT, WATERTIGHT, VOLUME (need STL or 3MF); DRIVE_TORQUE (needs motor.torque_n_m or motor.model)"
+        "BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP); "
+        "DRIVE_TORQUE (needs motor.torque_n_m or motor.model)"
     )
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))
     assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
