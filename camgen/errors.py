@@ -80,7 +80,15 @@ class DesignError(CamgenError):
         self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
         self.where, self.remedy = where, remedy
         place, of = f" at {where}" if where else "", f" {unit}" if unit else ""
-        told = said or f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
+        named = f" ({where})" if where else ""
+        if said:
+            told = said
+        elif unit == "" and (value, limit) == (0, 1):  # what is counted
+            told = f"there are no {quantity}{named}"
+        elif unit == "" and limit == 0 and isinstance(value, int):
+            told = f"{quantity}: {value}, where none may be{named}"
+        else:
+            told = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
         super().__init__(f"{told}; {remedy}" if remedy else told)
 
 

@@ -31,17 +31,19 @@ def product(a: Floats, b: Floats) -> Floats:
     return np.asarray(total)
 
 
-def solve(matrices: Floats, right: Floats) -> Floats:
+def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = None) -> Floats:
     """Solutions of n systems (n, k, k) x = right, (n, k), or (n, k, m) for m of them; nan for a singular one.
 
     Gauss, partial pivoting. What is zero in all systems is left out: joints tie few bodies to each other, and machines on
-    one shaft none.
+    one shaft none. holds: (k, k), all others are known to be zero: to look at each would cost more than to solve.
     """
     n, size = right.shape[:2]
     several = right.reshape(n, size, math.prod(right.shape[2:]))
+    if n == 1:
+        return _solve_one(matrices[0], several[0]).reshape(right.shape)
     table = np.zeros((size, size + several.shape[2], n))  # row, column, system
     filled = np.ones(table.shape[:2], bool)
-    filled[:, :size] = (matrices != 0).any(axis=0)
+    filled[:, :size] = (matrices != 0).any(axis=0) if holds is None else holds
     at = np.nonzero(filled[:, :size])
     table[at], table[:, size:] = matrices[:, at[0], at[1]].T, np.moveaxis(several, 0, -1)  # most of a long chain's table is empty
     filled[:, size:] = (table[:, size:] != 0).any(axis=2)
@@ -73,6 +75,24 @@ def solve(matrices: Floats, right: Floats) -> Floats:
             found[k] = (table[k, size:] - known) / table[k, k]
     found[:, :, ~np.isfinite(found).all(axis=(0, 1))] = math.nan
     return np.ascontiguousarray(np.moveaxis(found, -1, 0)).reshape(right.shape)
+
+
+def _solve_one(matrix: Floats, right: Floats) -> Floats:
+    """The solution of one system (k, k) x = right, (k, m), likewise."""
+    size = len(matrix)
+    table, found = np.concatenate([matrix, right], axis=1), np.full(right.shape, math.nan)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for k in range(size):
+            best = k + int(np.argmax(np.abs(table[k:, k])))
+            if best != k:
+                table[[k, best]] = table[[best, k]]
+            rows = k + 1 + np.flatnonzero(table[k + 1 :, k])
+            if rows.size:
+                table[rows, k:] -= (table[rows, k] / table[k, k])[:, None] * table[k, k:]
+        for k in range(size - 1, -1, -1):
+            found[k] = table[k, size:] / table[k, k]
+            table[:k, size:] -= table[:k, k : k + 1] * found[k]
+    return found if np.isfinite(found).all() else np.full(right.shape, math.nan)
 
 
 def least_squares(table: Floats, right: Floats) -> Floats:

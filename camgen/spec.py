@@ -79,6 +79,7 @@ class Print(Record):
     press_clearance: Clearance = 0.0
     bed: tuple[Length, Length] = (220.0, 220.0)
     bed_height: Length = 250.0
+    bed_margin: Annotated[float | None, Field(ge=0, le=1000)] = None
     hole_compensation: Annotated[float, Field(ge=-2, le=2)] = 0.0
     profile_compensation: Annotated[float, Field(ge=-2, le=2)] = 0.0
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0

@@ -92,6 +92,7 @@ def rows(starter: str) -> Iterator[tuple[tuple[str, ...], str, str]]:
 def described(cls: type[Spec], mechanism: str) -> Data:
     """The JSON Schema of a mechanism's spec, each key with what its starter says of it and its unit."""
     root = specs.schema(cls, mechanism)
+    _tell_units(root)
     for path, _, said in rows(text(mechanism)):
         tables = [root]
         for step in path[:-1]:
@@ -99,11 +100,9 @@ def described(cls: type[Spec], mechanism: str) -> Data:
         for table in tables:
             if said and path[-1] in table.get("properties", ()):
                 table["properties"][path[-1]]["description"] = said
+    _tell_units(root)
     for table in (root, *root.get("$defs", {}).values()):
-        for name, node in table.get("properties", {}).items():
-            unit = _unit(name, node)
-            if unit is not None:
-                node["unit"] = unit
+        for node in table.get("properties", {}).values():
             for each in tables_of(node, root) + tables_of(step_below(node, "a", root), root):
                 if "description" in each:  # a table: what its class says, where the starter says nothing
                     node.setdefault("description", each["description"].partition("\n")[0])
@@ -129,6 +128,15 @@ def write_schema(cls: type[Spec], mechanism: str, where: Path) -> bool:
         except FileExistsError:
             return False
     return True
+
+
+def _tell_units(root: Data) -> None:
+    """Give each key of numbers its unit, where it is known."""
+    for table in (root, *root.get("$defs", {}).values()):
+        for name, node in table.get("properties", {}).items():
+            unit = _unit(name, node)
+            if unit is not None:
+                node["unit"] = unit
 
 
 def _unit(name: str, node: Mapping[str, Any]) -> str | None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from camgen.pipeline import build as pipeline
-from camgen.report.animation import still_svg
+from camgen.report.animation import frames, still_svg
 
 TOP = Path(__file__).resolve().parent.parent
 FRAMES = {
@@ -28,11 +32,37 @@ def picture(name: str) -> str:
     return still_svg(pipeline.animation(mechanism), f"{mechanism.name} ({mechanism.mechanism})", FRAMES[name])
 
 
+def moving(name: str, seconds: float = 6.0) -> str:
+    """The same, moving: each copy by a CSS animation of 40 places, still where a reader asks for less motion."""
+    mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
+    animation = pipeline.animation(mechanism)
+    rules, numbers = [], iter(range(10**6))
+    poses: Any = frames(animation)["poses"]
+
+    def placed(found: re.Match[str]) -> str:
+        k = next(numbers)
+        if len(poses[k]) == 1:
+            return found[0]
+        deg, x, y = np.array([*poses[k], poses[k][0]], float).T[:, :: len(poses[k]) // 40]
+        deg = np.unwrap(deg, period=360)
+        steps = (
+            f"{100 * i / 40:g}%{{transform:translate({x[i]:.2f}px,{y[i]:.2f}px) rotate({deg[i]:.2f}deg)}}" for i in range(41)
+        )
+        rules.append(f"@keyframes k{k}{{{''.join(steps)}}}.k{k}{{animation:k{k} {seconds:g}s linear infinite}}")
+        return f'<g class="k{k}" transform="{found[2]}"><use{found[1]}{found[3]}/></g>'
+
+    still = still_svg(animation, f"{mechanism.name}, one turn in {seconds:g} s", FRAMES[name])
+    text = re.sub(r'<use([^>]*?) transform="(translate\([^"]*?\)rotate\([^"]*?\))(?:scale\(-1 1\))?"()/>', placed, still)
+    quiet = "@media (prefers-reduced-motion:reduce){g{animation:none!important}}"
+    return text.replace("</style>", "".join(rules) + quiet + "</style>", 1)
+
+
 def path(name: str) -> Path:
     """Where the README finds it."""
     return TOP / "out" / "gallery" / f"{name}.svg"
 
 
 if __name__ == "__main__":
+    path("walking-leg-moving").write_text(moving("walking-leg"), encoding="utf-8")
     for name in FRAMES:
         path(name).write_text(picture(name), encoding="utf-8")

@@ -72,6 +72,19 @@ def results(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 NO_SUCH = DesignError("geometry.swing_deg", 60, 53.1, "deg", "the inner end", "use a smaller swing")
 
 
+@pytest.mark.parametrize(
+    "error, said",
+    [
+        (NO_SUCH, "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing"),
+        (DesignError("pivots", 0, 1, "", "link a", "add one"), "there are no pivots (link a); add one"),
+        (DesignError("carriers that move", 2, 0, "", "", "fix them"), "carriers that move: 2, where none may be; fix them"),
+        (DesignError("gap", 0.0, 1, "mm", "joint A"), "gap is 0 mm at joint A, limit 1 mm"),
+    ],
+)
+def test_what_cannot_exist_is_told_in_a_sentence(error: DesignError, said: str) -> None:
+    assert str(error) == said
+
+
 # ---- exit codes ------------------------------------------------------------------------------------------------------
 
 
@@ -100,7 +113,7 @@ def test_table_shows_measured_limit_margin_and_verdict(run: Run, results: dict[s
     out = run("build", "bad")[1]
     line = next(line for line in out.splitlines() if "MOTION_ERROR" in line)
     assert line.split() == ["MOTION_ERROR", "1", "<=", "0.5", "-0.5", "deg", "cam.dxf", "FAIL"]
-    assert "MOTION_ERROR (cam.dxf) fails: 1 deg; at most 0.5 deg is allowed. the cam is off." in out
+    assert "MOTION_ERROR (cam.dxf) fails: 1 deg; at most 0.5 deg is allowed. The cam is off." in out
     assert "camgen explain MOTION_ERROR" in out
 
 
@@ -108,8 +121,8 @@ def test_quiet_tells_what_fails_and_verbose_tells_all(run: Run, results: dict[st
     results |= {"good": report(), "bad": report(False)}
     assert run("build", "good", "--quiet") == (0, "", "")
     code, out, _ = run("build", "bad", "-q")
-    assert (code, len(out.splitlines())) == (1, 3) and "the cam is off" in out and "margin" not in out
-    assert "the cam is off" not in run("build", "good")[1] and "the cam is off" in run("build", "good", "-v")[1]
+    assert (code, len(out.splitlines())) == (1, 3) and "The cam is off" in out and "margin" not in out
+    assert "cam is off" not in run("build", "good")[1] and "The cam is off" in run("build", "good", "-v")[1]
 
 
 def test_the_last_lines_say_where_the_files_are_and_what_to_open(run: Run, results: dict[str, Any], tmp_path: Path) -> None:

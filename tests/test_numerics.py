@@ -46,6 +46,22 @@ def test_systems_with_zeros_and_several_right_sides_are_numpy_s(share: float) ->
         np.testing.assert_array_equal(found[:, :, 1], solve(matrices, right[:, :, 1]))
 
 
+@pytest.mark.parametrize("size", [1, 3, 24])
+def test_one_system_alone_and_one_whose_zeros_are_known(size: int) -> None:
+    holds = RNG.random((size, size)) < 0.4
+    holds[np.arange(size), RNG.permutation(size)] = True
+    matrices = np.where(holds, RNG.normal(size=(5, size, size)), 0.0)
+    matrices[:, holds] += 0.5
+    right = RNG.normal(size=(5, size, 2))
+    sound = np.linalg.cond(matrices) < 1e6
+    found = solve(matrices, right, holds)
+    np.testing.assert_allclose(found[sound], np.linalg.solve(matrices, right)[sound], rtol=1e-7, atol=1e-9)
+    for k in np.flatnonzero(sound):
+        np.testing.assert_allclose(solve(matrices[k : k + 1], right[k : k + 1])[0], found[k], rtol=1e-9, atol=1e-11)
+    matrices[0, 0] = 0.0
+    assert np.isnan(solve(matrices[:1], right[:1])).all()
+
+
 def test_no_system_has_no_solution() -> None:
     assert solve(np.zeros((0, 3, 3)), np.zeros((0, 3))).shape == (0, 3)
     assert solve(np.zeros((0, 3, 3)), np.zeros((0, 3, 2))).shape == (0, 3, 2)

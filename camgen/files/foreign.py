@@ -26,7 +26,7 @@ from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
-ENDINGS = (".dxf", ".stl", ".3mf")
+ENDINGS = (".dxf", ".stl", ".3mf", ".gcode")
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
 _MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
 _MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
@@ -53,15 +53,18 @@ class Outline:
     remark: str
 
 
-def read_outline(path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None) -> Outline:
-    """The largest closed contour of a DXF (of one layer, if named), or of a mesh's section at height, mm (half way up).
+def read_outline(
+    path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None, line_width: float | None = None
+) -> Outline:
+    """The largest closed contour of a DXF (of one layer, if named), or at a height, mm (half way up): of a mesh's section, or of
+    what G-code prints there with lines of its own width, or of line_width, mm, where it says none.
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
     contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
     are turned into them, with a finding.
     FileError where the file cannot be read, is empty, too large, or not what its ending says.
     """
-    kind = path.suffix.lower()
+    kind = ".gcode" if path.suffix.lower() == ".bgcode" else path.suffix.lower()
     if kind not in ENDINGS:
         raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
     try:
@@ -78,6 +81,8 @@ def read_outline(path: Path, height: float | None = None, layer: str | None = No
     if found not in (kind, ""):
         raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
     try:
+        if kind == ".gcode":
+            return _judged(path, _from_gcode(path, height, contour, line_width))
         outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
         return _judged(path, outline)
     except OverflowError as error:
@@ -162,6 +167,14 @@ def _crossing(ring: Ring) -> str:
     z = ring.facetted(CURVE_CHORDS)
     polygon = shapely.Polygon(np.column_stack([z.real, z.imag]))
     return "" if shapely.is_valid(polygon) else str(shapely.is_valid_reason(polygon))
+
+
+def _from_gcode(path: Path, height: float | None, contour: int | None, line_width: float | None) -> Outline:
+    from camgen.files.gcode import printed_outlines
+
+    rings, remark = printed_outlines(path, height, line_width)
+    ring, picked = _picked(path, rings, contour)
+    return Outline(ring, (picked,), f"{picked.message}; {remark}")
 
 
 # ---- DXF -------------------------------------------------------------------------------------------------------------

@@ -181,18 +181,26 @@ def bed_fit(
     return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
 
 
+def within(bed: tuple[float, float], margin: float | None) -> tuple[float, float]:
+    """Width and depth of a bed, mm, less a margin all round; never below 0."""
+    return max(bed[0] - 2 * (margin or 0.0), 0.0), max(bed[1] - 2 * (margin or 0.0), 0.0)
+
+
 def laid_out(
     parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float,
-    sides: Mapping[str, Side] = MappingProxyType({}),
+    sides: Mapping[str, Side] = MappingProxyType({}), margin: float | None = None,
 ) -> Layout:  # fmt: skip
     """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
 
     meshes, sides: by part name, in the part's frame, and on which side it lies, as drawn unless said. A part that fits no bed is
-    left out, and its finding says by how much. The bed's rim is kept free as wide as the gap, for a brim, unless a part needs it.
+    left out, and its finding says by how much. The bed's rim is kept free as wide as the margin, mm; without one as wide as the
+    gap, for a brim, unless a part needs it.
     """
     import rectpack
 
     whole, gap = bed, gap + _SPARE
+    if margin is not None:
+        bed = within(bed, margin)
     prints: dict[str, Footprint] = {}
     findings, copies = [], []
     turns = {part.name: sides.get(part.name, Side()).turn for part in parts}
@@ -204,7 +212,7 @@ def laid_out(
         copies += [(part.name, k + 1) for k in range(part.count)] if finding.ok else []
 
     inner = (bed[0] - 2 * gap, bed[1] - 2 * gap)
-    if min(inner) > 0 and all(_fits(prints[name], inner) for name, _ in copies):
+    if margin is None and min(inner) > 0 and all(_fits(prints[name], inner) for name, _ in copies):
         bed = inner
     packer = rectpack.newPacker(rotation=True)  # the largest area first
     packer.add_bin(*(math.floor((side + gap) / _UNIT) for side in bed), count=float("inf"))

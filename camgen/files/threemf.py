@@ -9,6 +9,8 @@ Packages are counted before they are unpacked: components within components mult
 
 from __future__ import annotations
 
+import colorsys
+import hashlib
 import re
 import uuid
 import zipfile
@@ -25,6 +27,7 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen import __version__
 from camgen.errors import FileError
 from camgen.files.formats import Job
 from camgen.geometry.mesh import Mesh
@@ -76,7 +79,8 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     """Write a 3MF of named meshes and their copies; `key` (the spec's hash) makes every UUID, so same key, same bytes.
 
     A copy in place under its object's own name is a build item of the mesh; any other is a named components object
-    that places the mesh. Meshes that no copy places are left out: PrusaSlicer opens no file that has one.
+    that places the mesh. Meshes that no copy places are left out: PrusaSlicer opens no file that has one. The file's own name
+    is its title; every part has one colour, the same in all files, by its name.
     """
     import lib3mf
 
@@ -86,6 +90,10 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     model = lib3mf.get_wrapper().CreateModel()
     model.SetUnit(lib3mf.ModelUnit.MilliMeter)
     model.SetBuildUUID(made("build"))
+    about = model.GetMetaDataGroup()
+    about.AddMetaData("", "Title", path.stem, "xs:string", True)
+    about.AddMetaData("", "Application", f"camgen {__version__}", "xs:string", True)
+    colours = model.AddBaseMaterialGroup()
     identity = _transform(np.eye(3, 4))
     meshes: dict[str, Any] = {}
     placed = {item.object for item in items}
@@ -99,6 +107,7 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
         thing.SetGeometry(
             (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
         )
+        thing.SetObjectLevelProperty(colours.GetUniqueResourceID(), colours.AddMaterial(name, lib3mf.Color(*_colour(name), 255)))
     for item in items:
         thing = meshes[item.object]
         if item.name != item.object or not np.array_equal(item.transform, np.eye(3, 4)):
@@ -112,6 +121,13 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(_DECIMALS)
     path.write_bytes(bytes(writer.WriteToBuffer()))
+
+
+def _colour(name: str) -> tuple[int, int, int]:
+    """Red, green and blue of a part, 0..255: light ones, whose hue its name says."""
+    hue = int.from_bytes(hashlib.sha256(name.encode()).digest()[:4], "big") / 2**32
+    red, green, blue = (round(255 * share) for share in colorsys.hsv_to_rgb(hue, 0.5, 0.9))
+    return red, green, blue
 
 
 def _transform(matrix: Floats) -> Any:

@@ -33,6 +33,7 @@ _ROLLING = 0.08  # mm, the same of tip and cam, or of teeth, on the way round; h
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
 _FINEST = 0.001  # mm, and no finer than this
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
+_BAR = np.array([0.0, 1.0, 0.0, 1.0])  # bulges of a bar's sides and ends
 
 
 def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
@@ -95,6 +96,9 @@ def _copies(part: str, names: Sequence[str]) -> list[str]:
 def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
     """Parts and stand-ins that touch by intent, with the overlap that may show: fits that leave less air than `gap`, tips."""
     tips = [thing.name for thing in machine.stand_ins if thing.rolls]
+    for piece, rest in itertools.combinations([thing for thing in machine.stand_ins if thing.whole], 2):
+        if piece.whole == rest.whole:
+            yield piece.name, rest.name, 2 * max(radius for *_, radius, _, _ in (*piece.bars, *rest.bars)) + spare
     for contact in machine.contacts:
         match contact:
             case CamOutline(part=part, own=own):
@@ -141,8 +145,11 @@ def _course(courses: Courses, body: str, start: float) -> Course:
 
 
 def _slabs(thing: StandIn, turned: float) -> tuple[Slab, ...]:
-    """Discs as slabs, on a body that is turned by so much at theta = 0, rad."""
+    """Discs and bars as slabs, on a body that is turned by so much at theta = 0, rad."""
     turn, slabs = cmath.exp(1j * turned), dict[tuple[float, float], list[Ring]]()
     for at, radius, z0, z1 in thing.discs:
         slabs.setdefault((z0, z1), []).append(Ring(np.asarray(turn * (at + radius * _ENDS), complex), np.ones(2)))
+    for a, b, radius, z0, z1 in thing.bars:
+        side = 1j * radius * (b - a) / abs(b - a)
+        slabs.setdefault((z0, z1), []).append(Ring(turn * np.array([a - side, b - side, b + side, a + side]), _BAR))
     return tuple(Slab(z0, z1, tuple(rings)) for (z0, z1), rings in slabs.items())

@@ -168,8 +168,9 @@ def shadow_of(sections: Sequence[Section]) -> Section:
 # ---- a plate ready to print ------------------------------------------------------------------------------------------
 
 
-def judge_plate(path: Path, bed: tuple[float, float], gap: float) -> list[Finding]:
-    """A plate file as read back: every body stands on z = 0, inside the bed (its corner at the origin), `gap` from the others.
+def judge_plate(path: Path, bed: tuple[float, float], gap: float, margin: float = 0.0) -> list[Finding]:
+    """A plate file as read back: every body stands on z = 0, inside the bed (its corner at the origin) less its margin, mm, and
+    `gap` from the others.
 
     Bodies count with their whole shadow.
     """
@@ -180,9 +181,10 @@ def judge_plate(path: Path, bed: tuple[float, float], gap: float) -> list[Findin
     rounding = 8 * FLOAT32_ROUNDING * max(bed)
     lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
     places = [mesh.vertices[:, :2] for mesh in meshes]
-    beyond = max((float(max(-xy.min(), (xy - np.array(bed)).max(), 0.0)) for xy in places), default=math.nan)
+    beyond = max((float(max(-xy.min(), (xy - np.array(bed)).max(), -margin)) for xy in places), default=math.nan) + margin
     held = "1 body stands" if len(meshes) == 1 else f"{len(meshes)} bodies stand"
     said = f"how far {held} out over the bed of {bed[0]:g} x {bed[1]:g} mm"
+    said += f", {margin:g} mm of its rim left free" if margin else ""
     findings = [
         at_most("BED_FIT", beyond, rounding, "mm", where, said),
         at_most("BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"),

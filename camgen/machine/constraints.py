@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -114,6 +115,16 @@ class Constraints:
         levers = [abs(z) for body in machine.bodies for z in body.points.values()]
         self.size = max(1.0, np.abs(self.start).max(initial=0), *levers)
         self.unit = np.tile([self.size, self.size, 1.0], len(self.bodies))
+
+    @cached_property
+    def holds(self) -> NDArray[np.bool_]:
+        """Which conditions hold which poses, (rows, 3 bodies)."""
+        rows, found = _Rows(), np.zeros((self.height, self.width), bool)
+        for each in self.conditions:
+            self._write(each, self.start[None], np.zeros(1), None, rows)
+        for row, slopes in enumerate(rows.slopes):
+            found[row, list(slopes)] = True
+        return found
 
     # ---- conditions ----
 
@@ -258,11 +269,11 @@ class Constraints:
         """q', q'' to theta at closed poses; of order 1 the latter is nan."""
         with np.errstate(all="ignore"):
             slopes = self.evaluate(q, theta)[1]
-            first = solved(slopes, -self.drift(theta))
+            first = solved(slopes, -self.drift(theta), self.holds)
             if order < 2:
                 return first, np.full(first.shape, np.nan)
             bends = self.evaluate(q, theta, first)[2]
-            return first, solved(slopes, -bends)
+            return first, solved(slopes, -bends, self.holds)
 
     def _square(self) -> None:
         if self.height != self.width:
@@ -275,7 +286,7 @@ class Constraints:
         with np.errstate(all="ignore"):
             for _ in range(STEPS):
                 misfit, slopes, _ = self.evaluate(q, theta)
-                step = solved(slopes, misfit)
+                step = solved(slopes, misfit, self.holds)
                 open_ |= ~np.isfinite(step).all(axis=1)
                 step[open_] = 0
                 q -= step
@@ -389,7 +400,7 @@ class Constraints:
         slopes = self.evaluate(q, theta)[1]
         gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
-        found = np.swapaxes(solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2)), 1, 2)
+        found = np.swapaxes(solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2), self.holds.T), 1, 2)
         shares, first = [], 0
         for gradient in gradients:
             mine, first = found[:, first : first + gradient.shape[1]], first + gradient.shape[1]
@@ -432,11 +443,15 @@ def _stretch(parts: Floats) -> Floats:
     return np.asarray(np.sqrt((total + np.sqrt(np.maximum(total**2 - 4 * area**2, 0))) / 2))
 
 
-def solved(matrices: Floats, right: Floats) -> Floats:
-    """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one."""
-    sound = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=tuple(range(1, right.ndim)))
+def solved(matrices: Floats, right: Floats, holds: NDArray[np.bool_]) -> Floats:
+    """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one.
+
+    holds: (k, k), where they are other than zero.
+    """
+    row, column = np.nonzero(holds)
+    sound = np.isfinite(matrices[:, row, column]).all(axis=1) & np.isfinite(right).all(axis=tuple(range(1, right.ndim)))
     if sound.all():
-        return solve(matrices, right)
+        return solve(matrices, right, holds)
     found = np.full(right.shape, np.nan)
-    found[sound] = solve(matrices[sound], right[sound])
+    found[sound] = solve(matrices[sound], right[sound], holds)
     return found

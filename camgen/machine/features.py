@@ -253,13 +253,16 @@ class Asked:
 class StandIn:
     """A thing that is not made but in the way of others: discs (centre, radius, z0, z1), mm, on a body of the model.
 
-    rolls: it is a tip that rolls on parts.
+    rolls: it is a tip that rolls on parts; bars: bands with round ends (both centres, radius, z0, z1), mm; whole: what it is
+    a piece of, such as one end of a spring: pieces of one thing may overlap.
     """
 
     name: str
     body: str
     discs: tuple[tuple[complex, float, float, float], ...]
     rolls: bool = False
+    bars: tuple[tuple[complex, complex, float, float, float], ...] = ()
+    whole: str = ""
 
 
 @dataclass(frozen=True)

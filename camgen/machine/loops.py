@@ -232,6 +232,7 @@ class State:
         self._angle: dict[str, Any] = {GROUND: 0.0}
         self._turns: dict[str, Jet] = {GROUND: [1.0, 0, 0][: order + 1]}
         self._origins: dict[str, Jet] = {GROUND: [0, 0, 0][: order + 1]}
+        self._near: dict[tuple[float, int], Any] = {}  # by where an angle was followed, the nearest place of each theta
 
     # ---- what is known ----
 
@@ -241,9 +242,26 @@ class State:
             e = self.angles[group][0]
             low, high = (float(np.min(self.theta)), float(np.max(self.theta))) if self.theta.size else (0.0, 0.0)
             theta, values = self.chain.followed(group, low, high)
-            near = np.interp(self.theta, theta, values) if theta.size else np.zeros(self.theta.shape)
-            self._angle[group] = near + np.angle(e * np.conj(unit_turn(near)))
+            angle = np.arctan2(e.imag, e.real)
+            turns = self._nearest(theta, values) - angle
+            turns *= 1 / math.tau
+            np.rint(turns, out=turns)
+            turns *= math.tau
+            self._angle[group] = turns + angle
         return [self._angle[group], *self.angles[group][1:]]
+
+    def _nearest(self, theta: Floats, values: Floats) -> Floats:
+        """The angle where it was followed nearest to each of our theta, (n,) rad: off by less than half a turn."""
+        if theta.size < 2:
+            return np.full(self.theta.shape, values[0] if values.size else 0.0)
+        span = theta[-1] - theta[0]
+        if span > (theta.size - 0.5) * (math.tau / FOLLOWED):  # some in between did not close
+            return np.asarray(np.interp(self.theta, theta, values))
+        key = (float(theta[0]), theta.size)
+        if key not in self._near:
+            near = np.rint((self.theta - theta[0]) * (FOLLOWED / math.tau)).astype(np.intp)
+            self._near[key] = np.clip(near, 0, theta.size - 1)
+        return np.asarray(values.take(self._near[key]))
 
     def turn(self, group: str) -> Jet:
         """exp(i angle) of a group with its derivatives."""

@@ -20,7 +20,8 @@ from camgen.errors import DesignError
 from camgen.machine.cams.followers import FlatFace, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.model import GROUND, Cam, Machine, Place, Spring
+from camgen.machine.features import Courses, StandIn
+from camgen.machine.model import GROUND, Cam, Machine, Place, Pose, Spring
 from camgen.machine.run import Run, solve
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Scaled
@@ -37,6 +38,7 @@ _OVER = 1.5  # of what keeps contact
 _STRETCHED = (0.4, 0.3, 0.5, 0.2, 0.6, 0.1)  # of a spring's length, where it is shortest
 _AIR = 1.0  # mm, between cam and post
 _EYE = 1.1  # of a spring, to its pin
+_EYE_ROOM = 0.5  # mm, from a pin to where a spring's coils are looked at
 _BACK = 3.0  # radii of a hub, from an edge or face to the pin of the spring
 
 
@@ -122,6 +124,41 @@ class Bench:
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
         found += [] if self.spring is None else [self.spring.bought(*self.way)]
         return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
+
+    # ---- springs in the sweep ---------------------------------------------------------------------------------------
+
+    def sweeping(self, courses: Courses) -> Courses:
+        """Courses of the bodies and of both ends of each spring, which lie along it."""
+
+        def found(theta: Any) -> dict[str, Pose]:
+            poses = dict(courses(theta))
+            for name, spring in self.bodies.layout.springs.items():
+                ends = []
+                for body, point in (spring.a, spring.b):
+                    ends.append(poses[body].place + np.exp(1j * poses[body].angle) * self.bodies.layout.at(body, point))
+                for k, (here, there) in enumerate((ends, ends[::-1]), 1):
+                    poses[f"{name} {k}"] = Pose(here, np.unwrap(np.angle(there - here)))
+            return poses
+
+        return found
+
+    def coils(self) -> list[StandIn]:
+        """Each spring as two bars from beside its pins to its middle, where it is longest; the eyes are left out."""
+        layout, found = self.bodies.layout, []
+        for name, spring in layout.springs.items():
+            shortest, longest = (length - self.sizes.pin_diameter for length in self.ways[name])
+            radius, low = spring.diameter / 2, layout.floor(layout.level[name] - layout.below(spring))
+            start = self.sizes.pin_diameter / 2 + _EYE_ROOM + radius
+            end = min(longest / 2, shortest - start)
+            bar = (complex(start), complex(end), radius, low, low + spring.diameter)
+            found += [StandIn(f"{name} {k}", f"{name} {k}", (), bars=(bar,), whole=name) for k in (1, 2) if end > start]
+        return found
+
+    @property
+    def ways(self) -> dict[str, tuple[float, float]]:
+        """Shortest and longest of each spring, inside its eyes, mm."""
+        own = {} if self.spring is None else {"spring": self.way}
+        return own | {name: each.way for name, each in self.strung.items()}
 
     # ---- layout -----------------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from pydantic import Field
 
 from camgen.errors import Fault
-from camgen.machine.features import CamOutline, Feature, Mount, StandIn
+from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.bench import Bench
 from camgen.machines.linkage.tables import Parts
@@ -110,6 +110,13 @@ class StandingCams(Mechanism):
     def stand_ins(self) -> Sequence[StandIn]:
         """The follower's tips, where they are not made; a machine's motor."""
         return self.bench.bodies.stand_ins() if self.standing else super().stand_ins()
+
+    def moved(self) -> Moved:
+        """What the sweep needs, springs too."""
+        moved = super().moved()
+        if not self.standing:
+            return moved
+        return replace(moved, courses=self.bench.sweeping(moved.courses), stand_ins=[*moved.stand_ins, *self.bench.coils()])
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""

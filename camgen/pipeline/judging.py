@@ -374,33 +374,35 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
-    from camgen.files.plates import bed_fit
+    from camgen.files.plates import bed_fit, within
     from camgen.judge.slabs import judge_plate
 
-    mechanism, plates, written, bed = case.mechanism, _plates(case), _written(case), case.mechanism.print.bed
+    mechanism, plates, written = case.mechanism, _plates(case), _written(case)
+    bed, margin = mechanism.print.bed, mechanism.print.bed_margin
     if not plates:  # no part fits, or an older build laid none out; one that is lost is missed by the manifest
         return fit_bed(case, kinds)
     listed, sides = mechanism.printed(), lying_sides(mechanism, written)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
     lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
-    fits = [bed_fit(part.name, part.count, vertices, bed, mechanism.print.bed_height)[1] for part, vertices in lying]
+    room, height = within(bed, margin), mechanism.print.bed_height
+    fits = [bed_fit(part.name, part.count, vertices, room, height)[1] for part, vertices in lying]
     short = (Counter({part.name: part.count for part in listed}) - laid).total()
     said = f"{laid.total()} {'copy' if laid.total() == 1 else 'copies'} laid out, {short} missing"
     where = f"{len(plates)} plate{'' if len(plates) == 1 else 's'}"
     missing = at_most("BED_FIT", short, 0, "copies", where, said)
-    on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP))]
+    on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP, margin or 0.0))]
     return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
 
 def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT of single parts, as designed."""
-    from camgen.files.plates import bed_fit
+    from camgen.files.plates import bed_fit, within
 
     findings, bed = [], case.mechanism.print
     for part in case.parts.values():
         rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
         corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
-        findings.append(bed_fit(part.name, part.count, corners, bed.bed, bed.bed_height)[1])
+        findings.append(bed_fit(part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height)[1])
     return Outcome(findings)
 
 

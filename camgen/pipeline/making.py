@@ -64,7 +64,7 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
     from camgen.files.plates import laid_out, placed, write_plates
 
     progress("laying out the plates", 0.42)
-    layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides)
+    layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin)
     paths = write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
     laid = [[(copy.object, copy.transform) for copy in placed(spots)] for spots in layout.plates]
     return [Plate(path.name, copies) for path, copies in zip(paths, laid, strict=True)]

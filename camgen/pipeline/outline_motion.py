@@ -126,6 +126,7 @@ class Request:
     height: float | None = None
     layer: str | None = None
     harmonics: int = HARMONICS
+    line_width: float | None = None
 
 
 def run(path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None) -> Report:
@@ -147,7 +148,7 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     outlines = []
     for file, contour in wanted:
         progress(f"reading {file.name}")
-        outlines.append(read_outline(file, request.height, request.layer, contour))
+        outlines.append(read_outline(file, request.height, request.layer, contour, request.line_width))
     findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
     rings = [outline.ring for outline in outlines if outline.ring is not None]
     name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"

@@ -16,6 +16,12 @@ const camgen = (() => {
     what(deg);
   }
   const page = { follow, show, solid: false };  // solid: a viewer shows the machine, the drawing rests
+  let folded = [];  // what is unfolded to be printed
+  addEventListener("beforeprint", () => {
+    folded = [...document.querySelectorAll("details:not([open])")];
+    folded.forEach(details => { details.open = true; });
+  });
+  addEventListener("afterprint", () => folded.forEach(details => { details.open = false; }));
   if (!data.frames) return page;
   document.body.classList.add("live");
 
@@ -114,7 +120,8 @@ const camgen = (() => {
           const y = pieces.map(piece => at(piece, x)).find(y => !isNaN(y));
           if (y === undefined) return "\u2013";
           const value = this.y0 + (this.low - y) / (this.low - this.top) * (this.y1 - this.y0);
-          return (this.digits > 6 ? value.toExponential(2) : value.toFixed(this.digits)).replace("-", "\u2212");
+          const known = Number(value.toFixed(Math.min(100, this.digits)));  // what a plot of this height can tell
+          return (this.digits > 6 && known ? known.toExponential(2) : known.toFixed(Math.min(6, this.digits))).replace(/-/g, "\u2212");
         }).join(" \u2026 ");
       });
     }

@@ -127,7 +127,8 @@ def _in_words(finding: Finding) -> str:
     most, asked = ("least", "asked") if finding.floor else ("most", "allowed")
     limit = "" if math.isnan(finding.limit) else f"; at {most} {number(finding.limit)}{unit} is {asked}"
     at = f" ({finding.where})" if finding.where else ""
-    return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {finding.message}".rstrip(" .") + "."
+    message = finding.message[:1].upper() + finding.message[1:]
+    return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(" .") + "."
 
 
 def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
@@ -189,7 +190,9 @@ class Bar:
 
     def _step(self, text: str, done: float | None = None) -> None:
         if text.startswith("note: ") and sys.stderr is not None:  # stays on the screen, and is told at once
-            print(printable(text), file=sys.stderr, flush=True)
+            if self._shown:
+                self._write("")
+            print(("\r" if self._shown else "") + printable(text), file=sys.stderr, flush=True)
             return
         self._state = printable(text), done
         if self._shown:

@@ -321,6 +321,7 @@
         turn(Number(byId("theta").value));
       }
       const view = new THREE.PerspectiveCamera(28, 320 / 220, 1, 1000);
+      scene.updateMatrixWorld(true);
       look(view, new THREE.Box3().setFromObject(scene));
       sun.position.copy(view.position).addScaledVector(view.up, 50);
       small.render(scene, view);
@@ -334,6 +335,10 @@
       paint(entry.target);
     }), { rootMargin: "200px" });
     smalls.forEach(target => watch.observe(target));
+    addEventListener("beforeprint", () => smalls.filter(target => !target.dataset.seen).forEach(target => {
+      target.dataset.seen = "1";
+      paint(target);
+    }));
   }
 
   requestAnimationFrame(() => setTimeout(() => start().catch(error => console.error(error)), 0));

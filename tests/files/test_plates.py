@@ -54,6 +54,23 @@ def test_plates_as_written(tmp_path: Path) -> None:
     assert [p.read_bytes() for p in paths] == again
 
 
+def test_a_margin_of_the_bed_stays_free(tmp_path: Path) -> None:
+    parts = machine()
+    meshes = meshes_of(parts)
+    layout = laid_out(parts, meshes, BED, 2.0, margin=7.0)
+    assert all(f.ok for f in layout.findings)
+    for path in write_plates(tmp_path, "m", layout, meshes, "key"):
+        assert all(f.ok for f in judge_plate(path, BED, 2.0, 7.0))
+        boxes = [item.placed.vertices for item in read_3mf(path).items]
+        assert min(v[:, :2].min() for v in boxes) >= 7.0 - 1e-4
+    (whole,) = laid_out([block("whole", 110, 80, 1)], meshes_of([block("whole", 110, 80, 1)]), BED, 2.0, margin=7.0).findings
+    assert not whole.ok and whole.measured == pytest.approx(4.0)  # 80 mm on 76
+    spot = laid_out([block("bar", 100, 8, 1)], meshes_of([block("bar", 100, 8, 1)]), BED, 2.0)
+    (path,) = write_plates(tmp_path, "w", spot, meshes_of([block("bar", 100, 8, 1)]), "key")
+    found = judge_plate(path, BED, 2.0, 12.0)[0]
+    assert not found.ok and found.measured == pytest.approx(2.0, abs=1e-3) and "12 mm of its rim" in found.message
+
+
 def test_one_part_just_fits_and_stands_in_the_middle() -> None:
     parts = [block("whole", 120, 90, 1)]
     layout = laid_out(parts, meshes_of(parts), BED, 2.0)

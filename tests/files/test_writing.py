@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from test_solids import TOLERANCE, cam, hub
 
+from camgen import __version__
 from camgen.files.dxf import read_dxf, write_dxf
 from camgen.files.formats import FORMATS, Job, read_exact, read_solid, write_part
 from camgen.files.stl import write_stl
@@ -130,6 +131,25 @@ def test_3mf_of_a_part(tmp_path):
     assert np.abs(vertices - mesh.vertices).max() <= np.spacing(np.float32(37))
     assert np.array_equal([list(t.Indices) for t in thing.GetTriangleIndices()], mesh.faces)
     assert model.GetBuildItems().Count() == 1 and model.GetComponentsObjects().Count() == 0
+
+
+def test_3mf_says_what_it_is_and_gives_each_part_one_colour(tmp_path):
+    mesh, two = solid(hub(), 0.1), [Placed("hub", "hub-1"), Placed("rod", "rod-1")]
+    write_3mf(tmp_path / "x-assembly.3mf", {"hub": mesh, "rod": mesh}, two, "key")
+    write_3mf(tmp_path / "x-rod.3mf", {"rod": mesh}, [Placed("rod", "rod")], "key")
+    colours = {}
+    for name in ("x-assembly", "x-rod"):
+        model = read_strictly(tmp_path / f"{name}.3mf")
+        about = model.GetMetaDataGroup()
+        said = {about.GetMetaData(k).GetName(): about.GetMetaData(k).GetValue() for k in range(about.GetMetaDataCount())}
+        assert said == {"Title": name, "Application": f"camgen {__version__}"}
+        (group,) = listed(model.GetBaseMaterialGroups(), "GetCurrentBaseMaterialGroup")
+        for thing in listed(model.GetMeshObjects(), "GetCurrentMeshObject"):
+            resource, number, has = thing.GetObjectLevelProperty()
+            assert has and resource == group.GetUniqueResourceID() and group.GetName(number) == thing.GetName()
+            colour = group.GetDisplayColor(number)
+            colours.setdefault(thing.GetName(), set()).add((colour.Red, colour.Green, colour.Blue))
+    assert {name: len(found) for name, found in colours.items()} == {"hub": 1, "rod": 1} and colours["hub"] != colours["rod"]
 
 
 def test_3mf_of_an_assembly(tmp_path):

@@ -57,7 +57,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
     {"model"}, {"jets", "constraints", "targets"},
-    {"order", "dyads", "forces", "freedom", "features", "closed_form", "landmarks"},
+    {"order", "dyads", "forces", "freedom", "features", "closed_form", "four_bars", "landmarks"},
     {"newton"}, {"loops"}, {"reach", "run"}, {"cams", "joining"}, {"__init__"},
 )  # fmt: skip
 

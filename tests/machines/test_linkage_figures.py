@@ -130,3 +130,22 @@ def test_jansens_foot_as_published(root: Path, published: dict[str, Any]) -> Non
     assert found["foot_y_stroke_mm"] == pytest.approx(high, abs=0.25)
     spec = read(root / "specs" / "walking-leg.toml")
     assert set(published["jansen"]["lengths"].values()) - {38, 7.8} <= set(spec["lengths"].values())
+
+
+def test_a_slot_that_is_made_longer_than_drawn_is_said() -> None:
+    """Of a yoke the pin goes 20 mm to either side."""
+    tables = {
+        "mechanism": "linkage", "name": "own", "drive": {"link": "crank"},
+        "points": {"O": [0, 0], "R": [50, 0], "A": [20, 0], "D": [20, -30], "E": [20, 30]},
+        "links": {"ground": ["O", "R"], "crank": ["O", "A"], "yoke": ["D", "E"]},
+        "slide": [{"link": "yoke", "along": ["O", "R"]}], "slot": [{"pin": "A", "link": "yoke", "along": ["D", "E"]}],
+        "output": [{"name": "out", "link": "yoke"}],
+    }  # fmt: skip
+
+    def said(**points: list[float]) -> list[str]:
+        own = validate(Linkage, {**tables, "points": {**tables["points"], **points}})  # type: ignore[dict-item]
+        return [note for note in own.study().notes if note.startswith("Slot")]
+
+    assert said() == []
+    assert said(E=[20, 15]) == ["Slot of yoke: pin A passes its drawn end E by 5 mm; the slot is made longer."]
+    assert said(D=[20, -8.5])[0].startswith("Slot of yoke: pin A passes its drawn end D by 11.5 mm")

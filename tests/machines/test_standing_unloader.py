@@ -93,18 +93,45 @@ def test_a_spring_that_cannot_be_wound_is_told(unloader: dict[str, Any], said: s
         machine(unloader=unloader).parts()
 
 
-@pytest.mark.parametrize(("turned", "meets"), [(0.0, False), (math.pi / 35, True)])
-def test_a_wheel_half_a_tooth_off_is_found_out(tmp_path: Path, starter: IndexingCam, turned: float, meets: bool) -> None:
-    items, poses, own = [], starter.poses(np.zeros(1)), "gear-unloader_gears-unloader"
-    for part in starter.parts():
-        for k, pose in enumerate(poses[part.name]):
-            angle = float(pose.angle[0]) + (turned if part.name == own else 0.0)
-            where = placing(angle, complex(pose.place[0]), pose.z, part.thickness, pose.flipped)
-            items.append(Placed(part.name, f"{part.name}-{k + 1}", where))
-    write_3mf(tmp_path / "x.3mf", {part.name: solid(part, 0.005) for part in starter.parts()}, items, "key")
-    failed = {f.where.partition(":")[0] for f in sweep(tmp_path / "x.3mf", starter.moved())[0] if not f.ok}
-    assert (f"gear-unloader_gears-driven-link-1 and {own}-1" in failed) == meets
-    assert meets or not failed
+WHEEL, MATE = "gear-unloader_gears-unloader", "gear-unloader_gears-driven-link-1"
+
+
+@pytest.mark.parametrize(
+    ("part", "turned", "raised", "pair"),
+    [
+        ("", 0.0, 0.0, None),
+        (WHEEL, math.pi / 35, 0.0, {MATE, f"{WHEEL}-1"}),  # half a tooth
+        ("unloader", 0.0, 4.2, {"unloader-1", "unloader_spring 1"}),  # the crank, one level up, where its spring is
+    ],
+)
+def test_parts_out_of_place_are_found_out(
+    tmp_path: Path, starter: IndexingCam, part: str, turned: float, raised: float, pair: set[str] | None
+) -> None:
+    items, poses = [], starter.poses(np.zeros(1))
+    for each in starter.parts():
+        for k, pose in enumerate(poses[each.name]):
+            angle, z = float(pose.angle[0]) + turned * (each.name == part), pose.z + raised * (each.name == part)
+            where = placing(angle, complex(pose.place[0]), z, each.thickness, pose.flipped)
+            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+    write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.005) for each in starter.parts()}, items, "key")
+    failed = [set(f.where.partition(":")[0].split(" and ")) for f in sweep(tmp_path / "x.3mf", starter.moved())[0] if not f.ok]
+    assert (pair in failed) if pair else not failed
+
+
+def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -> None:
+    """At each angle: from pin to post and back; the bars, from beside each pin, meet in the middle where it is longest."""
+    theta = np.radians([0.0, 60.0, 120.0, 240.0])
+    courses, bars = starter.moved().courses(theta), {thing.name: thing.bars[0] for thing in starter.bench.coils()}
+    one, two = (courses[f"unloader_spring {k}"] for k in (1, 2))
+    assert np.abs(two.place - one.place) == pytest.approx([148.82, 90.0, 148.82, 90.0], abs=0.01)
+    assert np.exp(1j * one.angle) == pytest.approx((two.place - one.place) / np.abs(two.place - one.place))
+    assert np.exp(1j * two.angle) == pytest.approx(-np.exp(1j * one.angle))
+    for begin, end, radius, *_ in bars.values():
+        assert (begin.real, end.real, radius) == pytest.approx((2.5 + 0.5 + 9.375 / 2, 148.82 / 2, 9.375 / 2), abs=0.01)
+    levels = starter.bench.bodies.layout.given
+    assert len(levels) == len({*levels}) and set(starter.bench.bodies.layout.springs).isdisjoint(
+        body.name for body in starter.model.bodies
+    )
 
 
 def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> None:

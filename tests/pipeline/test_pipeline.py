@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -180,3 +181,13 @@ def test_any_size(tmp_path: Path, scale: float) -> None:
 @pytest.mark.parametrize("name", gallery.FRAMES)
 def test_the_pictures_in_the_readme_are_of_today(name: str) -> None:
     assert gallery.path(name).read_text(encoding="utf-8") == gallery.picture(name)
+
+
+def test_the_moving_picture_of_the_readme_is_this_leg_and_comes_round() -> None:
+    text = gallery.moving("walking-leg")
+    assert gallery.path("walking-leg-moving").read_text(encoding="utf-8") == text
+    place = r"%\{transform:(translate\(\S+\)) rotate\((\S+)deg\)\}"
+    turns = re.findall(rf"\{{0{place}.*?\}}100{place}", text)
+    assert len(turns) == text.count("@keyframes") > 10
+    for start, begun, end, ended in turns:
+        assert start == end and abs((float(ended) - float(begun) + 180) % 360 - 180) < 0.02

@@ -263,7 +263,7 @@ class IndexingCam(StandingCams):
             drawn, gears["unloader gears"] = made.added(self._drawn(0.0, False), _LINK), made.gear
             points[GROUND] |= {"crank": made.axle, "anchor": made.post}
             points[CRANK] = {"crank": 0j, "hook": made.hook(drawn.start_of(CRANK).angle)}
-            strung = {"unloader": made.strung()}
+            strung = {"unloader_spring": made.strung()}
         return Bench(
             drawn, self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
             self.allowed.min_wall, self.density, FollowerLoad(preload=load.closing_n_m),
@@ -275,8 +275,10 @@ class IndexingCam(StandingCams):
         """The unloader of a machine that is made; None where its spring is none that can be."""
         if not isinstance(self._spring, CrankSpring):
             return None
+        f, ratio = self.geometry.follower, self.geometry.gear_ratio
+        wheel = (self._link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
         return StandingUnloader(
-            self._spring, self._link_centre, self.geometry.follower.arm / 2, [*self.cams.values()], self.swing, self.sizes
+            self._spring, self._link_centre, f.arm / 2, wheel, [*self.cams.values()], self.swing, self.sizes
         )
 
     def _alone(self) -> Machine:

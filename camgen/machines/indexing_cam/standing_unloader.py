@@ -34,8 +34,9 @@ from camgen.parts.springs import extension_spring
 CRANK = "unloader"
 _TEETH = 60  # of a wheel: the most of one part of the ratio
 _EYE = 1.1  # of the spring, to its pins
-_DIRECTIONS = np.exp(1j * np.linspace(0, math.tau, 144, endpoint=False))
+_DIRECTIONS = np.exp(1j * np.linspace(0, math.tau, 72, endpoint=False))
 _POSITIONS = np.linspace(0, 1, 25)  # of the stroke, at which the spring's line is looked at
+_TOOTH = 2.0  # mm, that a wheel's teeth are higher than its pitch circle, at most
 _ROUND = np.linspace(0, math.tau, 181)
 _BESIDE = 3.0  # mm, between what moves and posts or shafts
 
@@ -46,12 +47,13 @@ Disc = tuple[complex, float]
 class StandingUnloader:
     """Where crank and post are, mm on the ground: beside the cams about the origin and their follower, which swings so far, rad.
 
-    link: axle of the driven link, table: radius that its parts take.
+    link: axle of the driven link, table: radius that its parts take; wheel: pitch radius of the follower's wheel.
     """
 
     spring: CrankSpring
     link: complex
     table: float
+    wheel: float
     cams: Sequence[DiscCam[SwingingArm]]
     swing: float
     sizes: Parts
@@ -94,36 +96,40 @@ class StandingUnloader:
     def _places(self) -> tuple[complex, complex]:
         """Axle of the crank and post: such that nothing is in their way, and the plate is small."""
         pin = self.sizes.pin_diameter / 2 + self.sizes.head + self.sizes.wall
-        reach, found = self.spring.crank + pin, []
+        reach, found = self.spring.crank + pin, list[tuple[complex, complex]]()
         far = self.table + reach + _BESIDE
+        share = abs(self.ratio) / (1 + abs(self.ratio))
+        wheels = [(self.link, max(self.table, share * far + _TOOTH)), (self._pivot, self.wheel + _TOOTH)]
         places, radii = (np.array([disc[k] for disc in self._busy]) for k in (0, 1))
         for way in _DIRECTIONS:
-            axle = self.link + far * way
-            if np.any(np.abs(axle - places) < radii + reach + _BESIDE):
+            axle = complex(self.link + far * way)
+            if np.any(np.abs(axle - places) < radii + reach + _BESIDE) or abs(axle - self._pivot) < wheels[1][1] + pin + _BESIDE:
                 continue
             posts = axle + self.spring.guide * _DIRECTIONS
             free = np.all(np.abs(posts[:, None] - places) > radii + pin + _BESIDE, axis=1)
-            free &= np.abs(posts - self.link) > self.table + pin + _BESIDE
-            for post in posts[free]:
-                size = _around([0j, self.link, axle, complex(post)])
-                blocked = self._blocked(axle, complex(post), places, radii, pin)
-                if blocked < 2:
-                    found.append((blocked, size, axle, complex(post)))
-        if not found:
+            for middle, radius in wheels:
+                free &= np.abs(posts - middle) > radius + pin + _BESIDE
+            found += [(axle, complex(post)) for post in posts[free]]
+        found.sort(key=lambda pair: tuple(np.round([_around([0j, self.link, *pair]), pair[0].imag, pair[1].real], 6)))
+        over = None  # the first whose spring must lie over something
+        for pair in found:
+            blocked = self._blocked(*pair, places, radii, pin)
+            if blocked == 0:
+                return pair
+            over = over or (pair if blocked == 1 else None)
+        if over is None:
             raise DesignError(
                 "places of the unloader's crank and post", 0, 1, "", "[unloader]",
                 "use a smaller unloader.crank or a longer unloader.guide, or make the cams alone: parts.make = 'cams'",
             )  # fmt: skip
-        _, _, axle, post = min(found, key=lambda each: (each[0], *np.round([each[1], each[2].imag, each[3].real], 6)))
-        return complex(axle), post
+        return over
 
     def _blocked(self, axle: complex, post: complex, places: np.ndarray, radii: np.ndarray, pin: float) -> int:
         """0 where the spring passes beside everything, 1 where it must lie over or under something, 2 where over a shaft."""
         pins = axle + self._pin(axle, post) * np.exp(1j * self._turned(_POSITIONS))
-        near = [_to_lines(complex(z), pins, post) for z in (0j, self._pivot, self.link)]
-        if min(near) < 2 * pin + _BESIDE:
+        if np.min(_to_lines(np.array([0j, self._pivot, self.link]), pins, post)) < 2 * pin + _BESIDE:
             return 2
-        return int(any(_to_lines(complex(z), pins, post) < r + pin for z, r in zip(places, radii, strict=True)))
+        return int(np.any(_to_lines(places, pins, post) < radii + pin))
 
     def _pin(self, axle: complex, post: complex) -> complex:
         """The pin from the axle at the dead centre."""
@@ -181,8 +187,8 @@ def _around(points: Sequence[complex]) -> float:
     return sum(abs(b - a) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True))
 
 
-def _to_lines(z: complex, starts: np.ndarray, end: complex) -> float:
-    """Least distance of a place from straight lines to one end, mm."""
-    way, off = end - starts, z - starts
+def _to_lines(places: np.ndarray, starts: np.ndarray, end: complex) -> np.ndarray:
+    """Least distance of each place from straight lines to one end, (n,) mm."""
+    way, off = end - starts, places[:, None] - starts
     share = np.clip((way.conj() * off).real / np.abs(way) ** 2, 0, 1)
-    return float(np.min(np.abs(off - share * way)))
+    return np.asarray(np.abs(off - share * way).min(axis=1))

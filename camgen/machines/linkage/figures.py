@@ -17,6 +17,7 @@ from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
 from camgen.machines.linkage.troughs import open_rails
 from camgen.study import Plot, Sketch, Study, Table
+from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage, Signal
@@ -81,11 +82,24 @@ def study(linkage: Linkage) -> Study:
     if linkage.springs:
         notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
                      "pins; they are not in the sweep.")  # fmt: skip
-    notes += open_rails(linkage.bodies.layout) if linkage.lacking() is None else []
+    notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage)] if linkage.lacking() is None else []
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def _longer_slots(linkage: Linkage) -> list[str]:
+    """What to say of slots whose pin passes their drawn ends."""
+    found, layout = [], linkage.bodies.layout
+    for slot in linkage.slots:
+        low, high = layout.strokes[layout.slots[slot.pin].name]
+        a, b = (layout.at(slot.link, point) for point in slot.along)
+        for end, over in zip(slot.along, (-low, high - abs(b - a)), strict=True):
+            if over > SAME_POINT:
+                said = f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm"
+                found.append(f"{said}; the slot is made longer.")
+    return found
 
 
 def courses(linkage: Linkage) -> list[Course]:

@@ -434,7 +434,10 @@ class Layout:
     def lying(self) -> list[str]:
         """What lies on a level: links, what touches on shafts, springs."""
         links = [body.name for body in self.machine.moving if body.name not in self.alone]
-        return list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels), *self.springs]))
+        found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
+        if not self.springs.keys().isdisjoint(found):
+            raise ValueError(f"a spring is called as a link or wheel: {', '.join(self.springs.keys() & set(found))}")
+        return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float]]:
         """What sits on a pin or shaft, from below: level and top, mm; links, rollers, wheels, springs, a groove's back plate."""

@@ -137,7 +137,7 @@ class Spring(Record):
     """An extension spring between the pins of two points, of two links; it loads the machine."""
 
     between: Two = Field(description="two points, of two links")
-    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(description="N/mm")
+    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(description="N/mm, of its pull by its length")
     free: Length | None = Field(None, description="mm, between both points where it does not pull yet")
     preload: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
         None, description="N, in place of free: its pull where it is shortest"
