@@ -49,14 +49,16 @@ def crank_weight(force: Points, theta: Floats, speed: float) -> tuple[complex, f
 def smallest_circle(points: Points) -> tuple[complex, float]:
     """Centre and radius of the smallest circle round points, (n,) complex, n >= 1.
 
-    Takes in the farthest point outside until none is left; the circle grows each time, so it ends.
+    Takes in the farthest point outside until none is left; the circle grows each time, so it ends. What is outside by no more
+    than rounding counts as inside: points may all be one.
     """
+    rounding = 1e-12 * float(np.abs(points).max(initial=0.0))
     held = [complex(points[0])]
     while True:
         centre, radius = _circle_round(held)
         away = np.abs(points - centre)
         far = int(np.argmax(away))
-        if away[far] <= radius * (1 + 1e-12):
+        if away[far] <= radius * (1 + 1e-12) + rounding:
             return centre, radius
         on_edge = [p for p in held if abs(p - centre) >= radius * (1 - 1e-9)]
         held = [*on_edge, complex(points[far])]

@@ -116,17 +116,17 @@ def sensitivities(
                     modes.append(Mode(f"{joint.name}, {body}", "centre", sizes.place, along))
                     stands.append(np.zeros((len(contacts), len(q))))
                     shifts.append(shift)
-    gives = -solved(slopes, np.stack(shifts, axis=2))  # (n, 3 bodies, modes), the cams' s held
+    gives = -solved(slopes, np.stack(shifts, axis=2), system.holds)  # (n, 3 bodies, modes), the cams' s held
     units = np.zeros((len(q), system.height, len(cams)))
     for c, cam in enumerate(cams):
         units[:, system.rows[cam.name].start, c] = 1.0
-    per_s = solved(slopes, units)  # (n, 3 bodies, cams): for a unit of s
+    per_s = solved(slopes, units, system.holds)  # (n, 3 bodies, cams): for a unit of s
     ways = np.stack([contact.slopes for contact in contacts], axis=1) if contacts else np.zeros((len(q), 0, system.width))
     open_ = ways @ gives - np.transpose(np.array(stands), (2, 1, 0))  # (n, contacts, modes): air there
     levers = ways @ per_s  # (n, contacts, cams)
     first = [c for c, contact in enumerate(contacts) if contact.side == 0]
     if cams:  # each first contact closes again
-        slides = -solved(levers[:, first], open_[:, first])
+        slides = -solved(levers[:, first], open_[:, first], np.ones((len(cams), len(cams)), bool))
         gives = gives + per_s @ slides
         open_ = open_ + levers @ slides
     found = {}

@@ -45,7 +45,8 @@ GROUPS = (
     ("From the files", r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf"),
     ("Making", r"^mass|print_time|shaft_length|area|outline|section"),
     ("Forces and drive", r"torque|force|reaction|energy|inertia|"
-     r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|kick|spring|wear|weight|shaking|harmonic|residual"),
+     r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
+     r"kick|spring|wear|weight|shaking|harmonic|residual"),
     ("Shape of the cam", r"radius|profile|pressure|undercut|curvature|wall|tip_on"),
     ("Motion", r""),
 )  # fmt: skip

@@ -75,3 +75,11 @@ def test_smallest_circle_holds_all_and_no_smaller_one_does(points: list[complex]
     # The greatest distance is convex in the centre: no neighbour may be better.
     for step in 1e-3 * np.exp(1j * np.arange(12) * math.pi / 6):
         assert np.abs(z - centre - step).max() >= radius - 1e-9
+
+
+def test_points_that_are_one_but_for_rounding() -> None:
+    """An unbalanced disc that turns evenly: seen from it, one force; the search ends all the same."""
+    theta = np.linspace(0, 2 * np.pi, 1441)
+    seen = 0.3 * np.exp(1j * (theta + 0.4)) * np.exp(-1j * theta)
+    centre, radius = smallest_circle(seen)
+    assert abs(centre - 0.3 * np.exp(0.4j)) < 1e-12 and radius < 1e-12

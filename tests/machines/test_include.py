@@ -25,6 +25,7 @@ MODULES = ("eccentric-drive", "thread-take-up", "chain-stitch-looper")
 def tables(root: Path) -> dict[str, Any]:
     found = read(root / "specs" / "linkage.toml")
     found["drive"]["speed_rpm"] = 5000
+    found["limits"]["pv_mpa_m_s"] = 10.0  # printed pins do not bear that speed dry
     return found
 
 

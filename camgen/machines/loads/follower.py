@@ -79,7 +79,7 @@ def effective_inertia(run: Run, cam: Cam) -> float:
     system, q = Constraints(run.machine), run.poses()
     unit = np.zeros((len(q), system.height))
     unit[:, system.rows[cam.name].start] = 1.0
-    moves = solved(system.evaluate(q, run.theta)[1], unit)
+    moves = solved(system.evaluate(q, run.theta)[1], unit, system.holds)
     total: Floats = np.zeros(len(q))
     length = 1.0 if cam.slide else MM  # of s in mm the ratio has no unit, of rad it is mm
     for body in run.machine.moving:
