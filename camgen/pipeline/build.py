@@ -84,7 +84,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
     sheets = {path.name for path in (*sheet_files(case), *table_files(case))}
-    judged |= {name for name in listed if name.endswith((".3mf", ".svg")) or name in sheets}
+    judged |= {name for name in listed if name.endswith((".3mf", ".svg", ".step")) or name in sheets}
     differ = changed_files(folder)
     as_they_are = [name for name in differ if name in judged]
     if as_they_are:

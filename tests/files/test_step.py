@@ -117,8 +117,12 @@ def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
     names = {path.name for path in report.folder.iterdir()}
     assert report.ok and {"disc-cam-cam.step", "disc-cam-assembly.step"} <= names and "disc-cam-cam.stl" not in names
     assert {"MOTION_ERROR", "ROUND_TRIP", "WATERTIGHT", "VOLUME"} <= {finding.code for finding in report.findings}
-    path = report.folder / "disc-cam-cam.step"
+    path, whole = report.folder / "disc-cam-cam.step", report.folder / "disc-cam-assembly.step"
     assert check(report.folder).ok
+    sound = whole.read_bytes()
+    whole.write_bytes(sound.replace(b"DIRECTION('',(1.0,0.0,0.0))", b"DIRECTION('',(0.8,0.6,0.0))"))
+    assert [(f.code, f.where) for f in check(report.folder).findings if not f.ok] == [("ROUND_TRIP", whole.name)]
+    whole.write_bytes(sound)
     path.write_text(re.sub(r"(CLOSED_SHELL\('',\()#\d+,", r"\1", path.read_text(), count=1))
     assert not check(report.folder).ok
 
