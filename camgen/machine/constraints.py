@@ -443,12 +443,12 @@ def _stretch(parts: Floats) -> Floats:
     return np.asarray(np.sqrt((total + np.sqrt(np.maximum(total**2 - 4 * area**2, 0))) / 2))
 
 
-def solved(matrices: Floats, right: Floats, holds: NDArray[np.bool_]) -> Floats:
+def solved(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = None) -> Floats:
     """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one.
 
-    holds: (k, k), where they are other than zero.
+    holds: (k, k), where they are other than zero; None: anywhere.
     """
-    row, column = np.nonzero(holds)
+    row, column = np.nonzero(np.ones(matrices.shape[1:], bool) if holds is None else holds)
     sound = np.isfinite(matrices[:, row, column]).all(axis=1) & np.isfinite(right).all(axis=tuple(range(1, right.ndim)))
     if sound.all():
         return solve(matrices, right, holds)
