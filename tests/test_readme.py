@@ -37,7 +37,7 @@ def test_every_other_command_works_in_its_order(
 ) -> None:
     shutil.copytree(ROOT / "specs", tmp_path / "specs")
     monkeypatch.chdir(tmp_path)
-    ran = [COMMANDS[0].rpartition("&& ")[2], *(command for command in COMMANDS if command not in SETTING_UP)]
+    ran = [command for command in COMMANDS if command not in SETTING_UP]  # one of them builds what the first one does
     for command in ran:
         program, *arguments = shlex.split(command)
         assert Path(program).name == "camgen", command

@@ -420,7 +420,7 @@ def test_card_of_the_source() -> None:
         cord = math.sqrt(1 + 16 + 8 * math.cos(phi))
         effort = 4.640648 * (0.2 + cord - 3) * 4 * math.sin(phi) / cord
         assert table.rows[z][5] == pytest.approx(effort, abs=1e-9)
-    assert numbers["card_effort_start"] == pytest.approx(2.498, abs=5e-4)
-    assert numbers["card_effort_peak"] == pytest.approx(6.449, abs=5e-4)
-    assert numbers["card_difference_max"] == pytest.approx(0.875, abs=5e-4)
+    assert numbers["card_effort_start_ratio"] == pytest.approx(2.498, abs=5e-4)
+    assert numbers["card_effort_peak_ratio"] == pytest.approx(6.449, abs=5e-4)
+    assert numbers["card_difference_max_ratio"] == pytest.approx(0.875, abs=5e-4)
     assert card(LAWS["cycloidal"])[1:] == ([], {})

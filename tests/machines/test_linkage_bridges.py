@@ -123,7 +123,8 @@ def test_a_broken_file_is_told(cut: int, chains: dict[str, str], tmp_path: Path)
 def test_the_command(run: Any, chains: dict[str, str], tmp_path: Path) -> None:  # noqa: F811
     source, file = tmp_path / "Crank Rocker.pmks", tmp_path / "mine.toml"
     source.write_text(chains["pmks_crank_rocker"], encoding="utf-8")
-    assert run("new", "linkage", file, "--from", source) == (0, "", "")
+    code, out, err = run("new", "linkage", file, "--from", source)
+    assert (code, out) == (0, "") and err.startswith(f"wrote {file}, which builds as it is")
     assert validate(Linkage, read(file)).name == "mine"
     code, out, _ = run("new", "linkage", "--from", source)
     assert code == 0 and 'name = "crank-rocker"' in out and "# PMKS lines do not say what drives" in out

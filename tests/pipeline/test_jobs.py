@@ -82,7 +82,7 @@ STAGES = {
     "camgen.files.dxf.write_dxf": "dxf",
     "camgen.files.drawing.write_drawing": "dxf",
     "camgen.judge.budget.error_budget": "report",
-    "camgen.report.figures.plot_svg": "report",
+    "camgen.report.page.to_html": "report",
     "camgen.pipeline.build.animation": "report",
     "camgen.files.plates.laid_out": "3mf",
     "camgen.judge.assembly.sweep": "3mf",

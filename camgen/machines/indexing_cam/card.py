@@ -41,9 +41,9 @@ def card(law: Law) -> tuple[Table, list[Plot], dict[str, float]]:
     c, p = law(fine, 2), effort(law(fine))
     curves = [("c, the law", fine, c), ("P = Y G, the unloader", fine, p)]
     numbers = {
-        "card_gamma_deg": math.degrees(GAMMA), "card_lambda": LAMBDA, "card_x0": X0, "card_y": Y,
-        "card_effort_start": float(p[0]), "card_effort_peak": peak,
-        "card_difference_max": float(np.max(np.abs(apart))),
+        "card_gamma_deg": math.degrees(GAMMA), "card_lambda_ratio": LAMBDA, "card_x0_ratio": X0, "card_y_ratio": Y,
+        "card_effort_start_ratio": float(p[0]), "card_effort_peak_ratio": peak,
+        "card_difference_max_ratio": float(np.max(np.abs(apart))),
     }  # fmt: skip
     return _table(columns, z, values), [Plot("Card of the law MR-13", "kappa = t / T", "c, P", curves)], numbers
 
