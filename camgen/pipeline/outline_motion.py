@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ import numpy as np
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import Staged, write_manifest
 from camgen.files.foreign import read_outline
+from camgen.files.scan import Scanning
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
@@ -127,6 +128,7 @@ class Request:
     layer: str | None = None
     harmonics: int = HARMONICS
     line_width: float | None = None
+    scanning: Scanning = Scanning()
 
 
 def run(path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None) -> Report:
@@ -148,7 +150,7 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     outlines = []
     for file, contour in wanted:
         progress(f"reading {file.name}")
-        outlines.append(read_outline(file, request.height, request.layer, contour, request.line_width))
+        outlines.append(read_outline(file, request.height, request.layer, contour, request.line_width, request.scanning))
     findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
     rings = [outline.ring for outline in outlines if outline.ring is not None]
     name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
@@ -165,6 +167,7 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
             pair = (-1 if follower.inside else 1) * follower.sense * (limit - found.s)
         remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in zip(wanted, outlines, strict=True)]
         report, columns = _report(report, path, follower, rings[0], found, pair, request.harmonics, remarks)
+        report = replace(report, numbers={**report.numbers, **_measured(outlines[0].numbers, found, follower)})
     with Staged(out / report.name) as folder:
         if columns:
             progress("writing the report")
@@ -268,6 +271,14 @@ def _table(found: Recovered, follower: FollowerTable) -> Table:
         at = (math.degrees(found.theta[low]), math.degrees(found.theta[high]))
         rows.append([what, unit, values[low] * each, at[0], values[high] * each, at[1]])
     return Table("Extremes", ("quantity", "unit", "least", "at, deg", "greatest", "at, deg"), rows)
+
+
+def _measured(figures: Mapping[str, float], found: Recovered, follower: FollowerTable) -> Mapping[str, float]:
+    """Figures of what measured the outline, and what each length that ends in _off_mm may do to the motion."""
+    name, scale = follower.unit
+    moved = {key.replace("_off_mm", f"_in_motion_{name}"): value / found.lever * scale for key, value in figures.items()
+             if key.endswith("_off_mm")}  # fmt: skip
+    return {**figures, **moved}
 
 
 def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
