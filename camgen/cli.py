@@ -242,7 +242,7 @@ def motion(
     line_width: float | None, dpi: float | None, others: Sequence[Path], across: float | None, harmonics: int, out: Path,
     **shown: bool,
 ) -> None:  # fmt: skip
-    """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan) and report its motion.
+    """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan, points) and report its motion.
 
     The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
     a table [follower], or its keys on one line:

@@ -1,4 +1,5 @@
-"""Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, a mesh, or a scan.
+"""Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, a mesh,
+a scan or measured points.
 
 The outline is the largest closed contour, all lengths in mm, in the file's own frame. Unlike `read_dxf`, which is strict with
 our own files, this reads what others write and says what it made of it.
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import FileError, counted
+from camgen.files.points import read_points
 from camgen.files.scan import LEAST_CONTRAST, PICTURES, Scanning, scanned
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
@@ -27,7 +29,7 @@ from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
-ENDINGS = (".dxf", ".stl", ".3mf", ".gcode", *PICTURES)
+ENDINGS = (".dxf", ".stl", ".3mf", ".gcode", ".csv", *PICTURES)
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
 _MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
 _MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
@@ -62,7 +64,8 @@ def read_outline(
     line_width: float | None = None, scanning: Scanning | None = None,
 ) -> Outline:  # fmt: skip
     """The largest closed contour of a DXF (of one layer, if named), or at a height, mm (half way up): of a mesh's section, or of
-    what G-code prints there with lines of its own width, or of line_width, mm, where it says none; or of a scan.
+    what G-code prints there with lines of its own width, or of line_width, mm, where it says none; or of a
+    scan, or through measured points.
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
     contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
@@ -88,6 +91,9 @@ def read_outline(
     try:
         if kind == ".gcode":
             return _judged(path, _from_gcode(path, height, contour, line_width))
+        if kind == ".csv":
+            ring, off, said = read_points(path, content)
+            return _judged(path, Outline(ring, (), said, {"points_off_mm": off}))
         if kind in PICTURES:
             return _judged(path, _from_scan(path, contour, scanning or Scanning()))
         outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)

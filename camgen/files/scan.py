@@ -127,7 +127,7 @@ def _resolution(path: Path, asked: float | None, said: Any) -> float:
     if asked is None and said:
         across, down = (float(each) for each in said)
         if abs(across - down) > 1e-3 * across:
-            raise FileError(path, f"says {across:.0f} dots per inch across and {down:.0f} down: one was expected, give it with --dpi")
+            raise FileError(path, f"says {across:.0f} dots per inch across and {down:.0f} down: give one with --dpi")
         asked = across
     if asked is None:
         raise FileError(path, "does not say how many dots per inch it has: give them with --dpi")
