@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import FileError, counted
+from camgen.geometry.registration import lay, middle, star, straightened
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.numerics import least_squares
 
@@ -37,7 +38,8 @@ _SECOND_PART = 0.05  # of the area of the largest: what is smaller is a speck
 _SPECK = 0.5  # mm across
 _ROUND = 0.02  # of the radius: how far a round hole's edge may stand off its circle
 _SAME_PLACE = math.sin(math.radians(20))  # sine of the turn between scans below which they tell nothing of the scanner
-_ANGLES = 8192  # over the turn, of radii that are compared
+_SCANNER = 0.003  # share by which one axis of a flatbed may be off
+_ONE_PART = 0.01  # of its size: what scans of one part may be apart
 _STRAYS = 4.0  # robust standard deviations beyond which a point is a speck's
 _INCH = 25.4
 
@@ -245,24 +247,63 @@ def scanned(path: Path, how: Scanning) -> Scanned:
     scans = [read_scan(file, how.dpi) for file in files]
     first = scans[0]
     bores = [_bore(file, scan.outer, scan.holes)[0] for file, scan in zip(files, scans, strict=True)]
-    outlines = [scan.outer - bore for scan, bore in zip(scans, bores, strict=True)]
-    holes = [hole - bores[0] for hole in first.holes]
+    shapes = [[edge - bore for edge in (scan.outer, *scan.holes)] for scan, bore in zip(scans, bores, strict=True)]
     numbers: dict[str, float] = {"scan_contrast": min(scan.contrast for scan in scans), "edge_width_mm": first.width}
     said = [f"{first.dpi:.0f} dots per inch, the edge blurred over {first.width:.3f} mm"]
-    outline = outlines[0]
+    unknown = _SCANNER
+    if how.others:
+        shapes[0], known = _together(files, shapes, numbers, said)
+        unknown = _SCANNER / 2 if known else _SCANNER
+    outline, *holes = shapes[0]
     if how.across is not None:
         seen = _widest(outline)
         numbers["scale_percent"] = 100 * (seen / how.across - 1)
         outline, holes = outline * (how.across / seen), [hole * (how.across / seen) for hole in holes]
         said.append(f"scaled to {how.across:g} mm at its widest, {seen:.3f} mm by the dots")
+        unknown = 0.0 if unknown < _SCANNER else unknown
+    centre, diameter = _bore(path, outline, holes)
+    outline, holes = outline - centre, [hole - centre for hole in holes]
+    if unknown:
+        numbers["scanner_off_mm"] = unknown * float(np.max(np.abs(outline)))
+        needs = ["a scan turned by 90 deg (--second-scan)"] * (unknown == _SCANNER)
+        needs += ["a caliper (--across)"] * (how.across is None)
+        said.append(f"the scanner's own scale may be off by {100 * unknown:g} %, {numbers['scanner_off_mm']:.3f} mm at the "
+                    f"farthest point: measure it by {' and '.join(needs)}")  # fmt: skip
     rings = [Ring(z, np.zeros(len(z))) for z in (outline, *holes)]
     numbers["edge_level_off_mm"] = _LEVEL * first.width
-    _, diameter = _bore(path, outline, holes)
     numbers["bore_mm"] = diameter
     said.append(f"the origin is in the middle of the hole of diameter {diameter:.3f} mm")
     said.append(_sizes(holes))
     said.append(f"the level at which the edge is taken may shift it by {numbers['edge_level_off_mm']:.3f} mm all round")
     return Scanned(rings, "; ".join(each for each in said if each), numbers["scan_contrast"], numbers)
+
+
+def _together(
+    files: Sequence[Path], shapes: Sequence[Sequence[Points]], numbers: dict[str, float], said: list[str]
+) -> tuple[list[Points], bool]:
+    """One shape of several scans, in the frame of the first, and whether they tell the scanner's scale and skew."""
+    laid = lay(shapes[0], shapes[1:])[1]
+    known = any(abs(math.sin(each.turn)) > _SAME_PLACE for each in laid)
+    m = 0j
+    if known:
+        m, laid = lay(shapes[0], shapes[1:], distorted=True)
+        numbers["scanner_across_percent"], numbers["scanner_shear_percent"] = 200 * m.real, 200 * m.imag
+        said.append(f"the scanner's x axis is {200 * m.real:+.3f} % long beside its y axis, its shear {200 * m.imag:+.3f} %")
+    else:
+        said.append("the scans lie alike on the glass: they do not tell the scanner's scale and skew, a turn by 90 deg would")
+    size = float(np.max(np.abs(shapes[0][0])))
+    for file, each in zip(files[1:], laid, strict=True):
+        if each.off > _ONE_PART * size:
+            raise FileError(file, f"does not show the part of {files[0].name}, or its other face: {each.off:.3f} mm apart (rms)")
+    outline, *holes = (straightened(edge, m) for edge in shapes[0])
+    back = [outline, *(each.back(straightened(shape[0], m)) for each, shape in zip(laid, shapes[1:], strict=True))]
+    if all(map(star, back)):
+        outline, numbers["edge_repeat_mm"] = middle(back)
+        said.append(f"{len(files)} scans laid on each other, the middle one taken at each angle; they repeat within "
+                    f"{numbers['edge_repeat_mm']:.4f} mm (rms), which says less than what is common to all")  # fmt: skip
+    else:
+        said.append("rays from the bore meet the outline more than once: that of the first scan is taken")
+    return [outline, *holes], known
 
 
 def _widest(outline: Points) -> float:

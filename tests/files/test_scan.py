@@ -101,6 +101,71 @@ def test_width_by_a_caliper_sets_the_scale(tmp_path: Path) -> None:
     assert outline.numbers["scale_percent"] == pytest.approx(1, abs=0.1)
 
 
+# ---- several scans ---------------------------------------------------------------------------------------------------
+
+SKEW = {"across": 1.003, "shear": np.tan(np.radians(1.0))}
+
+
+def several(folder: Path, *glasses: Glass, edges: tuple[Points, ...] | None = None) -> tuple[Path, tuple[Path, ...]]:
+    first, *rest = [saved(folder / f"scan{i}.png", edges or cam()[0], replace(glass, seed=i)) for i, glass in enumerate(glasses)]
+    return first, tuple(rest)
+
+
+def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
+    """One axis 0.3 % long and 1 deg of skew; the caliper reads the true cam."""
+    edges, wanted = cam()
+    first, others = several(tmp_path, Glass(turn_deg=1, **SKEW), Glass(turn_deg=91.3, **SKEW))
+    width = max(float(np.abs(edges[0] - z).max()) for z in edges[0])
+    outline = read_outline(first, scanning=Scanning(others=others))
+    assert outline.ring is not None
+    # what turns the plane is left out: the symmetric part of [1.003, 1.003 tan 1 deg; 0, 1] without its scale
+    stretch, shear = SKEW["across"], SKEW["across"] * SKEW["shear"]
+    root = np.linalg.eigh(np.array([[stretch**2 + shear**2, shear], [shear, 1.0]]))
+    true = root[1] @ np.diag(np.sqrt(root[0])) @ root[1].T
+    share = 100 / np.trace(true) * 2
+    assert outline.numbers["scanner_across_percent"] == pytest.approx((true[0, 0] - true[1, 1]) * share, abs=0.01)
+    assert outline.numbers["scanner_shear_percent"] == pytest.approx(2 * true[0, 1] * share, abs=0.01)
+    assert "scanner_off_mm" in outline.numbers, "its common scale is still unknown"
+    assert apart(moved(first), wanted) > 0.1
+    known = Scanning(others=others, across=width)
+    assert apart(moved(first, known), wanted) < 0.012
+    assert "scanner_off_mm" not in read_outline(first, scanning=known).numbers
+
+
+def test_scans_that_lie_alike_tell_nothing_of_the_scanner(tmp_path: Path) -> None:
+    first, others = several(tmp_path, *(Glass(dpi=150, turn_deg=turn, **SKEW) for turn in (0, 3, 180)))
+    outline = read_outline(first, scanning=Scanning(others=others))
+    assert "they do not tell the scanner's scale" in outline.remark
+    assert "scanner_across_percent" not in outline.numbers
+
+
+def test_three_scans_drop_dust_and_keep_a_bump(tmp_path: Path) -> None:
+    angle = np.linspace(0, 2 * np.pi, 20000, endpoint=False)
+    bump = 0.2 * np.exp(-((20 * (angle - 1)) ** 2) / (2 * 0.3**2))
+    # an oval, so that its turn is known
+    body = (20 + 2 * np.cos(2 * angle)) * np.exp(1j * angle)
+    seam = (np.asarray(body + bump * np.exp(1j * angle)), ring(0, 3))
+    first, others = several(tmp_path, *(Glass(dpi=600, specks=800, turn_deg=turn) for turn in (0, 2, 5)), edges=seam)
+    errors = []
+    for how in (Scanning(), Scanning(others=others)):
+        outline = read_outline(first, scanning=how)
+        assert outline.ring is not None
+        z = outline.ring.points
+        off = np.abs(z) - np.interp(np.angle(z) % (2 * np.pi), angle, np.abs(seam[0]), period=2 * np.pi)
+        errors.append(float(np.abs(off).max()))
+        near = np.abs(np.angle(z * np.exp(-1j))) < 0.003
+        assert np.median(np.abs(z[near])) - np.abs(body[3183]) == pytest.approx(0.2, abs=0.02)
+    assert errors[0] > 0.04 > 0.02 > errors[1]
+
+
+def test_another_part_or_its_other_face_is_told(tmp_path: Path) -> None:
+    edges = cam()[0]
+    first = saved(tmp_path / "a.png", edges, COARSE)
+    Image.fromarray(np.asarray(Image.open(first))[:, ::-1]).save(tmp_path / "b.png", dpi=(150, 150))
+    with pytest.raises(FileError, match=r"b.png: does not show the part of a.png, or its other face"):
+        read_outline(first, scanning=Scanning(others=(tmp_path / "b.png",)))
+
+
 # ---- pictures that are wrong -----------------------------------------------------------------------------------------
 
 
