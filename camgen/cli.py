@@ -232,6 +232,7 @@ def sweep(
 @click.option("--dpi", type=float, help="Dots per inch of a scan.  [default: as its file says]")
 @click.option("--second-scan", "others", multiple=True, type=click.Path(path_type=Path), help="The part again, turned by 90 deg.")
 @click.option("--across", type=click.FloatRange(0.1), help="Greatest width of a scanned part by a caliper, mm.")
+@click.option("--against", type=click.Path(path_type=Path), help="SPEC of the cam: lay the outline on it, compare the motion.")
 @click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @_as_json
@@ -239,8 +240,8 @@ def sweep(
 @_verbose
 def motion(
     file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
-    line_width: float | None, dpi: float | None, others: Sequence[Path], across: float | None, harmonics: int, out: Path,
-    **shown: bool,
+    line_width: float | None, dpi: float | None, others: Sequence[Path], across: float | None, against: Path | None,
+    harmonics: int, out: Path, **shown: bool,
 ) -> None:  # fmt: skip
     """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan, points) and report its motion.
 
@@ -282,7 +283,8 @@ def motion(
         from camgen.pipeline import outline_motion
 
         scanning = Scanning(dpi, tuple(others), across)
-        request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics, line_width, scanning)
+        asked = (follower, second_follower, second, height, layer, harmonics, line_width, scanning, against)
+        request = outline_motion.Request(*asked)
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 
     each([file], work, **shown)

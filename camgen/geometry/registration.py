@@ -60,7 +60,7 @@ def lay(shape: Sequence[Points], others: Sequence[Sequence[Points]], distorted: 
             spun = np.exp(1j * each.turn)
             at = spun * straightened(own, m) + each.shift
             near, normal, miss = target.nearest(at, m)
-            kept = np.abs(miss - np.median(miss)) <= _STRAYS * 1.4826 * np.median(np.abs(miss - np.median(miss))) + 1e-12
+            kept = _counting(miss)
             moves = np.conj(target.shown[near]) - spun * np.conj(own)  # per m
             columns = [moves, 1j * moves] if distorted else []
             table = np.zeros((int(kept.sum()), 3 * len(laid) + len(columns)))
@@ -79,6 +79,52 @@ def lay(shape: Sequence[Points], others: Sequence[Sequence[Points]], distorted: 
         if np.max(np.abs(step)) < 1e-8:
             break
     return m, laid
+
+
+def lay_on_known(outline: Points, known: Points, device: bool = False) -> tuple[Points, complex, float, Laid]:
+    """A measured outline laid on one that is known, in the known one's frame: (n,) mm; m and scale of what measured it, found
+    if device and otherwise 0 and 1; how it lay, seen from both centres of area.
+    """
+    own, target = outline, _Target([known])
+    turn, shift, m, scale, off = turned(own, known), 0j, 0j, 1.0, np.inf
+    some = own[:: max(1, len(own) // _MOST_POINTS)]
+    for _ in range(_ROUNDS):
+        spun = np.exp(1j * turn) / scale
+        at = spun * straightened(some, m) + shift
+        _, normal, miss = target.nearest(at, 0j)
+        kept = _counting(miss)
+        columns = [1j * (at - shift), np.ones(len(at)), np.full(len(at), 1j)]
+        if device:
+            columns += [shift - at, -spun * np.conj(some), -1j * spun * np.conj(some)]
+        table = np.column_stack([np.real(np.conj(normal) * column) for column in columns])
+        a, x, y, *more = np.asarray(least_squares(table[kept], -miss[kept])).tolist()
+        turn, shift, off = turn + a, shift + complex(x, y), float(np.sqrt(np.mean(miss[kept] ** 2)))
+        if device:
+            scale, m = scale * (1 + more[0]), m + complex(more[1], more[2])
+        if max(map(abs, (a, x, y, *more))) < 1e-9:
+            break
+    laid = np.exp(1j * turn) / scale * straightened(own, m) + shift
+    return np.asarray(laid), m, scale, Laid(turn, shift, off)
+
+
+def deviation(outline: Points, known: Points) -> Floats:
+    """How far points of an outline lie outside a known, counter-clockwise one, along its normal, (n,) mm."""
+    return _Target([known]).nearest(outline, 0j)[2]
+
+
+def dense(outline: Points, step: float) -> Points:
+    """An outline with points at most a step apart, mm."""
+    chord = np.roll(outline, -1) - outline
+    count = np.maximum(1, np.ceil(np.abs(chord) / step)).astype(int)
+    edge = np.repeat(np.arange(len(count)), count)
+    u = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)) / count[edge]
+    return np.asarray(outline[edge] + u * chord[edge])
+
+
+def _counting(miss: Floats) -> Any:
+    """Which of some distances are no strays."""
+    off = np.abs(miss - np.median(miss))
+    return off <= _STRAYS * 1.4826 * np.median(off) + 1e-12
 
 
 class _Target:
