@@ -274,6 +274,9 @@ def motion(
       at             distance of tip centre or face from the shaft from which its way is counted;
                      otherwise it counts from the innermost position
 
+    A scan (PNG, JPEG, TIFF; pip install 'camgen[scan]') shows one part on an even ground; its bore is the shaft. Points are
+    a CSV with columns x,y in order or angle,radius, mm and degrees.
+
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
     acceleration, pressure angle.
     """

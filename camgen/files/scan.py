@@ -97,7 +97,7 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
         content = path.read_bytes()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "TIFF")) as picture:
+            with Image.open(io.BytesIO(content), formats=("png", "jpeg", "tiff")) as picture:
                 said = picture.info.get("dpi")
                 grey = _grey(path, picture)
     except (Image.DecompressionBombError, UnidentifiedImageError, SyntaxError, ValueError, EOFError) as error:

@@ -38,11 +38,12 @@ class Compared:
     outside: Floats = field(default_factory=lambda: np.zeros(0))
 
 
-def compare(ring: Ring, spec: Path, bore: float | None, scanner_unknown: bool) -> Compared:
+def compare(ring: Ring, spec: Path, bore: float | None, off: float, scanner_unknown: bool) -> Compared:
     """Lay a measured outline on the cams of a spec; SpecError where it has none, DesignError where it is like none of them.
 
-    bore: measured diameter of the hole that is the ring's origin, mm, None where the origin means nothing. scanner_unknown: the
-    scale and skew of the scanner are to be found from the known outline, too.
+    bore: measured diameter of the hole that is the ring's origin, mm, None where the origin means nothing. off: what the
+    wall may be off by the measuring, mm, nan where it is not known; scanner_unknown: the scale and skew of the scanner are to
+    be found from the known outline, too.
     """
     mechanism = read_mechanism(spec)
     cams = {feature.part for feature in mechanism.features() if isinstance(feature, CamOutline)}
@@ -79,14 +80,14 @@ def compare(ring: Ring, spec: Path, bore: float | None, scanner_unknown: bool) -
     outside = deviation(z, dense(known, _STEP))
     numbers |= {"deviation_max_mm": float(outside.max()), "deviation_min_mm": float(outside.min()),
                 "deviation_rms_mm": float(np.sqrt(np.mean(outside**2)))}  # fmt: skip
-    keys = []
-    if not scanner_unknown:
-        mean = float(np.mean(outside))
-        keys.append(f"profile_compensation = {mechanism.print.profile_compensation + mean:.3f}")
+    if math.isfinite(off):
+        keys = [f"profile_compensation = {mechanism.print.profile_compensation + float(np.mean(outside)):.3f}"]
         if bore is not None and part.bore is not None:
             numbers["bore_deviation_mm"] = bore - part.bore
             keys.append(f"hole_compensation = {mechanism.print.hole_compensation + (part.bore - bore) / 2:.3f}")
-        said.append("in [print] this would mend the mean of it: " + ", ".join(keys))
+        said.append(f"in [print] this would mend the mean of it, within {off:.3f} mm: {', '.join(keys)}")
+    else:
+        said.append("no compensation of [print] is told: the scanner's own scale is not known, which --across would tell")
     order = np.argsort(np.angle(z) % (2 * np.pi))
     angle = np.degrees(np.angle(z) % (2 * np.pi))[order]
     measured, wanted = (Ring(each, np.zeros(len(each))) for each in (z, known))

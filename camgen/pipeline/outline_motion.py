@@ -172,6 +172,8 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
             progress("laying it on the spec's cam")
             compared = _compared(outlines[0], path, request)
             rings = [compared.ring]
+            if "scale_percent" in compared.numbers:  # found from the outline: it is off no more
+                outlines = [replace(outlines[0], numbers={k: v for k, v in outlines[0].numbers.items() if k != "scanner_off_mm"})]
         progress("rolling")
         found = recover(rings[0], follower, request.harmonics)
         pair = None
@@ -304,9 +306,10 @@ def _compared(outline: Outline, path: Path, request: Request) -> Compared:
     from camgen.pipeline.against import compare
 
     assert outline.ring is not None and request.against is not None
-    alone = not request.scanning.others and request.scanning.across is None
-    scan = path.suffix.lower() in PICTURES
-    return compare(outline.ring, request.against, outline.numbers.get("bore_mm"), scan and alone)
+    figures, how = outline.numbers, request.scanning
+    alone = path.suffix.lower() in PICTURES and not how.others and how.across is None
+    off = math.nan if "scanner_off_mm" in figures else sum(each for key, each in figures.items() if key.endswith("_off_mm"))
+    return compare(outline.ring, request.against, figures.get("bore_mm"), off, alone)
 
 
 def _with_comparison(

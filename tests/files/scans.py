@@ -19,6 +19,7 @@ from camgen.judge.follower_table import read_follower
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.outline_motion import recover
 
+SPECS = Path(__file__).resolve().parents[2] / "specs"
 FOLLOWER = "oscillating,pivot=60/0,arm=67.08203932499369,at_deg=-153.43494882292202,radius=3"
 
 
@@ -28,7 +29,7 @@ def cam() -> tuple[tuple[Points, ...], Callable[[Floats], Floats]]:
 
     The law itself is up to 0.07 deg off at its sharp reversals, which no cam can follow.
     """
-    mechanism = pipeline.read_mechanism(Path("specs/uniform-swing.toml"), ["parts.make='cams'"])
+    mechanism = pipeline.read_mechanism(SPECS / "uniform-swing.toml", ["parts.make='cams'"])
     part = mechanism.parts()[0]
     edges = (part.region.outer, *part.region.holes)
     drawn = tuple(facet_contour(edge, 1e-4) for edge in edges)

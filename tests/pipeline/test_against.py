@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from scans import FOLLOWER, Glass, cam, saved
+from scans import FOLLOWER, SPECS, Glass, cam, saved
 
 from camgen.cli import main
 from camgen.geometry.rings import Points
 
-SPEC = Path("specs/uniform-swing.toml")
+SPEC = SPECS / "uniform-swing.toml"
 
 
 def run(capsys: pytest.CaptureFixture[str], path: Path, *more: object) -> tuple[int, dict[str, Any], str]:
@@ -66,6 +66,12 @@ def test_a_wall_that_swelled_is_told_with_its_remedy(tmp_path: Path, capsys: pyt
     assert "profile_compensation = 0.050" in report["notes"][0]
 
 
+def test_a_scan_without_a_caliper_proposes_no_compensation(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    first, second = (saved(tmp_path / f"{turn}.png", cam()[0], Glass(dpi=300, turn_deg=turn)) for turn in (0, 90))
+    notes = run(capsys, first, "--second-scan", second, "--against", SPEC)[1]["notes"][0]
+    assert "no compensation of [print] is told" in notes and "profile_compensation" not in notes
+
+
 def test_a_seam_stays_where_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     z = outline()
     z[100:104] *= 1 + 0.2 / np.abs(z[100:104])
@@ -79,7 +85,7 @@ def test_one_scan_and_the_known_outline_undo_the_scanner(tmp_path: Path, capsys:
     numbers = run(capsys, path, "--against", SPEC)[1]["numbers"]
     assert numbers["motion_error_max_deg"] < 0.012
     assert numbers["scanner_across_percent"] == pytest.approx(0.315, abs=0.01)
-    assert numbers["bore_off_centre_mm"] < 0.002
+    assert numbers["bore_off_centre_mm"] < 0.002 and "scanner_off_mm" not in numbers
 
 
 def test_two_scans_keep_what_the_print_shrank(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -97,8 +103,8 @@ def test_two_scans_keep_what_the_print_shrank(tmp_path: Path, capsys: pytest.Cap
 @pytest.mark.parametrize(
     "more, words",
     [
-        (["--against", "specs/disc-cam.toml"], "the cam nearest to it"),
-        (["--against", "specs/eccentric-drive.toml"], "the spec of a machine with a cam"),
+        (["--against", SPECS / "disc-cam.toml"], "the cam nearest to it"),
+        (["--against", SPECS / "eccentric-drive.toml"], "the spec of a machine with a cam"),
         (["--against", "none.toml"], "none.toml"),
         (["--dpi", "600"], "expected a scan, .png"),
         (["--against", SPEC, "--second-follower", FOLLOWER.replace("-153", "153")], "one follower, on the outside"),
