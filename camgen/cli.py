@@ -229,6 +229,10 @@ def sweep(
 @click.option("--height", type=float, help="Height of a mesh's section, mm.  [default: half way up]")
 @click.option("--layer", help="Layer of a DXF that holds the outline.  [default: all]")
 @click.option("--line-width", type=float, help="Of G-code that does not say it (CuraEngine), mm.")
+@click.option("--dpi", type=float, help="Dots per inch of a scan.  [default: as its file says]")
+@click.option("--second-scan", "others", multiple=True, type=click.Path(path_type=Path), help="The part again, turned by 90 deg.")
+@click.option("--across", type=click.FloatRange(0.1), help="Greatest width of a scanned part by a caliper, mm.")
+@click.option("--against", type=click.Path(path_type=Path), help="SPEC of the cam: lay the outline on it, compare the motion.")
 @click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
 @_as_json
@@ -236,9 +240,10 @@ def sweep(
 @_verbose
 def motion(
     file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
-    line_width: float | None, harmonics: int, out: Path, **shown: bool,
+    line_width: float | None, dpi: float | None, others: Sequence[Path], across: float | None, against: Path | None,
+    harmonics: int, out: Path, **shown: bool,
 ) -> None:  # fmt: skip
-    """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code of a sliced part) and report its motion.
+    """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan, points) and report its motion.
 
     The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
     a table [follower], or its keys on one line:
@@ -269,14 +274,20 @@ def motion(
       at             distance of tip centre or face from the shaft from which its way is counted;
                      otherwise it counts from the innermost position
 
+    A scan (PNG, JPEG, TIFF; pip install 'camgen[scan]') shows one part on an even ground; its bore is the shaft. Points are
+    a CSV with columns x,y in order or angle,radius, mm and degrees.
+
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
     acceleration, pressure angle.
     """
 
     def work() -> Work:
+        from camgen.files.scan import Scanning
         from camgen.pipeline import outline_motion
 
-        request = outline_motion.Request(follower, second_follower, second, height, layer, harmonics, line_width)
+        scanning = Scanning(dpi, tuple(others), across)
+        asked = (follower, second_follower, second, height, layer, harmonics, line_width, scanning, against)
+        request = outline_motion.Request(*asked)
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 
     each([file], work, **shown)

@@ -1,4 +1,5 @@
-"""Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, or a mesh.
+"""Closed outlines from files of any maker: a DXF of lines, arcs, polylines, circles, ellipses and splines, a mesh,
+a scan or measured points.
 
 The outline is the largest closed contour, all lengths in mm, in the file's own frame. Unlike `read_dxf`, which is strict with
 our own files, this reads what others write and says what it made of it.
@@ -8,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -17,16 +18,18 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import FileError, counted
+from camgen.files.points import read_points
+from camgen.files.scan import LEAST_CONTRAST, PICTURES, Scanning, scanned
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
-ENDINGS = (".dxf", ".stl", ".3mf", ".gcode")
+ENDINGS = (".dxf", ".stl", ".3mf", ".gcode", ".csv", *PICTURES)
 _MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
 _MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
 _MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
@@ -46,25 +49,30 @@ _3MF_UNITS = {"micrometer": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch":
 
 @dataclass(frozen=True)
 class Outline:
-    """What a file holds: the outline, counter-clockwise (None where a finding says why), findings, a sentence on the reading."""
+    """What a file holds: the outline, counter-clockwise (None where a finding says why), findings, a sentence on the reading,
+    and figures of what measured it.
+    """
 
     ring: Ring | None
     findings: tuple[Finding, ...]
     remark: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
 
 
 def read_outline(
-    path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None, line_width: float | None = None
-) -> Outline:
+    path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None,
+    line_width: float | None = None, scanning: Scanning | None = None,
+) -> Outline:  # fmt: skip
     """The largest closed contour of a DXF (of one layer, if named), or at a height, mm (half way up): of a mesh's section, or of
-    what G-code prints there with lines of its own width, or of line_width, mm, where it says none.
+    what G-code prints there with lines of its own width, or of line_width, mm, where it says none; or of a
+    scan, or through measured points.
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
     contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
     are turned into them, with a finding.
     FileError where the file cannot be read, is empty, too large, or not what its ending says.
     """
-    kind = ".gcode" if path.suffix.lower() == ".bgcode" else path.suffix.lower()
+    kind = {".bgcode": ".gcode", **PICTURES}.get(path.suffix.lower(), path.suffix.lower())
     if kind not in ENDINGS:
         raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
     try:
@@ -83,6 +91,11 @@ def read_outline(
     try:
         if kind == ".gcode":
             return _judged(path, _from_gcode(path, height, contour, line_width))
+        if kind == ".csv":
+            ring, off, said = read_points(path, content)
+            return _judged(path, Outline(ring, (), said, {"points_off_mm": off}))
+        if kind in PICTURES:
+            return _judged(path, _from_scan(path, contour, scanning or Scanning()))
         outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
         return _judged(path, outline)
     except OverflowError as error:
@@ -142,7 +155,8 @@ def _looks_like(content: bytes) -> str:
     for magic, name in ((b"%PDF", ".pdf"), (b"<svg", ".svg"), (b"\x89PNG", ".png"), (b"AC10", ".dwg"), (b"ISO-10303", ".step")):
         if magic in head[:400]:
             return name
-    return ""
+    starts = ((b"\xff\xd8\xff", ".jpg"), (b"II*\x00", ".tif"), (b"MM\x00*", ".tif"))
+    return next((name for magic, name in starts if head.startswith(magic)), "")
 
 
 def _judged(path: Path, outline: Outline) -> Outline:
@@ -157,7 +171,8 @@ def _judged(path: Path, outline: Outline) -> Outline:
         "SELF_CROSSING", 1 if crossing else 0, 0, "crossings", path.name,
         f"the outline meets itself: {crossing}" if crossing else "the outline does not meet itself",
     )  # fmt: skip
-    return Outline(None if crossing else ring.counter_clockwise(), (*outline.findings, finding), outline.remark)
+    held = None if crossing else ring.counter_clockwise()
+    return replace(outline, ring=held, findings=(*outline.findings, finding))
 
 
 def _crossing(ring: Ring) -> str:
@@ -175,6 +190,14 @@ def _from_gcode(path: Path, height: float | None, contour: int | None, line_widt
     rings, remark = printed_outlines(path, height, line_width)
     ring, picked = _picked(path, rings, contour)
     return Outline(ring, (picked,), f"{picked.message}; {remark}")
+
+
+def _from_scan(path: Path, contour: int | None, how: Scanning) -> Outline:
+    found = scanned(path, how)
+    ring, picked = _picked(path, found.rings, contour)
+    said = "the least grey levels, of 255, by which the part stands off its ground"
+    contrast = at_least("CONTRAST", found.contrast, LEAST_CONTRAST, "levels", path.name, said)
+    return Outline(ring, (picked, contrast), f"{picked.message}; {found.remark}", found.numbers)
 
 
 # ---- DXF -------------------------------------------------------------------------------------------------------------

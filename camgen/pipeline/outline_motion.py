@@ -10,16 +10,17 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import Staged, write_manifest
-from camgen.files.foreign import read_outline
+from camgen.files.foreign import Outline, read_outline
+from camgen.files.scan import PICTURES, Scanning
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
@@ -28,6 +29,9 @@ from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plot, Table
+
+if TYPE_CHECKING:
+    from camgen.pipeline.against import Compared
 
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
@@ -118,7 +122,9 @@ def roll(
 
 @dataclass(frozen=True)
 class Request:
-    """What `camgen motion` was asked for; second: outline file of the second tip, the first one's where it is None."""
+    """What `camgen motion` was asked for; second: outline file of the second tip, the first one's where it is None; against: the
+    spec of the cam that the outline was measured on.
+    """
 
     follower: str
     second_follower: str | None = None
@@ -127,6 +133,8 @@ class Request:
     layer: str | None = None
     harmonics: int = HARMONICS
     line_width: float | None = None
+    scanning: Scanning = Scanning()
+    against: Path | None = None
 
 
 def run(path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None) -> Report:
@@ -141,6 +149,10 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
         raise SpecError(faults, "command line")
     if request.second is not None and other is None:
         raise SpecError([Fault("--second", str(request.second), "--second-follower, the tip that rides on it")])
+    if request.against is not None and (other is not None or follower.inside or follower.contour not in (None, 1)):
+        raise SpecError([Fault("--against", str(request.against), "one follower, on the outside of a cam")], "command line")
+    if request.scanning != Scanning() and path.suffix.lower() not in PICTURES:
+        raise SpecError([Fault("--dpi, --second-scan, --across", path.name, f"a scan, {', '.join(PICTURES)}")], "command line")
     # what is rolled on: file and contour, one or two
     wanted = {(path, follower.contour): None}
     if other is not None:
@@ -148,13 +160,20 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     outlines = []
     for file, contour in wanted:
         progress(f"reading {file.name}")
-        outlines.append(read_outline(file, request.height, request.layer, contour, request.line_width))
+        outlines.append(read_outline(file, request.height, request.layer, contour, request.line_width, request.scanning))
     findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
     rings = [outline.ring for outline in outlines if outline.ring is not None]
     name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
     report = Report(f"{name}-motion", "motion of an outline", findings)
     columns: Mapping[str, Floats] = {}
     if len(rings) == len(outlines):
+        compared = None
+        if request.against is not None:
+            progress("laying it on the spec's cam")
+            compared = _compared(outlines[0], path, request)
+            rings = [compared.ring]
+            if "scale_percent" in compared.numbers:  # found from the outline: it is off no more
+                outlines = [replace(outlines[0], numbers={k: v for k, v in outlines[0].numbers.items() if k != "scanner_off_mm"})]
         progress("rolling")
         found = recover(rings[0], follower, request.harmonics)
         pair = None
@@ -165,6 +184,10 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
             pair = (-1 if follower.inside else 1) * follower.sense * (limit - found.s)
         remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in zip(wanted, outlines, strict=True)]
         report, columns = _report(report, path, follower, rings[0], found, pair, request.harmonics, remarks)
+        report = replace(report, numbers={**report.numbers, **_measured(outlines[0].numbers, found, follower)})
+        if compared is not None:
+            own = recover(compared.wanted, follower, request.harmonics)
+            report, columns = _with_comparison(report, columns, compared, found.s, own.s, follower)
     with Staged(out / report.name) as folder:
         if columns:
             progress("writing the report")
@@ -268,6 +291,44 @@ def _table(found: Recovered, follower: FollowerTable) -> Table:
         at = (math.degrees(found.theta[low]), math.degrees(found.theta[high]))
         rows.append([what, unit, values[low] * each, at[0], values[high] * each, at[1]])
     return Table("Extremes", ("quantity", "unit", "least", "at, deg", "greatest", "at, deg"), rows)
+
+
+def _measured(figures: Mapping[str, float], found: Recovered, follower: FollowerTable) -> Mapping[str, float]:
+    """Figures of what measured the outline, and what each length that ends in _off_mm may do to the motion."""
+    name, scale = follower.unit
+    moved = {key.replace("_off_mm", f"_in_motion_{name}"): value / found.lever * scale for key, value in figures.items()
+             if key.endswith("_off_mm")}  # fmt: skip
+    return {**figures, **moved}
+
+
+def _compared(outline: Outline, path: Path, request: Request) -> Compared:
+    """The outline of the first file on the cam of the spec that it is held against."""
+    from camgen.pipeline.against import compare
+
+    assert outline.ring is not None and request.against is not None
+    figures, how = outline.numbers, request.scanning
+    alone = path.suffix.lower() in PICTURES and not how.others and how.across is None
+    off = math.nan if "scanner_off_mm" in figures else sum(each for key, each in figures.items() if key.endswith("_off_mm"))
+    return compare(outline.ring, request.against, figures.get("bore_mm"), off, alone)
+
+
+def _with_comparison(
+    report: Report, columns: Mapping[str, Floats], compared: Compared, found: Floats, wanted: Floats, follower: FollowerTable
+) -> tuple[Report, Mapping[str, Floats]]:
+    """The report with what the spec's own cam does to the same follower, and where the outline stands off it."""
+    name, scale = follower.unit
+    miss = (found - wanted) * scale
+    numbers = {**report.numbers, **compared.numbers, f"motion_error_max_{name}": float(np.nanmax(np.abs(miss))),
+               f"motion_error_rms_{name}": float(np.sqrt(np.nanmean(miss**2)))}  # fmt: skip
+    ends = {f"wanted_{name}": wanted * scale, f"error_{name}": miss}
+    columns = {**columns, **{key: np.append(value, value[0]) for key, value in ends.items()}}
+    plots = [
+        *report.plots,
+        Plot("Motion less that of the spec's cam", "cam angle, deg", name,
+             [("error", columns["theta_deg"], columns[f"error_{name}"])]),
+        Plot("Outline outside the spec's", "angle about the shaft, deg", "mm", [("deviation", compared.angle, compared.outside)]),
+    ]  # fmt: skip
+    return replace(report, numbers=numbers, plots=plots, notes=(compared.remark, *report.notes)), columns
 
 
 def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:

@@ -1,0 +1,174 @@
+"""Measured outlines laid upon each other: turn, shift, and what the measuring device did to all of them alike.
+
+    rigid      z -> exp(i turn) z + shift
+    device     w = z + m conj(z): m.real is half of what the x axis is too long beside the y axis, m.imag half of their shear;
+               with a turn and one scale for both axes that is every linear map
+
+A shape is its edges, closed lines of points, (n,) complex, mm. Strays, such as specks of dust, do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camgen.geometry.rings import Floats, Points
+from camgen.numerics import least_squares
+
+_ANGLES = 16384  # over the turn, at which radii are compared
+_BACKWARDS = 0.02  # share of its length that an outline may run backwards as seen from the origin, by noise
+_STRAYS = 4.0  # robust standard deviations beyond which a point is left out
+_SMOOTH = 3  # points to either side from which an edge's direction is taken
+_MOST_POINTS = 20_000  # that are laid on others
+_ROUNDS = 30
+
+
+@dataclass(frozen=True)
+class Laid:
+    """How one shape lies on another, and the rms distance, mm, of the points that count."""
+
+    turn: float
+    shift: complex
+    off: float
+
+    def back(self, z: Points) -> Points:
+        """Points of the other shape in the frame of the first."""
+        return np.asarray((z - self.shift) * np.exp(-1j * self.turn))
+
+
+def straightened(w: Points, m: complex) -> Points:
+    """The places that a device with the distortion m shows as w."""
+    return np.asarray((w - m * np.conj(w)) / (1 - abs(m) ** 2))
+
+
+def lay(shape: Sequence[Points], others: Sequence[Sequence[Points]], distorted: bool = False) -> tuple[complex, list[Laid]]:
+    """Distortion m common to all shapes (0 unless it is asked for), and how the first, straightened, lies on each other one.
+
+    The origin of each is near one point of the body, the first of its edges the outline.
+    """
+    laid = [Laid(turned(shape[0], other[0]), 0j, np.inf) for other in others]
+    own = np.concatenate(shape)
+    own = own[:: max(1, len(own) // _MOST_POINTS)]
+    targets = [_Target(other) for other in others]
+    m = 0j
+    for _ in range(_ROUNDS):
+        blocks, rights, found = [], [], []
+        for k, (target, each) in enumerate(zip(targets, laid, strict=True)):
+            spun = np.exp(1j * each.turn)
+            at = spun * straightened(own, m) + each.shift
+            near, normal, miss = target.nearest(at, m)
+            kept = _counting(miss)
+            moves = np.conj(target.shown[near]) - spun * np.conj(own)  # per m
+            columns = [moves, 1j * moves] if distorted else []
+            table = np.zeros((int(kept.sum()), 3 * len(laid) + len(columns)))
+            own_columns = [1j * spun * straightened(own, m), np.ones(len(own)), np.full(len(own), 1j)]
+            for place, column in [*enumerate(columns), *enumerate(own_columns, len(columns) + 3 * k)]:
+                table[:, place] = np.real(np.conj(normal) * column)[kept]
+            blocks.append(table)
+            rights.append(-miss[kept])
+            found.append(float(np.sqrt(np.mean(miss[kept] ** 2))))
+        step = np.asarray(least_squares(np.concatenate(blocks), np.concatenate(rights)))
+        common = complex(step[0], step[1]) if distorted else 0j
+        m += common
+        own_steps = step[2 if distorted else 0 :].reshape(-1, 3)
+        laid = [Laid(each.turn + a, each.shift + complex(x, y), off)
+                for each, (a, x, y), off in zip(laid, own_steps, found, strict=True)]  # fmt: skip
+        if np.max(np.abs(step)) < 1e-8:
+            break
+    return m, laid
+
+
+def lay_on_known(outline: Points, known: Points, device: bool = False) -> tuple[Points, complex, float, Laid]:
+    """A measured outline laid on one that is known, in the known one's frame: (n,) mm; m and scale of what measured it, found
+    if device and otherwise 0 and 1; how it lay, seen from both centres of area.
+    """
+    own, target = outline, _Target([known])
+    turn, shift, m, scale, off = turned(own, known), 0j, 0j, 1.0, np.inf
+    some = own[:: max(1, len(own) // _MOST_POINTS)]
+    for _ in range(_ROUNDS):
+        spun = np.exp(1j * turn) / scale
+        at = spun * straightened(some, m) + shift
+        _, normal, miss = target.nearest(at, 0j)
+        kept = _counting(miss)
+        columns = [1j * (at - shift), np.ones(len(at)), np.full(len(at), 1j)]
+        if device:
+            columns += [shift - at, -spun * np.conj(some), -1j * spun * np.conj(some)]
+        table = np.column_stack([np.real(np.conj(normal) * column) for column in columns])
+        a, x, y, *more = np.asarray(least_squares(table[kept], -miss[kept])).tolist()
+        turn, shift, off = turn + a, shift + complex(x, y), float(np.sqrt(np.mean(miss[kept] ** 2)))
+        if device:
+            scale, m = scale * (1 + more[0]), m + complex(more[1], more[2])
+        if max(map(abs, (a, x, y, *more))) < 1e-9:
+            break
+    laid = np.exp(1j * turn) / scale * straightened(own, m) + shift
+    return np.asarray(laid), m, scale, Laid(turn, shift, off)
+
+
+def deviation(outline: Points, known: Points) -> Floats:
+    """How far points of an outline lie outside a known, counter-clockwise one, along its normal, (n,) mm."""
+    return _Target([known]).nearest(outline, 0j)[2]
+
+
+def dense(outline: Points, step: float) -> Points:
+    """An outline with points at most a step apart, mm."""
+    chord = np.roll(outline, -1) - outline
+    count = np.maximum(1, np.ceil(np.abs(chord) / step)).astype(int)
+    edge = np.repeat(np.arange(len(count)), count)
+    u = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)) / count[edge]
+    return np.asarray(outline[edge] + u * chord[edge])
+
+
+def _counting(miss: Floats) -> Any:
+    """Which of some distances are no strays."""
+    off = np.abs(miss - np.median(miss))
+    return off <= _STRAYS * 1.4826 * np.median(off) + 1e-12
+
+
+class _Target:
+    """A shape on which others are laid."""
+
+    def __init__(self, shape: Sequence[Points]) -> None:
+        self.shown: Points = np.concatenate(shape)
+        self._along = np.concatenate([np.roll(z, -_SMOOTH) - np.roll(z, _SMOOTH) for z in shape])
+        self._tree: Any = None
+        self._m = complex(np.inf)
+
+    def nearest(self, at: Points, m: complex) -> tuple[Any, Points, Floats]:
+        """For points, (n,): the nearest of the shape's own, straightened; the unit normal there; the distance along it."""
+        from scipy.spatial import cKDTree
+
+        own, along = straightened(self.shown, m), straightened(self._along, m)
+        if self._tree is None or abs(m - self._m) > 1e-6:
+            self._tree, self._m = cKDTree(np.column_stack([own.real, own.imag])), m
+        near = self._tree.query(np.column_stack([at.real, at.imag]))[1]
+        normal = -1j * along[near] / np.abs(along[near])
+        return near, normal, np.real(np.conj(normal) * (at - own[near]))
+
+
+def turned(outline: Points, other: Points) -> float:
+    """Turn about the origin, rad, that lays an outline on another one best, to a fraction of a degree."""
+    a, b = (np.fft.rfft(radii(z) - np.mean(radii(z))) for z in (outline, other))
+    return float(np.argmax(np.fft.irfft(np.conj(a) * b))) * 2 * np.pi / _ANGLES
+
+
+def star(outline: Points) -> bool:
+    """Whether each ray from the origin meets the outline once, noise aside."""
+    step = np.imag(np.conj(outline) * np.roll(outline, -1)) / np.abs(outline)
+    return bool(abs(step.sum()) > (1 - 2 * _BACKWARDS) * np.abs(step).sum())
+
+
+def radii(outline: Points) -> Floats:
+    """Radius of an outline at even angles from 0, (_ANGLES,) mm."""
+    angle = np.linspace(0, 2 * np.pi, _ANGLES, endpoint=False)
+    return np.asarray(np.interp(angle, np.angle(outline) % (2 * np.pi), np.abs(outline), period=2 * np.pi))
+
+
+def middle(outlines: Sequence[Points]) -> tuple[Points, float]:
+    """The outline half way through several of one body, which are stars, and their rms distance from it along the radius, mm."""
+    table = np.array([radii(each) for each in outlines])
+    radius = np.median(table, axis=0)
+    angle = np.linspace(0, 2 * np.pi, _ANGLES, endpoint=False)
+    return np.asarray(radius * np.exp(1j * angle)), float(np.sqrt(np.mean((table - radius) ** 2)))
