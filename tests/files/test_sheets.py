@@ -204,7 +204,7 @@ def test_each_label_is_beside_its_own_hole_or_points_at_it(sheets: list[Drawn]) 
 
 
 def each_label_has_its_hole(sheet: Drawn) -> None:
-    named = holes_of(sheet.part.region.holes)
+    named = holes_of(sheet.part.region.holes, sheet.part.points)
     rims = {}
     for contour in sheet.part.region.holes:
         ((_, hole),) = holes_of([contour])
