@@ -61,10 +61,9 @@ def _one(path: str, value: bool | str | int | float, unit: str, about: str, memb
     if isinstance(value, bool):
         yield Number(path, value, about=about, choices=("false", "true"))
         return
-    if isinstance(value, str):
-        names = [str(name) for member in members for name in member.get("enum", ())]
-        names = list(LAWS) if path.endswith(".law") else names
-        if value in names:
+    names = list(LAWS) if path.endswith(".law") else [str(name) for member in members for name in member.get("enum", ())]
+    if isinstance(value, str) or names:
+        if str(value) in names:
             yield Number(path, value, about=about, choices=names)
         return
     kind = next((member for member in members if member.get("type") in ("number", "integer")), None)

@@ -13,14 +13,18 @@ from camgen.pipeline.shown import animation
 from camgen.report.page import to_html
 from camgen.report.report import Report
 from camgen.spec import Data
+from camgen.study import Study
 
 
-def preview(data: Data, source: str, folder: Path, settings: Sequence[str]) -> dict[str, Any]:
-    """What the variant is: ok, its verdict, its page; of one that cannot be made or is no spec, the reasons; and s it took."""
+def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quick: bool = False) -> dict[str, Any]:
+    """What the variant is: ok, its verdict, its page, and s it took; of one that cannot be made or is no spec, the reasons.
+
+    quick: without the study, which may take seconds: verdict, limits and parts in motion, but no curves and sketches.
+    """
     began = time.perf_counter()
     try:
         mechanism = changed(data, source, folder, settings)
-        findings, study = mechanism.limits(), mechanism.study()
+        findings, study = mechanism.limits(), Study() if quick else mechanism.study()
         shown = animation(mechanism, study.sketches)
     except SpecError as error:
         return told("no valid spec", [str(fault) for fault in error.faults])

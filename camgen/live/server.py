@@ -135,9 +135,9 @@ class Explorer:
         self.numbers: list[Number] = numbers(specs.read(self.spec), described(load(kind), kind))
 
     def preview(self, asked: Answer) -> Answer:
-        """A variant's page."""
+        """A variant's page; quick: without what takes long."""
         with self.lock:
-            return preview(self.data, self.source, self.folder, self._settings(asked))
+            return preview(self.data, self.source, self.folder, self._settings(asked), asked.get("quick") is True)
 
     def build(self, asked: Answer) -> Answer:
         """All files of a variant."""

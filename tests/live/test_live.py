@@ -52,7 +52,7 @@ def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(pat
     assert len(listed) >= 5
     for number in listed:
         if number.choices:
-            assert (str(number.value).lower() if isinstance(number.value, bool) else number.value) in number.choices
+            assert (str(number.value).lower() if isinstance(number.value, bool) else str(number.value)) in number.choices
         else:
             assert isinstance(number.value, int | float) and number.low <= number.value <= number.high and number.step > 0
     assert edited(text, []) == text
@@ -80,6 +80,18 @@ def test_ranges_are_those_of_the_schema() -> None:
     ]  # fmt: skip
 
 
+def test_values_that_are_one_of_a_few_are_chosen() -> None:
+    root = {"properties": {
+        "branch": {"type": "integer", "enum": [1, -1]}, "shape": {"type": "string", "enum": ["flat", "knife"]},
+        "step": {"type": "boolean"}, "name": {"type": "string"},
+    }}  # fmt: skip
+    found = numbers({"branch": 1, "shape": "flat", "step": True, "name": "x"}, root)
+    assert [(n.key, list(n.choices)) for n in found] == [
+        ("branch", ["1", "-1"]), ("shape", ["flat", "knife"]), ("step", ["false", "true"])
+    ]  # fmt: skip
+    assert edited("branch = 1  # way\n", overrides({"branch": "-1"}, found)) == "branch = -1 # way\n"
+
+
 def test_comments_and_columns_stay() -> None:
     text = 'a = 1      # first\n\n[[b]]  # table\nc = [1, 2] # pair\n\n[b.d]\n"x-y" = { e = 2.0 }   # last\n'
     expected = 'a = 12.5   # first\n\n[[b]]  # table\nc = [1, 7] # pair\n\n[b.d]\n"x-y" = { e = 3 }   # last\n'
@@ -103,6 +115,12 @@ def test_a_move_gives_the_report_of_that_variant(page: TestClient) -> None:
     assert first["ok"] and first["verdict"] == "All 4 checks hold" and 'id="mechanism"' in first["page"]
     assert not small["ok"] and "PRESSURE_ANGLE" in small["page"] and small["page"] != first["page"]
     assert "at most 30" in first["page"]
+
+
+def test_a_quick_answer_has_verdict_and_picture_without_the_study(page: TestClient) -> None:
+    whole, quick = (page.post("/preview", json={"settings": {}, "quick": quick}).json() for quick in (False, True))
+    assert quick["verdict"] == whole["verdict"] and 'id="mechanism"' in quick["page"]
+    assert 'class="plot' in whole["page"] and 'class="plot' not in quick["page"]
 
 
 def test_what_is_no_spec_or_no_machine_is_said(page: TestClient) -> None:
