@@ -41,8 +41,7 @@ def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
 
     read_bytes(spec, 10_000_000, "a spec file")
     built = Built(spec, out)
-    threading.Thread(target=rebuild, args=(built, say), daemon=True).start()
-    _serve(watcher(built), port, browser, say)
+    _serve(watcher(built), port, browser, say, threading.Thread(target=rebuild, args=(built, say), daemon=True))
 
 
 def _need() -> None:
@@ -83,7 +82,7 @@ def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> Non
         ended.wait(_EVERY)
 
 
-def _serve(app: Starlette, port: int, browser: bool, say: Say) -> None:
+def _serve(app: Starlette, port: int, browser: bool, say: Say, beside: threading.Thread | None = None) -> None:
     import uvicorn
 
     gc.enable()  # a server runs long
@@ -95,6 +94,8 @@ def _serve(app: Starlette, port: int, browser: bool, say: Say) -> None:
             raise FileError(f"127.0.0.1:{port}", f"{error.strerror}; choose another --port") from None
         address = f"http://127.0.0.1:{place.getsockname()[1]}/"
         say(f"{address}  (Ctrl-C ends it)")
+        if beside is not None:
+            beside.start()
         if browser:
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
         server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False, timeout_graceful_shutdown=1))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import re
 import shutil
+import socket
 import threading
 import time
 import tomllib
@@ -272,3 +273,9 @@ def test_a_missing_spec_and_a_taken_port_are_told(command: str, spec: Path, caps
     with pytest.raises(SystemExit) as done:
         main([command, str(spec.with_name("none.toml"))])
     assert done.value.code == 4 and "none.toml" in capsys.readouterr().err
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        with pytest.raises(SystemExit) as done:
+            main([command, str(spec), "--port", str(taken.getsockname()[1])])
+    assert done.value.code == 4 and "choose another --port" in capsys.readouterr().err
