@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -342,6 +342,38 @@ def tolerance(
         click.echo(to_json(report), nl=False)
     else:
         click.echo(printable(tolerance_report.to_text(report), keep="\n"))
+
+
+_browser = click.option("--open", "browser", is_flag=True, help="Open the page in a browser.")
+_port = click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of this machine.  [default: a free one]")
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@_port
+@_browser
+def watch(spec: Path, **served: Any) -> None:
+    """Build SPEC each time it is saved, and show its report on a page that this machine alone can open."""
+    from camgen.live import run
+
+    run.watch(spec, say=_say, **served)
+
+
+@cli.command(epilog=_EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Of full builds.  [default: out]")
+@_port
+@_browser
+def explore(spec: Path, **served: Any) -> None:
+    """Show SPEC with sliders for its numbers, on a page that this machine alone can open; saved when you ask for it."""
+    from camgen.live import run
+
+    run.explore(spec, say=_say, **served)
+
+
+def _say(text: str) -> None:
+    click.echo(printable(text))
 
 
 @cli.command("list")

@@ -22,6 +22,7 @@ WINGS = {
     "judge": {"geometry", "machine", "files"},
     "report": {"geometry", "machine", "files"},
     "pipeline": {"geometry", "motion", "machine", "parts", "files", "machines", "judge", "report"},
+    "live": {"motion", "machines", "report", "pipeline", "starters"},
 }
 GROUND = {"", "errors", "findings", "numerics", "schemas", "spec", "study", "tolerances"}
 TOP = {"__init__", "__main__", "cli", "guide", "running", "starters"}

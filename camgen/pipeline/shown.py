@@ -17,7 +17,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
-from camgen.study import Plate, Scene, Step
+from camgen.study import Plate, Scene, Sketch, Step
 
 if TYPE_CHECKING:
     from camgen.geometry.mesh import Mesh
@@ -35,15 +35,15 @@ def _turn(mechanism: Mechanism, frames: int) -> Floats:
     return np.mod(-theta, math.tau) if mechanism.sense < 0 else theta
 
 
-def animation(mechanism: Mechanism) -> Animation:
-    """One turn of the exact mechanism, as the report shows it moving."""
+def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) -> Animation:
+    """One turn of the exact mechanism, as the report shows it moving; sketches: those of its study, where that is known."""
     theta = _turn(mechanism, _FRAMES)
     poses, courses, bodies = mechanism.poses(theta), mechanism.courses(theta), []
     for part in mechanism.parts():
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    for s in mechanism.study().sketches:
+    for s in mechanism.study().sketches if sketches is None else sketches:
         body = courses[s.body]
         bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles))
     if not mechanism.features():

@@ -1,0 +1,134 @@
+"""The numbers and choices that a spec's file holds: what sliders show, and the file with some of them changed."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from camgen import spec as specs
+from camgen.errors import Fault, SpecError, file_errors
+from camgen.motion.laws import LAWS
+from camgen.schemas import Data, members_of, step_below
+
+_MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points
+_AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
+
+
+@dataclass(frozen=True)
+class Number:
+    """A value of the spec: its dotted key, as of `--set`, what it is now, and how it may change.
+
+    low, high: ends of the slider, within what the schema allows; step: to which it rounds; choices: instead of these, where
+    the value is one of a few.
+    """
+
+    key: str
+    value: float | str | bool
+    low: float = 0.0
+    high: float = 0.0
+    step: float = 0.0
+    unit: str = ""
+    about: str = ""
+    choices: Sequence[str] = ()
+
+
+def numbers(data: Data, schema: Data) -> list[Number]:
+    """The numbers and choices that the spec's tables hold, in their order; included machines keep theirs to themselves."""
+    return [each for key, value in data.items() if key != "mechanism" for each in _below(key, value, schema, key, schema)]
+
+
+def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> Iterator[Number]:
+    node = step_below(above, step, root)
+    if node is None:
+        return
+    if isinstance(value, dict):
+        for key, item in value.items():
+            if "." not in key:
+                yield from _below(f"{path}.{key}", item, node, key, root)
+    elif isinstance(value, list) and len(value) <= _MOST or isinstance(value, list) and isinstance(value[0], dict):
+        for k, item in enumerate(value):
+            yield from _below(f"{path}.{k}", item, node, k, root)
+    elif isinstance(value, bool | str | int | float):
+        unit, about = str(node.get("unit", above.get("unit", ""))), str(node.get("description", ""))
+        yield from _one(path, value, unit if unit != "1" else "", about, members_of(node, root))
+
+
+def _one(path: str, value: bool | str | int | float, unit: str, about: str, members: Sequence[Data]) -> Iterator[Number]:
+    if isinstance(value, bool):
+        yield Number(path, value, about=about, choices=("false", "true"))
+        return
+    names = list(LAWS) if path.endswith(".law") else [str(name) for member in members for name in member.get("enum", ())]
+    if isinstance(value, str) or names:
+        if str(value) in names:
+            yield Number(path, value, about=about, choices=names)
+        return
+    kind = next((member for member in members if member.get("type") in ("number", "integer")), None)
+    if kind is not None and math.isfinite(value):
+        yield Number(path, value, *_slider(value, kind, unit), unit, about)
+
+
+def _slider(value: float, kind: Data, unit: str) -> tuple[float, float, float]:
+    """Ends and step: from 0 to twice the value, or all that the schema allows where that is little more."""
+    least = float(kind.get("minimum", kind.get("exclusiveMinimum", -math.inf)) or 0.0)
+    most = float(kind.get("maximum", kind.get("exclusiveMaximum", math.inf)) or 0.0)
+    reach = abs(value) or _AT_ZERO.get(unit, 10.0)
+    low, high = (least, most) if most - least <= 4 * reach else (max(least, value - reach), min(most, value + reach))
+    step = 10.0 ** math.floor(math.log10((high - low) / 100)) if high > low else 1.0
+    step = max(step, 1.0) if kind["type"] == "integer" else step
+    low = low + step if "exclusiveMinimum" in kind and low == least else low
+    high = high - step if "exclusiveMaximum" in kind and high == most else high
+    return low, high, step
+
+
+def overrides(settings: object, known: Sequence[Number]) -> list[str]:
+    """Settings that a page sends, {key: text}, as those of `--set`; SpecError for keys that are none of the known ones."""
+    names = {number.key for number in known}
+    if not isinstance(settings, Mapping):
+        raise SpecError([Fault("settings", type(settings).__name__, "a table of keys and values")], "page")
+    faults = [specs.unknown("settings", key, names) for key in settings if key not in names]
+    faults += [
+        Fault(key, str(text)[:60], "a value as a spec writes it") for key, text in settings.items()
+        if not (isinstance(text, str) and 0 < len(text.strip()) <= 100 and text.isprintable())
+    ]  # fmt: skip
+    if faults:
+        raise SpecError(faults, "page")
+    return [f"{key}={text}" for key, text in settings.items()]
+
+
+def edited(text: str, settings: Sequence[str]) -> str:
+    """The text of a spec with some keys set anew: comments, order and layout stay."""
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    data: Data = document.unwrap()
+    for setting in settings:
+        data = specs.override(data, setting)
+        holder: Any = document
+        value: Any = data
+        *tables, last = setting.partition("=")[0].split(".")
+        for step in tables:
+            at = int(step) if isinstance(holder, list) else step
+            holder, value = holder[at], value[at]
+        at = int(last) if isinstance(holder, list) else last
+        if holder[at] != value[at]:
+            before = holder[at]
+            holder[at] = value[at]
+            trivia, longer = holder[at].trivia, len(holder[at].as_string()) - len(before.as_string())
+            if trivia.comment:  # stays in its column
+                trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
+    return tomlkit.dumps(document)
+
+
+def write(path: Path, text: str) -> None:
+    """Write a spec whole or not at all, with its rights as they were; FileError where that cannot be done."""
+    path = path.resolve()
+    part = path.with_name(f".{path.name}.part")
+    with file_errors():
+        with open(part, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        os.chmod(part, path.stat().st_mode & 0o777)
+        os.replace(part, path)

@@ -1,0 +1,223 @@
+"""Pages on 127.0.0.1: a spec with sliders, and the report of its last build; whoever is not on this machine is refused.
+
+A page of another site may send a browser's requests here, or give its own name this machine's address (DNS rebinding): so
+the Host has to be this machine, and what changes anything has to come from a page of ours.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from functools import partial
+from hashlib import sha256
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from threading import Lock
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from camgen import spec as specs
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
+from camgen.live.numbers import Number, edited, numbers, overrides, write
+from camgen.live.preview import preview, told
+from camgen.machines import MECHANISMS, load
+from camgen.pipeline.build import KINDS, build
+from camgen.pipeline.jobs import changed, read_tables
+from camgen.starters import described
+
+_HERE = ("127.0.0.1", "localhost")
+_MOST = 100_000  # bytes that a page may send
+_POLICY = (
+    "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
+    "frame-src 'self'; frame-ancestors 'self'"
+)
+
+Answer = dict[str, Any]
+
+
+class OnlyHere:
+    """Lets in what asks for this machine by name, and of what changes anything that which our own pages send."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request, or refuse it."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        host, origin = headers.get("host", ""), headers.get("origin")
+        refused = ""
+        if host.partition(":")[0] not in _HERE:
+            refused = "this page is for this machine alone: its address is 127.0.0.1"
+        elif scope["method"] not in ("GET", "HEAD") and origin != f"http://{host}":
+            refused = "only a page of camgen itself may ask for this"
+        elif not headers.get("content-length", "0").isdecimal() or int(headers.get("content-length", "0")) > _MOST:
+            refused = f"at most {_MOST} bytes"
+
+        async def guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                sent = MutableHeaders(scope=message)
+                sent["Cross-Origin-Resource-Policy"] = "same-origin"
+                sent["X-Frame-Options"] = "SAMEORIGIN"
+                sent["X-Content-Type-Options"] = "nosniff"
+                sent["Cache-Control"] = "no-cache"
+            await send(message)
+
+        app = PlainTextResponse(refused, 403) if refused else self.app
+        await app(scope, receive, guarded)
+
+
+class Built:
+    """Builds of one spec into OUT, one at a time; `folder` is that of the last, `number` counts them."""
+
+    def __init__(self, spec: Path, out: Path) -> None:
+        self.spec, self.out = spec, out
+        self.folder: Path | None = None
+        self.number, self.said, self.lock = 0, Answer(building=True), Lock()
+
+    def build(self, settings: list[str]) -> Answer:
+        """Build it with some keys set anew; the answer has its verdict, or why there is none."""
+        with self.lock:
+            self.said = Answer(building=True)
+            try:
+                report = build(self.spec, self.out, frozenset(KINDS), settings)
+                assert report.folder is not None, "a build writes a folder"
+                self.folder = Path(report.folder)
+                ok = report.ok and not report.not_judged
+                self.said = Answer(ok=ok, verdict=report.verdict, errors=[], folder=str(self.folder))
+            except (CamgenError, OSError) as error:
+                self.said = reasons(explained(error))
+            except Exception as error:  # a fault of ours is told, and does not end the watch
+                self.said = told("internal error", [f"{type(error).__name__}: {error}; please report it with the spec"])
+            self.number += 1
+        return self.said
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a file of the last build."""
+        folder = self.folder
+        app: ASGIApp = PlainTextResponse("nothing is built yet", 404) if folder is None else StaticFiles(directory=folder)
+        await app(scope, receive, send)
+
+
+def reasons(error: CamgenError) -> Answer:
+    """The answer that stands for an error."""
+    if isinstance(error, SpecError):
+        return told("no valid spec", [str(fault) for fault in error.faults])
+    return told("cannot be made" if isinstance(error, DesignError) else "cannot be read or written", [str(error)])
+
+
+class Explorer:
+    """A spec with sliders: its file as it was read, previews of variants, and what is written back."""
+
+    def __init__(self, spec: Path, out: Path) -> None:
+        self.spec, self.built, self.lock = spec, Built(spec, out), Lock()
+        self.read()
+
+    def read(self) -> None:
+        """Take the spec as its file has it now."""
+        raw = specs.read_bytes(self.spec, 10_000_000, "a spec file")
+        self.data, self.source, self.folder = read_tables(self.spec)
+        self.digest = sha256(raw).hexdigest()
+        kind = specs.choose(self.data, MECHANISMS, self.source)
+        self.numbers: list[Number] = numbers(specs.read(self.spec), described(load(kind), kind))
+
+    def preview(self, asked: Answer) -> Answer:
+        """A variant's page; quick: without what takes long."""
+        with self.lock:
+            return preview(self.data, self.source, self.folder, self._settings(asked), asked.get("quick") is True)
+
+    def build(self, asked: Answer) -> Answer:
+        """All files of a variant."""
+        self._unchanged()
+        return self.built.build(self._settings(asked))
+
+    def save(self, asked: Answer) -> Answer:
+        """Write a variant's values into the spec, which has to be as it was read."""
+        with self.lock:
+            settings = self._settings(asked)
+            changed(self.data, self.source, self.folder, settings)
+            raw = self._unchanged()
+            write(self.spec, edited(raw.decode("utf-8-sig"), settings))
+            self.read()
+        return Answer(ok=True, verdict=f"saved in {self.spec.name}", errors=[])
+
+    def _settings(self, asked: Answer) -> list[str]:
+        return overrides(asked.get("settings"), self.numbers)
+
+    def _unchanged(self) -> bytes:
+        raw = specs.read_bytes(self.spec, 10_000_000, "a spec file")
+        if sha256(raw).hexdigest() != self.digest:
+            raise FileError(self.spec, "was changed since this page read it; load the page anew, then it has the new values")
+        return raw
+
+    def page(self) -> str:
+        """The page, of the spec as it is now."""
+        with self.lock:
+            self.read()
+        listed = [vars(number) for number in self.numbers]
+        return _page("explore.html", self.spec, data=json.dumps(listed, ensure_ascii=False).replace("<", "\\u003c"))
+
+    def app(self) -> Starlette:
+        """What serves it."""
+        return _app(self.page, self.built, {"/preview": self.preview, "/build": self.build, "/save": self.save})
+
+
+def watcher(built: Built) -> Starlette:
+    """What serves the report of a spec's last build, and says when there is a new one."""
+
+    def state(asked: Answer) -> Answer:
+        return {"number": built.number, **built.said}
+
+    return _app(partial(_page, "watch.html", built.spec), built, {"/state": state})
+
+
+def _page(file: str, spec: Path, **more: str) -> str:
+    return Template(_asset(file)).substitute(name=escape(spec.name), **more)
+
+
+def _asset(file: str) -> str:
+    return files("camgen.live").joinpath(file).read_text(encoding="utf-8")
+
+
+def _app(page: Callable[[], str], built: Built, answers: Mapping[str, Callable[[Answer], Answer]]) -> Starlette:
+    """A page, its script and style, the files of the last build, and what the page asks for: JSON to JSON."""
+
+    async def shown(request: Request) -> Response:
+        try:
+            text = await run_in_threadpool(page)
+        except CamgenError as error:
+            return PlainTextResponse(str(error), 500)
+        return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
+
+    async def part(request: Request) -> Response:
+        file = request.url.path[1:]
+        return Response(_asset(file), media_type="text/css" if file.endswith("css") else "text/javascript")
+
+    async def answer(request: Request) -> Response:
+        try:
+            asked = await request.json()
+        except ValueError:
+            asked = None
+        if not isinstance(asked, dict):
+            return JSONResponse(told("no valid request", [str(Fault("request", "", "a JSON object"))]), 400)
+        try:
+            return JSONResponse(await run_in_threadpool(answers[request.url.path], asked))
+        except (CamgenError, OSError) as error:
+            return JSONResponse(reasons(explained(error)), 409)
+
+    routes = [Route("/", shown), Route("/live.js", part), Route("/live.css", part), Mount("/out", app=built)]
+    routes += [Route(path, answer, methods=["POST"]) for path in answers]
+    return Starlette(routes=routes, middleware=[Middleware(OnlyHere)])
