@@ -67,6 +67,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     swung = follower.elastic(run, mechanism.load)
     for borne in (plain, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
+        left += borne.left
         numbers |= borne.numbers
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]

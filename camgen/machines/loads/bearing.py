@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import strength
 from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
@@ -38,6 +38,7 @@ class Borne:
     numbers: dict[str, float] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
+    left: list[NotJudged] = field(default_factory=list)
     friction: Any = 0.0
 
 
@@ -119,6 +120,9 @@ def contacts(
             continue
         force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
         if not np.any(force > _STILL):
+            if np.any(force < -_STILL):
+                why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
+                borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
             continue
         layer = parts[outline.part].layers[parts[outline.part].cut]
         length, angle = layer.z1 - layer.z0, _angle(run, joint.cam) - joint.phase
