@@ -94,7 +94,7 @@ def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, w
     label = "cam angle, deg"
     plots = [
         Plot("Contact force", label, "N", [("follower on cam", degrees, found.force)]),
-        Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, found.torque)]),
+        Plot("Torque on the motor, without friction in the joints", label, "N m", [("drives the cam", degrees, found.torque)]),
     ]
     return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, plots, (), (), _notes(weighs, notes))
 

@@ -69,6 +69,9 @@ def assess(mechanism: Mechanism) -> Assessment:
         held += borne.findings
         left += borne.left
         numbers |= borne.numbers
+    asked = any(bears(joint.name).bearing_life_h is not None for joint in machine.joints)
+    if asked and "BEARING_LIFE" not in {each.code for each in held} | {each.code for each in left}:
+        left.append(NotJudged("BEARING_LIFE", "no ball bearing of the machine is loaded", "a ball bearing"))
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
