@@ -21,7 +21,7 @@ from camgen.machine.cams.followers import FlatFace, SlidingFace, SlidingTip, Swi
 from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Courses, StandIn
-from camgen.machine.model import GROUND, Cam, Machine, Place, Pose, Spring
+from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Pose, Spring
 from camgen.machine.run import Run, solve
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Scaled
@@ -70,7 +70,7 @@ class Bench:
 
     drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
     is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
-    by body; strung: further springs, by name.
+    by body; strung: further springs, by name; gravity: what weight pulls with, or nothing.
     """
 
     drawn: Machine
@@ -85,6 +85,7 @@ class Bench:
     gears: Mapping[str, Gear] = field(default_factory=dict)
     more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
     strung: Mapping[str, Strung] = field(default_factory=dict)
+    gravity: Sequence[Gravity] = ()
 
     @cached_property
     def machine(self) -> Machine:
@@ -93,9 +94,9 @@ class Bench:
         return machine if self.spring is None else replace(machine, loads=(*machine.loads, self._pull(self.spring)))
 
     def _weighed(self, bodies: Bodies) -> Machine:
-        """With masses of its solids, and all springs but that which returns the follower."""
+        """With masses of its solids and their weight, and all springs but that which returns the follower."""
         machine = bodies.weighed(self.density, self.heavy)
-        return replace(machine, loads=(*machine.loads, *self.pulls))
+        return replace(machine, loads=(*machine.loads, *self.pulls, *self.gravity))
 
     @property
     def pulls(self) -> list[Spring]:

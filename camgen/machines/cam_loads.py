@@ -15,8 +15,8 @@ from camgen.machines.disc_cam_tables import LoadTable, SpringTable
 from camgen.study import Plot, Study
 
 
-def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool) -> list[Fault]:
-    """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam."""
+def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool) -> list[Fault]:
+    """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam; made: it is a part."""
     found = []
     if spring is not None and not pushed:
         found.append(Fault("spring", "", 'nothing here: only closure "force" has a spring'))
@@ -26,7 +26,25 @@ def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool
     if getattr(load, other):
         kind = "translating" if slides else "oscillating"
         found.append(Fault(f"load.{other}", f"{getattr(load, other):g}", f"nothing here: a follower that is {kind} has {needed}"))
+    if load.gravity_deg is not None:
+        what = unweighed(load.gravity_deg, bool(load.inertia_kg_m2), made) if not slides else (
+            None if load.mass_kg or made else Fault("load.mass_kg", "0", "above 0 with load.gravity_deg: what weighs")
+        )  # fmt: skip
+        found += [] if what is None else [what]
     return found
+
+
+def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
+    """Why gravity does not count on an arm: it pulls on a mass at its centre, which an inertia about the pivot does not say.
+
+    inertia: whether one is given; made: whether the arm is a part, whose solid has mass and centre.
+    """
+    if made and not inertia:
+        return None
+    why = "the follower's inertia says nothing of its mass and its centre, on which weight pulls" if inertia else (
+        'no follower is made whose weight is known (parts.make = "machine")'
+    )  # fmt: skip
+    return Fault("load.gravity_deg", f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat")
 
 
 def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad | None:
@@ -48,7 +66,7 @@ def lift_off(found: Loaded, load: FollowerLoad, slides: bool) -> Finding:
     )  # fmt: skip
 
 
-def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool) -> Study:
+def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool) -> Study:
     """Figures and curves of contact force, torque, power and reactions."""
     degrees, forces, notes = np.degrees(found.theta), found.forces, []
     power = forces.power_in
@@ -76,13 +94,14 @@ def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool) -
     label = "cam angle, deg"
     plots = [
         Plot("Contact force", label, "N", [("follower on cam", degrees, found.force)]),
-        Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, found.torque)]),
+        Plot("Torque on the motor, without friction in the joints", label, "N m", [("drives the cam", degrees, found.torque)]),
     ]
-    return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, plots, (), (), _notes(notes))
+    return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, plots, (), (), _notes(weighs, notes))
 
 
-def _notes(more: Sequence[str]) -> tuple[str, ...]:
-    return ("Forces: at an even speed of the cam, without gravity, friction, play and elasticity.", *more)
+def _notes(weighs: bool, more: Sequence[str]) -> tuple[str, ...]:
+    said = "with gravity, without" if weighs else "without gravity,"
+    return (f"Forces: at an even speed of the cam, {said} friction, play and elasticity.", *more)
 
 
 def _peak(values: Floats | np.ndarray) -> float:

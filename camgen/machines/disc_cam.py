@@ -36,6 +36,7 @@ from camgen.machines.bench import Bench, Tip
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
 from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.linkage.troughs import open_rails
+from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.standing import StandingCams
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
@@ -95,7 +96,7 @@ class DiscCamDrive(StandingCams):
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
         found += self.size_faults("follower")
-        found += load_faults(self.load, self.spring, slides, g.closure == "force")
+        found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -228,6 +229,7 @@ class DiscCamDrive(StandingCams):
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
+            gravity=gravity(self.load),
         )  # fmt: skip
 
     def _drawn(self, load: FollowerLoad | None) -> Machine:
@@ -246,7 +248,7 @@ class DiscCamDrive(StandingCams):
             return None
         breaks = self.program.breaks[(self.program.breaks > 0) & (self.program.breaks < math.tau)]
         theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
-        return loaded(self.model, self.cam, self._load or FollowerLoad(), theta)
+        return loaded(pulled(self), self.cam, self._load or FollowerLoad(), theta)
 
     @property
     def return_spring(self) -> Mounted | None:
@@ -378,7 +380,8 @@ class DiscCamDrive(StandingCams):
         forces = Study()
         if self._loaded:
             pushed = self.geometry.closure == "force"
-            forces = force_study(self._loaded, self._load or FollowerLoad(), f.motion == "translating", pushed)
+            load, slides, weighs = self._load or FollowerLoad(), f.motion == "translating", bool(gravity(self.load))
+            forces = force_study(self._loaded, load, slides, pushed, weighs)
         return Study(
             numbers | dict(forces.numbers), (*self._plots(speed), *forces.plots), (self._table(),),
             () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),

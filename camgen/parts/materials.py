@@ -62,6 +62,10 @@ PV_MOST, PV_OILED = 0.4, 5.0
 # bearing's plastic on steel [iglidur P210: 0.07-0.19].
 FRICTION_PRINTED, FRICTION_STEEL = 0.7, 0.2
 
+# Of a deep groove ball bearing, by its load at half its bore, without the drag of seals [SKF, Rolling bearings, catalogue,
+# "Estimating the frictional moment": M = 0.5 mu P d, mu = 0.0015].
+FRICTION_BALL = 0.0015
+
 
 def of(name: str) -> Material:
     """The row of a material by its name in [material], or "steel"."""

@@ -16,10 +16,12 @@ from camgen.machine.balancing import with_weight
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import Assessment, assess
+from camgen.machines.loads.bearing import plain_bearings
 from camgen.machines.loads.drive import motor_of
 from camgen.machines.loads.follower import effective_inertia
 from camgen.machines.loads.weights import weighed
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.catalogue import BEARINGS
 from camgen.parts.solids import solid
 from camgen.pipeline.jobs import read_mechanism
 
@@ -270,3 +272,111 @@ def test_springs_of_the_bench_and_to_be_wound() -> None:
     assert stress.ok and "to be wound" in stress.where
     forced = ("geometry.closure='force'", "spring={preload=0.2, rate=0.1}", *MOVED[1:])
     assert {each.code for each in judged("uniform-swing", *forced).findings} >= {"SPRING_STRESS", "SURGE"}
+
+
+# ---- weight on a cam -------------------------------------------------------------------------------------------------
+
+WEIGHS = ("load.mass_kg=2", "load.resistance=2", "spring.preload=4", "motor.speed_rpm=10")
+
+
+@pytest.mark.parametrize("deg, pull", [(None, 0.0), (90, 2 * 9.80665), (-90, -2 * 9.80665)])
+def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -> None:
+    """By hand: in the lower dwell a preload of 4 N and a resistance of 2 N press, a weight outwards of 19.61 N lifts."""
+    drive = made("disc-cam", *WEIGHS, *(() if deg is None else (f"load.gravity_deg={deg}",)))
+    study, given = drive.study(), assess(drive)
+    curve = next(plot for plot in study.plots if plot.title == "Contact force").series[0]
+    dwell = float(np.interp(320.0, curve[1], curve[2]))
+    assert dwell == pytest.approx(6 - pull, abs=1e-3)  # 6, -13.6 and 25.6 N
+    (lifts,) = (each for each in drive.limits() if each.code == "LIFT_OFF")
+    assert lifts.ok is (pull < 6)
+    # with the load at a slant of at most the largest pressure angle, and an inertia of 2 kg at most 0.1 N
+    slant = math.cos(math.radians(study.numbers["pressure_angle_deg"]))
+    assert dwell / slant - 0.1 <= lifts.measured <= dwell if pull > 6 else dwell - 0.1 <= lifts.measured <= dwell
+    needed = study.numbers["spring_preload_needed_n"]
+    assert needed == pytest.approx(max(0.0, pull - 2), abs=0.1)
+    codes = {each.code for each in given.findings}
+    assert ("HERTZ" in codes) is (pull < 6)
+    assert ("HERTZ" in {each.code for each in given.not_judged}) is (pull > 6)
+    # torque without friction, in the one report as in the other
+    torque = next(plot for plot in given.study.plots if plot.title.startswith("Torque that the motor gives")).series[1][2]
+    assert study.numbers["peak_torque_n_m"] == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
+
+
+def test_a_spring_of_the_bench_bears_the_weight() -> None:
+    """1.5 times what lifts, 2 * 9.81 + 2 N; inwards weight helps and the least spring is enough."""
+    asked = ("load.mass_kg=2", "load.resistance=2", "motor.speed_rpm=10", "parts.make='machine'")
+    up, down = (made("disc-cam", *asked, f"load.gravity_deg={deg}") for deg in (90, -90))
+    pull = assess(up).study.numbers["spring_force_least_n"]
+    assert pull == pytest.approx(1.5 * (2 * 9.80665 - 2), abs=0.15)
+    assert assess(down).study.numbers["spring_force_least_n"] == pytest.approx(1.0)
+    for drive, force in ((up, pull - 2 * 9.80665 + 2), (down, 1 + 2 * 9.80665 + 2)):
+        (lifts,) = (each for each in drive.limits() if each.code == "LIFT_OFF")
+        assert lifts.ok and lifts.measured == pytest.approx(force, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    "name, settings, path",
+    [
+        ("disc-cam", ("load.gravity_deg=90",), "load.mass_kg"),
+        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=60, arm=50}",
+                      "load.inertia_kg_m2=0.001", "load.gravity_deg=90"), "load.gravity_deg"),
+        ("uniform-swing", ("load.gravity_deg=90", "parts.make='cams'"), "load.gravity_deg"),
+        ("uniform-swing", ("load.gravity_deg=90", "nozzle.inertia_kg_m2=0.002"), "load.gravity_deg"),
+        ("indexing-cam", ("load.gravity_deg=90",), "load.gravity_deg"),
+    ],
+)  # fmt: skip
+def test_weight_that_would_not_count_is_refused(name: str, settings: tuple[str, ...], path: str) -> None:
+    with pytest.raises(SpecError) as told:
+        made(name, *settings)
+    assert [fault.path for fault in told.value.faults] == [path]
+
+
+# ---- ball bearings ---------------------------------------------------------------------------------------------------
+
+BALLS = ("parts.pin='bearing'", "parts.thickness=8", "parts.pin_diameter=5", "drive.speed_rpm=300")
+
+
+def test_ball_bearings_roll() -> None:
+    """No plain bearings are left; friction is SKF's 0.0015 on half the bore."""
+    drive = made("linkage", *BALLS)
+    given = assess(drive)
+    balls = [journal for journal in drive.journals().values() if journal.ball]
+    assert balls and {journal.ball.name for journal in balls if journal.ball} == {"MR85"}
+    plain = {str(row[0]) for table in given.study.tables if table.title.startswith("Plain bearings") for row in table.rows}
+    assert not plain & {journal.joint for journal in balls}
+    assert {f"pin {journal.joint}" for journal in balls} <= {f.where for f in given.findings if f.code == "PIN_STRESS"}
+    run = solve(weighed(drive).machine, np.linspace(0, math.tau, 1441))
+    forces, heat = run.forces(), 0.0
+    speed = 300 * math.tau / 60
+    for journal in drive.journals().values():
+        joint = run.machine.joint(journal.joint)
+        turns = [0.0 if side.body == GROUND else run.angle(side.body)[1] for side in (joint.a, joint.b)]  # type: ignore[union-attr]
+        force = np.abs(forces.reactions[journal.joint])
+        friction, bore = (0.0015, 5.0) if journal.ball else (0.7, journal.diameter)
+        heat += np.mean(friction * force * np.abs(turns[0] - turns[1]) * speed * bore / 2 * 1e-3)
+    assert given.study.numbers["friction_heat_w"] == pytest.approx(heat, rel=1e-9)
+
+
+def test_life_of_a_bearing_that_is_asked_for_is_judged_or_named() -> None:
+    asked = judged("linkage", *BALLS, "limits.bearing_life_h=100")
+    left = [each for each in asked.not_judged if each.code == "BEARING_LIFE"]
+    assert left and all("no load rating" in each.why for each in left)
+    none = judged("linkage", "limits.bearing_life_h=100")
+    assert [each.why for each in none.not_judged if each.code == "BEARING_LIFE"] == ["no ball bearing of the machine is loaded"]
+
+
+def test_life_of_a_bearing_on_a_pin_by_hand() -> None:
+    """A 625, C = 1.14 kN: (C / P)^3 million turns, P the cubic mean over the way that it turns to and fro."""
+    drive = made("linkage", *BALLS, "limits.bearing_life_h=1")
+    journals = {name: replace(each, ball=BEARINGS["625"]) for name, each in drive.journals().items() if each.ball}
+    run = solve(weighed(drive).machine, np.linspace(0, math.tau, 1441))
+    forces = run.forces()
+    given = plain_bearings(run, forces, journals, drive.bears)
+    for name in journals:
+        joint = run.machine.joint(name)
+        a, b = (np.zeros(1441) if side.body == GROUND else run.angle(side.body)[0] for side in (joint.a, joint.b))  # type: ignore[union-attr]
+        way, force = np.abs(np.diff(a - b)), np.abs(forces.reactions[name])
+        mean = (np.sum((force[1:] ** 3 + force[:-1] ** 3) / 2 * way) / np.sum(way)) ** (1 / 3)
+        hours = 1e6 * (1140 / mean) ** 3 / (np.sum(way) / math.tau) / 300 / 60
+        (life,) = (each for each in given.findings if each.code == "BEARING_LIFE" and each.where == f"ball bearing of {name}")
+        assert life.measured == pytest.approx(min(hours, 1e9), rel=0.01)

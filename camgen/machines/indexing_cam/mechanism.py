@@ -104,6 +104,9 @@ class IndexingCam(StandingCams):
                 characteristic(u.points)
             except SpecError as error:
                 found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        if self.load.gravity_deg is not None:
+            why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
+            found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
         if self.driver is not None:

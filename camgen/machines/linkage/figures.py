@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
 from camgen.machines.linkage.troughs import open_rails
+from camgen.machines.loads.weights import gravity
 from camgen.study import Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 
@@ -127,7 +129,8 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
     if linkage.lacking() is not None:
         return Study()
-    found, label = solve(linkage.machine(), theta).forces(), f"{linkage.angle_name}, deg"
+    machine, label = linkage.machine(), f"{linkage.angle_name}, deg"
+    found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
     numbers = {"peak_torque_n_m": float(np.abs(torque).max()), "peak_kinetic_energy_j": float(found.energy.max())}
@@ -136,7 +139,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
         unit = "n_m" if cam.slide is None else "n"  # what a spring must give at least, along the follower's motion
         numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.leaves * found.contacts[cam.name]).min()))
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
-    plots = [Plot("Torque of the drive", label, "N m", [("torque", np.degrees(theta), torque)])]
+    plots = [Plot("Torque of the drive, without friction", label, "N m", [("torque", np.degrees(theta), torque)])]
     tables = [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)]
     for each in linkage.sprung:
         numbers |= dict(zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True))

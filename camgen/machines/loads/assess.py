@@ -67,7 +67,11 @@ def assess(mechanism: Mechanism) -> Assessment:
     swung = follower.elastic(run, mechanism.load)
     for borne in (plain, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
+        left += borne.left
         numbers |= borne.numbers
+    asked = any(bears(joint.name).bearing_life_h is not None for joint in machine.joints)
+    if asked and "BEARING_LIFE" not in {each.code for each in held} | {each.code for each in left}:
+        left.append(NotJudged("BEARING_LIFE", "no ball bearing of the machine is loaded", "a ball bearing"))
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]

@@ -7,13 +7,14 @@ only beyond what every plastic bears, or beyond what the spec itself says; the t
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import strength
 from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
@@ -23,11 +24,12 @@ from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Bears
 from camgen.numerics import Floats
 from camgen.parts import materials
-from camgen.parts.catalogue import Bearing
+from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
 from camgen.study import Plot, Table
 
 _STILL = 1e-9  # N, below which nothing presses
+_RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
 
 
 @dataclass
@@ -38,11 +40,15 @@ class Borne:
     numbers: dict[str, float] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
+    left: list[NotJudged] = field(default_factory=list)
     friction: Any = 0.0
 
 
 def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears]) -> Borne:
-    """PV of the worst and PIN_STRESS of every pin whose bearing is known, and a table; bears: what the spec says of a joint."""
+    """PV of the worst plain one, PIN_STRESS of every pin whose bearing is known, BEARING_LIFE of ball bearings, and a table.
+
+    bears: what the spec says of a joint.
+    """
     borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
     usual = materials.PV_MOST
     found: list[tuple[float, Journal, strength.Sliding]] = []
@@ -53,14 +59,19 @@ def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], be
         turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
         steel = "steel" in (journal.shaft, journal.hole)
         friction = materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
+        friction = materials.FRICTION_BALL if journal.ball else friction
         slides = strength.sliding(force, turning, journal.diameter, journal.length, friction)
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
         borne.friction = borne.friction + slides.heat
+        borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears(name))
+        if journal.ball is not None:
+            _life(borne, name, journal.ball, force, turning, bears(name))
+            continue
         found.append((slides.pv, journal, slides))
         rows.append((name, journal.diameter, journal.length, float(np.max(force)), float(np.max(slides.pressure)),
                      float(np.max(slides.speed)), slides.pv, slides.pv / usual, slides.power, bent, sheared))  # fmt: skip
-        borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears(name))
+    borne.numbers |= {"friction_heat_w": float(np.mean(borne.friction))} if journals else {}
     if not found:
         return borne
     pv, worst, slides = max(found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual))
@@ -78,7 +89,7 @@ def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], be
              f"over {usual:g}", "heat, W", "bent, MPa", "sheared, MPa")  # fmt: skip
     rows.sort(key=lambda row: -float(str(row[6])))
     borne.tables.append(Table("Plain bearings and pins, the hardest worked first", heads, rows))
-    borne.numbers |= {"pv_max_mpa_m_s": max(each[0] for each in found), "friction_heat_w": float(np.mean(borne.friction))}
+    borne.numbers["pv_max_mpa_m_s"] = max(each[0] for each in found)
     return borne
 
 
@@ -119,6 +130,9 @@ def contacts(
             continue
         force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
         if not np.any(force > _STILL):
+            if np.any(force < -_STILL):
+                why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
+                borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
             continue
         layer = parts[outline.part].layers[parts[outline.part].cut]
         length, angle = layer.z1 - layer.z0, _angle(run, joint.cam) - joint.phase
@@ -147,22 +161,31 @@ def contacts(
         borne.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = float(pressure[worst])
         borne.plots.append(Plot(f"Hertz pressure, {joint.name}", "cam angle, deg", "MPa",
                                 [("line contact", np.degrees(theta), pressure)]))  # fmt: skip
-        if roller is not None and roller.rating:
-            _life(borne, run, joint, force, roller, bears)
+        if roller is not None:  # it turns as far as the cam's profile is long
+            place, _ = joint.touches[0](angle)
+            turns = float(np.sum(np.abs(np.diff(place)))) / (math.pi * roller.outside)
+            rolling = np.full(len(force), turns * math.tau * run.machine.speed / float(np.ptp(theta)))
+            _life(borne, joint.name, roller, force, rolling, bears, "roller of ")
     return borne
 
 
-def _life(borne: Borne, run: Run, joint: Cam, force: Floats, roller: Bearing, bears: Bears) -> None:
-    """BEARING_LIFE of the roller on a cam: it turns as far as the cam's profile is long."""
-    place, _ = joint.touches[0](_angle(run, joint.cam) - joint.phase)
-    turns = float(np.sum(np.abs(np.diff(place)))) / (math.pi * roller.outside)
-    load = strength.cubic_mean(np.maximum(force, 0.0), np.ones(len(force)))
-    hours = strength.bearing_life(1e3 * (roller.rating or 0.0), load) / turns / (abs(run.machine.speed) / math.tau) / 3600
-    borne.numbers[f"bearing_life_{joint.name.replace(' ', '_')}_h"] = min(hours, 1e9)
+def _life(
+    borne: Borne, name: str, ball: Bearing, force: Floats, turning: Any, bears: Bears, what: str = "ball bearing of "
+) -> None:
+    """BEARING_LIFE of a ball bearing at a joint; one that goes to and fro wears by the way that it goes. turning: rad/s."""
+    if not ball.rating:
+        if bears.bearing_life_h is not None:
+            why = f"{name}: no load rating of the ball bearing {ball.name} is known"
+            borne.left.append(NotJudged("BEARING_LIFE", why, f"a bearing with a rating: {', '.join(_RATED)}"))
+        return
+    turns = np.abs(turning) + np.zeros(len(force))
+    load = strength.cubic_mean(np.maximum(force, 0.0), turns)
+    rate = float(np.mean(turns)) / math.tau
+    hours = strength.bearing_life(1e3 * ball.rating, load) / rate / 3600 if rate else math.inf
+    borne.numbers[f"bearing_life_{re.sub('[^a-z0-9]+', '_', name.lower())}_h"] = min(hours, 1e9)
     if bears.bearing_life_h is not None:
-        said = f"{roller.name}, C = {roller.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
-        where = f"roller of {joint.name}"
-        borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", where, said))
+        said = f"{ball.name}, C = {ball.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
+        borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", f"{what}{name}", said))
 
 
 def guides(run: Run, forces: Forces) -> Any:

@@ -72,7 +72,8 @@ def driven(run: Run, forces: Forces, friction: Any, drives: Drives | None) -> tu
     }  # fmt: skip
     curves: list[tuple[str, Floats, Floats]] = [("with friction", np.degrees(theta), asked)]
     curves += [("without", np.degrees(theta), torque)]
-    borne.plots.append(Plot("Torque that the motor gives", "angle of the drive, deg", "N m", curves))
+    title = "Torque that the motor gives, with friction in the joints and without"
+    borne.plots.append(Plot(title, "angle of the drive, deg", "N m", curves))
     if drives is not None and (drives.flywheel_kg_m2 or drives.fluctuation):
         borne.numbers["speed_fluctuation"] = swing
     if drives is not None and drives.fluctuation is not None:

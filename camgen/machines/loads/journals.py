@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Eye, Feature, Mount, PinEyes
 from camgen.machine.model import Machine, Pin, Place
+from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
 
 _SAME = 1e-6  # mm
@@ -20,7 +21,10 @@ _SAME = 1e-6  # mm
 
 @dataclass(frozen=True)
 class Journal:
-    """A plain bearing of a Pin: diameter and length, mm; lever: mm, 0 where nothing bends; the plastics or "steel" of both."""
+    """A bearing of a Pin: diameter and length, mm; lever: mm, 0 where nothing bends; the plastics or "steel" of both.
+
+    ball: the ball bearing on the pin; None of a plain one.
+    """
 
     joint: str
     diameter: float
@@ -28,6 +32,7 @@ class Journal:
     lever: float
     shaft: str
     hole: str
+    ball: Bearing | None = None
 
 
 def _round(contour: Contour, eye: Eye) -> bool:
@@ -75,7 +80,7 @@ class _Places:
 def journals(
     machine: Machine, features: Sequence[Feature], parts: Sequence[Part], mounts: Sequence[Mount], printed: str
 ) -> Mapping[str, Journal]:
-    """The plain bearings of a machine by their joints, as far as its parts show them; printed: the name of their plastic.
+    """The bearings of a machine's pins by their joints, as far as its parts show them; printed: the name of their plastic.
 
     A motor's own shaft runs in the motor's bearings and is none.
     """
@@ -116,4 +121,6 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
         lever = min((abs((low + high) / 2 - face) for face in faces), default=0.0)
     if high - low <= _SAME:
         return None
-    return Journal(feature.joint, shaft.diameter, high - low, lever, places.material(shaft), places.material(turning[0]))
+    sizes = [(each.bore, each.outside) for each in feature.rings]
+    ball = next((each for each in BEARINGS.values() if (each.bore, each.outside) in sizes), None)
+    return Journal(feature.joint, shaft.diameter, high - low, lever, places.material(shaft), places.material(turning[0]), ball)

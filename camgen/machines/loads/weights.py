@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, MM, Body, Gravity, Machine
+from camgen.machines.loads.tables import Weight
 from camgen.parts.catalogue import STEEL
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Part
@@ -69,12 +70,22 @@ def weighed(mechanism: Mechanism) -> Weighed:
             sources[body.name] = "solids"
         else:
             own = body.inertia - made.mass * abs(made.centre * MM) ** 2
-            fits = own >= 0
-            bodies.append(replace(body, mass=made.mass, centre=made.centre, inertia=own) if fits else body)
+            fits = own >= 0 or bool(gravity(mechanism.load))  # a weight counts, even where a little inertia does not
+            bodies.append(replace(body, mass=made.mass, centre=made.centre, inertia=max(own, 0.0)) if fits else body)
             sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
     sources.pop(GROUND, None)
     loads = model.loads
-    deg = None if mechanism.load is None else mechanism.load.gravity_deg
-    if deg is not None and not any(isinstance(load, Gravity) for load in loads):
-        loads = (*loads, Gravity(cmath.rect(PULL, cmath.pi * deg / 180)))
+    if not any(isinstance(load, Gravity) for load in loads):
+        loads = (*loads, *gravity(mechanism.load))
     return Weighed(replace(model, bodies=tuple(bodies), loads=loads), sources)
+
+
+def gravity(load: Weight | None) -> tuple[Gravity, ...]:
+    """That of [load]; none where it says nothing of it."""
+    deg = None if load is None else load.gravity_deg
+    return () if deg is None else (Gravity(cmath.rect(PULL, cmath.pi * deg / 180)),)
+
+
+def pulled(mechanism: Mechanism) -> Machine:
+    """The model as it is, or where [load] has gravity with it and with the masses of the solids."""
+    return weighed(mechanism).machine if gravity(mechanism.load) else mechanism.model

@@ -32,8 +32,10 @@ from camgen.machine.cams.machine import FollowerLoad, Loaded, MirroredTouch, Pro
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
+from camgen.machines.cam_loads import unweighed
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
@@ -139,7 +141,10 @@ class UniformSwing(Mechanism):
             sizes = self.geometry.tip_radius, self.print.slide_clearance, self.print.press_clearance, p.pin_diameter
             joined = p.shaft == "plain" and self.geometry.closure == "conjugate"
             checks += machine_faults(*sizes, self.allowed.min_wall, nozzle, joined, self.base, self.frame, self.collet)
-        return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        deg = None if self.load is None else self.load.gravity_deg
+        weight = None if deg is None else unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
+        found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        return found if weight is None else [*found, weight]
 
     @cached_property
     def cam(self) -> DiscCam:
@@ -393,7 +398,7 @@ class UniformSwing(Mechanism):
         """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
         if not self._load.inertia:
             return None
-        return forces(self.model, self.cam, self._load)
+        return forces(pulled(self), self.cam, self._load)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""

@@ -113,7 +113,7 @@ def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study
     label = "cam angle, deg"
     plots = [
         Plot("Contact force", label, "N", [("tip on cam", degrees, _drawn(force))]),
-        Plot("Torque on the motor", label, "N m", [("drives the cam", degrees, _drawn(torque))]),
+        Plot("Torque on the motor, without friction in the joints", label, "N m", [("drives the cam", degrees, _drawn(torque))]),
     ]
     return Study(numbers, plots if np.any(found.effort) else (), notes=notes)
 
