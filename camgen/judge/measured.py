@@ -34,6 +34,7 @@ _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart a
 _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
 _HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
+_SHANK = 0.5  # mm, what is wider than the thinnest ring by more is a head as well
 _FINE = 1e-5  # mm, to which arcs of a wheel's outline are taken as facets
 _ON_TIP = 0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
 
@@ -64,7 +65,8 @@ def measure(eye: Eye, sections: Sections) -> Measured | None:
     centres = np.array([c.centre for c, _ in found])
     sizes = [c.diameter if eye.shaft else free for c, free in found]
     spread = float(np.max(np.abs(centres - centres[0])))
-    return Measured(complex(centres.mean()), max(sizes) if eye.shaft else min(sizes), spread)
+    size = max(each for each in sizes if each <= min(sizes) + _SHANK) if eye.shaft else min(sizes)
+    return Measured(complex(centres.mean()), size, spread)
 
 
 def _free(circle: Circle, ring: Ring) -> float:

@@ -54,6 +54,21 @@ class Bearing:
     standard: str = "ISO 15"
     rating: float | None = None  # dynamic, kN
 
+    @property
+    def shoulder(self) -> float:
+        """Diameter of what bears on the inner ring alone, mm: each ring is taken as a quarter of the section high."""
+        return self.bore + (self.outside - self.bore) / 4
+
+    @property
+    def lip(self) -> float:
+        """Bore of a lip under the outer ring, mm: the middle of the balls, clear of the inner ring."""
+        return (self.bore + self.outside) / 2
+
+    @property
+    def size(self) -> str:
+        """Bore, outside diameter and width."""
+        return f"{self.bore:g} x {self.outside:g} x {self.width:g}"
+
 
 @dataclass(frozen=True)
 class ShoulderScrew:

@@ -11,8 +11,14 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.geometry.arcs import bulges
+from camgen.geometry.outlines import circle
+from camgen.geometry.rings import Ring, Shape
 from camgen.judge import joints
+from camgen.judge.measured import measure
+from camgen.machine.features import Eye
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.catalogue import Bearing
 from camgen.pipeline.build import build, check
 from camgen.spec import read, validate
 
@@ -52,11 +58,51 @@ def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: 
     (ring,) = (part for part in machine.parts() if part.name.startswith("bearing"))
     assert (ring.name, ring.count, ring.thickness, ring.bore) == ("bearing-mr85", 3, 2.5, 5)
     rocker = next(part for part in machine.parts() if part.name == "rocker")
-    holes = sorted(math.sqrt(4 * abs(hole.area) / math.pi) for hole in rocker.layers[0].region.holes)
+    holes = sorted(math.sqrt(4 * abs(hole.area) / math.pi) for hole in rocker.region.holes)
     assert holes[-1] == pytest.approx(8, abs=1e-9)
     assert [machine.machine().joint(name).clearance for name in "ABC"] == [0, 0, 0]  # both press fits
     plain = with_parts(root)
     assert [plain.machine().joint(name).clearance for name in "ABC"] == pytest.approx([0.2, 0.2, 0.2])
+
+
+def rise(machine: Linkage) -> dict[tuple[str, int], float]:
+    """How far each link with a bearing can rise until its lip, the outer ring, the inner ring and the pin's head meet, mm; inf
+    where the lip is no narrower than the outer ring, or the head no wider than the bore."""
+    parts = {part.name: part for part in machine.parts()}
+    links = {mount.body: mount for mount in machine.mounts() if mount.part == mount.body}
+    poses, found = machine.poses(np.zeros(1)), dict[tuple[str, int], float]()
+    for k, mount in enumerate(mount for mount in machine.mounts() if mount.part == "bearing-mr85"):
+        link, place = links[mount.body], poses["bearing-mr85"][k].place[0]
+        pins = [(pose, parts[name]) for name in parts if name.startswith("pin-") for pose in poses[name]]
+        pose, pin = min(pins, key=lambda each: abs(each[0].place[0] - place))
+        under = [layer for layer in parts[link.part].layers if link.z + layer.z1 <= mount.z + 1e-9]
+        holes = [hole for layer in under for hole in layer.region.holes if abs(hole.centroid - mount.at) < 1e-6]
+        lips = [math.sqrt(4 * abs(hole.area) / math.pi) for hole in holes]
+        head = math.sqrt(4 * pin.layers[0].region.area / math.pi)
+        assert pose.flipped and head <= 5.75 + 1e-9  # turned over, its head is above, on the inner ring alone
+        holds = lips and 5.75 < min(lips) < 7.9 and head > 5
+        found[link.part, k] = pose.z + pin.thickness - pin.layers[0].z1 - (mount.z + 2.5) if holds else math.inf
+    return found
+
+
+def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MR85, 2.5 wide, in a link of 4: over it a play of 0.2, under it a lip of 1.3, of the bore (5 + 8) / 2."""
+    machine = with_parts(root, pin="bearing")
+    rocker = next(part for part in machine.parts() if part.name == "rocker")
+    assert [(layer.z0, layer.z1) for layer in rocker.layers] == [(0, 1.3), (1.3, 4)] and rocker.cut == 1
+    sizes = [[math.sqrt(4 * abs(hole.area) / math.pi) for hole in layer.region.holes] for layer in rocker.layers]
+    assert max(sizes[0]) == pytest.approx(6.5) and max(sizes[1]) == pytest.approx(8)
+    assert any("pressed in from above, down on the lip: MR85" in note for note in rocker.notes)
+    ways = rise(machine)
+    assert len(ways) == 3 and list(ways.values()) == pytest.approx([0.2] * 3)
+    monkeypatch.setattr(Bearing, "lip", property(lambda self: self.outside))  # straight through
+    assert set(rise(with_parts(root, pin="bearing")).values()) == {math.inf}
+
+
+def test_a_head_little_wider_than_its_pin_is_not_taken_for_it() -> None:
+    sections = [[Shape(Ring(*bulges(circle(0j, size / 2))), ())] for size in (5.0, 5.02, 5.75)]
+    found = measure(Eye("pin-1", 0j, 5.0, True), sections)
+    assert found is not None and found.diameter == pytest.approx(5.02, abs=1e-9)
 
 
 def test_a_bearing_for_the_shaft(root: Path, tmp_path: Path) -> None:
@@ -93,7 +139,7 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
         ({"pins": {"O": "shoulder"}}, DesignError, "parts.pins.O: it is a shaft"),
         ({"pins": {"O": "bearing"}, "motor": "nema-17", "shaft_diameter": 5}, DesignError, "pins.O: it is the motor"),
         ({"pins": {"O": "bearing"}}, DesignError, "parts.base_thickness is 5 mm.*limit 6 mm.*626"),
-        ({"pin": "bearing", "coupler": {"thickness": 2}}, DesignError, "parts.coupler.thickness is 2 mm.*limit 2.5 mm.*MR85"),
+        ({"pin": "bearing", "coupler": {"thickness": 2}}, DesignError, "thickness is 2 mm.*limit 3.5 mm.*MR85.*lip of 0.8"),
         ({"pin": "bearing", "pin_diameter": 4.5}, DesignError, "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8"),
         ({"pin": "shoulder", "pin_diameter": 14}, SpecError, "parts.pin_diameter.*at most 13"),
         ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError, "shoulder screw.*parts.pins"),

@@ -45,6 +45,7 @@ from camgen.machine.features import (
 )
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
+from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.troughs import covers, rails
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
 from camgen.parts.catalogue import STEEL, Bought, nut
@@ -152,13 +153,13 @@ class Bodies:
         for point, (low, high) in layout.slots_of(link).items():
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
-        region = plate(f"link {link}", layout.outline(link), holes, self.min_wall)
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
+        layers, notes = seated(layout, link, holes)
+        notes = [f"level {layout.level[link]}", *self._pressed(link), *notes]
         return Part(
             part_name(link), f"Link {link}",
-            (Layer(region, 0.0, thick), *rails(layout, link, thick)), centres=tuple(points.values()),
-            notes=(f"level {layout.level[link]}", *self._pressed(link)), bore=bore, min_wall=self.min_wall,
-            points=tuple(points.items()),
+            (*layers, *rails(layout, link, thick)), centres=tuple(points.values()),
+            notes=tuple(notes), bore=bore, min_wall=self.min_wall, cut=len(layers) - 1, points=tuple(points.items()),
         )  # fmt: skip
 
     def _pressed(self, link: str) -> list[str]:
@@ -232,8 +233,8 @@ class Bodies:
         for (_, under), (high, _) in pairwise(held):
             height = layout.floor(high) - under - 2 * play
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
-                wide = layout.turning(point)
-                ring_part = spacer("spacer", "Spacer", wide + play, wide + 2 * s.head, height, self.min_wall)
+                hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
+                ring_part = spacer("spacer", "Spacer", hole, wide, height, self.min_wall)
                 yield ring_part, Mount("spacer", body, at, z=under + play)
 
     def _shaft(self, link: str, top: float, at: complex) -> Placed:

@@ -215,9 +215,11 @@ class Layout:
         return self.sizes.shaft_diameter if point in self.shafts else thin
 
     def kind(self, point: str) -> str:
-        """The kind of pin of a point; of a shaft "bearing" or "printed"; in a slot no bearing runs."""
-        found = self.sizes.pins.get(point, "printed" if point in self.shafts else self.sizes.pin)
-        return "printed" if found == "bearing" and point in self.slots else found
+        """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it."""
+        if point in self.shafts:
+            return self.sizes.pins.get(point, "printed")
+        found = self.sizes.pins.get(point, self.sizes.pin)
+        return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
 
     def bearing(self, point: str) -> Bearing | None:
         """The narrowest ball bearing on the pin of a point."""
@@ -227,9 +229,14 @@ class Layout:
         """The ball bearing in a link's hole at a point."""
         return None if self.kind(point) != "bearing" or link == self.pressed_in(point) else self.bearing(point)
 
+    def spacer_diameter(self, point: str) -> float:
+        """Of what keeps links apart on a pin or shaft, mm: it lies beside the seat of a bearing."""
+        bearing = None if point in self.shafts else self.bearing(point)
+        return (self.turning(point) if bearing is None else bearing.outside) + 2 * self.sizes.head
+
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
-        found = self.turning(point) / 2 + self.sizes.head
+        found = self.spacer_diameter(point) / 2
         screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 

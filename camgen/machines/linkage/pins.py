@@ -3,7 +3,8 @@
     printed    a pin with a head, pressed into one link
     dowel      of steel, with a printed cap on what stands out
     shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
-    bearing    a printed pin; each link that turns on it has a ball bearing pressed into it, which stands on the link's floor
+    bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
+               head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring
     crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
 """
 
@@ -18,6 +19,7 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
 from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
 from camgen.parts.catalogue import BEARINGS, Bearing, dowel
 from camgen.parts.hardware import headed, plate, spacer
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
@@ -34,6 +36,7 @@ def refuse(layout: Layout) -> None:
         hangs = point in {tip.point for tip in layout.tips if tip.hung}
         said = {
             "no link turns there": len(links) < 2, "it is in a slot": kind == "bearing" and point in layout.slots,
+            "a roller or a spring sits on it": kind == "bearing" and point in layout.riders and point not in layout.shafts,
             "it is the motor's shaft": layout.on_motor(point, GROUND), "a roller hangs on it": kind == "shoulder" and hangs,
             "it is a shaft, printed or in a bearing": kind in ("shoulder", "dowel") and point in layout.shafts,
         }  # fmt: skip
@@ -47,10 +50,13 @@ def refuse(layout: Layout) -> None:
             remedy = f"use a bore of the bearings there are: {sold}"
             raise DesignError(key, layout.turning(point), 0, "mm", f"pin {point}", remedy)
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
-            if layout.thickness(link) < bearing.width:
-                key = "parts.base_thickness" if shaft else f"parts.{link}.thickness"
-                remedy = f"make it at least the width of a bearing {bearing.name}"
-                raise DesignError(key, layout.thickness(link), bearing.width, "mm", f"pin {point}", remedy)
+            least, key = bearing.width, "parts.base_thickness"
+            remedy = f"make it at least the width of a bearing {bearing.name}"
+            if not shaft:
+                least, key = least_thickness(layout, bearing), f"parts.{link}.thickness"
+                remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
+            if layout.thickness(link) < least:
+                raise DesignError(key, layout.thickness(link), least, "mm", f"pin {point}", remedy)
 
 
 def pin(layout: Layout, point: str) -> Iterator[Placed]:
@@ -68,8 +74,12 @@ def pin(layout: Layout, point: str) -> Iterator[Placed]:
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
-            wide = s.pin_diameter + 2 * s.head
-            made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=("pressed and glued in",))
+            wide, notes = s.pin_diameter + 2 * s.head, ["pressed and glued in"]
+            bearing = layout.bearing(point)
+            if bearing is not None:  # its head reaches down to the inner ring, which lies a play below the link's upper side
+                grip, wide = grip - play, bearing.shoulder
+                notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
+            made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=tuple(notes))
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
 
 
@@ -122,7 +132,7 @@ def bearings(layout: Layout, point: str) -> Iterator[Placed]:
     for link in layout.pivots[point]:
         bearing = layout.bearing_in(point, link)
         if bearing is not None:
-            z = layout.floor(layout.level[link])
+            z = layout.floor(layout.level[link]) + seat_floor(layout, point, link)
             yield _bearing(layout, bearing), Mount(bearing_name(bearing), link, layout.at(link, point), z=z)
 
 
@@ -132,7 +142,7 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    notes = (f"ball bearing {bearing.name}, {bearing.bore:g} x {bearing.outside:g} x {bearing.width:g}, pressed into its link",)
+    notes = (f"ball bearing {bearing.name}, {bearing.size}, pressed into its link",)
     ring = spacer(bearing_name(bearing), "Ball bearing", bearing.bore, bearing.outside, bearing.width, layout.min_wall)
     return replace(ring, notes=notes, made="bought")
 
