@@ -259,6 +259,14 @@ def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> No
     assert "2 variants: 1 hold, 1 fail." in ran.output and "1 x PRESSURE_ANGLE" in ran.output and str(table) in ran.output
 
 
+def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
+    asked = ["--vary", "geometry.base_radius=8,-5", "--keep", "stroke_mm", "-o", str(tmp_path / "t.csv")]
+    ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
+    assert ran.exit_code == 1 and (tmp_path / "t.csv").exists(), ran.output
+    told = CliRunner().invoke(cli, ["sweep", "--help"]).output
+    assert "some variant holds" in told and "none holds" in told and "every finding" not in told
+
+
 @pytest.mark.parametrize(
     "arguments, code, said",
     [
