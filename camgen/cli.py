@@ -44,7 +44,7 @@ _EXIT_CODES = _CODES.format(
 _SWEEP_CODES = _CODES.format("some variant holds", "none holds (the table is written, and says why)", "")
 
 _jobs = click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
-_quiet = click.option("-q", "--quiet", is_flag=True, help="Print only what fails.")
+_quiet = click.option("-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed.")
 _verbose = click.option("-v", "--verbose", is_flag=True, help="Print every finding in words, and every file.")
 _as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
 

@@ -122,6 +122,9 @@ def test_quiet_tells_what_fails_and_verbose_tells_all(run: Run, results: dict[st
     assert run("build", "good", "--quiet") == (0, "", "")
     code, out, _ = run("build", "bad", "-q")
     assert (code, len(out.splitlines())) == (1, 3) and "The cam is off" in out and "margin" not in out
+    results |= {ok: replace(report(ok == "good"), remarks=["files are gone"], warnings=["read me"]) for ok in ("good", "bad")}
+    assert run("build", "good", "-q") == (0, f"note: {report().name}: files are gone\n", "")
+    assert "note: files are gone\n" in (out := run("build", "bad", "-q")[1]) and "read me" not in out
     assert "cam is off" not in run("build", "good")[1] and "The cam is off" in run("build", "good", "-v")[1]
 
 

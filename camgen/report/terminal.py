@@ -54,7 +54,8 @@ _BETWEEN = 2  # characters between columns
 def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> None:
     """The findings as a table on stdout, what fails first; then each failure in words, the verdict, and where the files are.
 
-    quiet: what fails alone, and nothing where all holds; verbose: every finding by itself and in words, every file by name.
+    quiet: what fails alone, and what this run did beside the result, for that is written nowhere; verbose: every finding by
+    itself and in words, every file by name.
     """
     from rich.console import Console
     from rich.text import Text
@@ -73,12 +74,14 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
 
     failed = [finding for finding in report.findings if not finding.ok]
     if quiet and not failed:
+        for text in report.remarks:
+            say(f"note: {report.name}: {text}")
         return
     if not quiet:
         _print_table(console, report, verbose)
     for finding in (*failed, *(finding for finding in report.findings if verbose and finding.ok)):
         say(_in_words(finding))
-    for text in () if quiet else (*report.warnings, *report.remarks):
+    for text in report.remarks if quiet else (*report.warnings, *report.remarks):
         say(f"note: {text}")
     count = len(report.findings)
     held = "the one finding holds" if count == 1 else f"all {count} findings hold"

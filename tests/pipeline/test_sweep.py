@@ -22,6 +22,7 @@ from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
 from camgen.pipeline.variants import variants
+from camgen.spec import override
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 VARY = ["geometry.base_radius=8:32:7", "segment.0.law=cycloidal,modified-sine"]
@@ -60,6 +61,12 @@ def test_values_side_by_side_and_lists_with_brackets() -> None:
         ["a=1", "b=[1, 2]"], ["a=2", 'b={x = 1, y = "p,q"}'], ["a=3", "b=z"]]  # fmt: skip
 
 
+def test_a_key_may_be_quoted() -> None:
+    found = variants(['lengths."C-B"=40:46:3', "'a.b=c'=1,2"])
+    assert [each.key for each in found.axes] == ["lengths.C-B", '"a.b=c"']
+    assert override({}, found.settings(0)[0]) == {"lengths": {"C-B": 40.0}} and override({}, found.settings(0)[1]) == {"a.b=c": 1}
+
+
 def test_ends_of_a_range_are_what_was_typed() -> None:
     found = variants(["a=-0.3:0.1:5"])
     assert [found.values(k)[0] for k in range(5)] == ["-0.3", "-0.2", "-0.1", "0.0", "0.1"]
@@ -71,7 +78,8 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a"], {}, "KEY=A:B:N"), (["a="], {}, "KEY=A:B:N"), (["=1,2"], {}, "KEY=A:B:N"), (["a=5:2:3"], {}, "A less than B"),
         (["a=2:2:3"], {}, "A less than B"), (["a=1:2:1"], {}, "at least 2"), (["a=1:2"], {}, "without a number of values"),
         (["a=1,,2"], {}, "between every two commas"), (["a=1,1"], {}, "each value once"), ([], {}, "at least one"),
-        (["a=1,2", "a=3,4"], {}, "given twice"), (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
+        (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
+        (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
         (["a=1:2"], {"zipped": True, "latin": 5}, "one of the two"), (["a=1:1e999:3"], {}, "finite"),
     ],
 )  # fmt: skip
