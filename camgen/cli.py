@@ -222,6 +222,8 @@ def sweep(
     click.echo(swept.told)
     for reason, times in swept.reasons:
         click.echo(printable(f"  {times} x {reason}"))
+    if swept.further:
+        click.echo(f"  and {swept.further} more reason{'s' if swept.further > 1 else ''}, in the table")
     again = f", {swept.before} of them done before" if swept.before else ""
     rows = f"{swept.count} row{'s' if swept.count > 1 else ''}{again}"
     click.echo(f"{rows}, {swept.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it")

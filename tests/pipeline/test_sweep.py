@@ -128,6 +128,18 @@ def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
         assert drawn[0].read_bytes() == drawn[1].read_bytes()
 
 
+def test_reasons_beyond_those_told_are_counted_and_the_page_begins_with_the_wish(tmp_path: Path) -> None:
+    text = (SPEC.parent / "linkage.toml").read_text(encoding="utf-8")
+    text = text.replace("# stroke = { value = 47.7", "stroke = { value = 47.7")
+    (spec := tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    lengths = 'lengths."A-B"=1,2,3,4,5,6,60'
+    swept = sweep(prepared(spec, variants([lengths]), (), (), (), Path()), tmp_path / "t.csv")
+    assert (len(swept.reasons), swept.further) == (5, 1), swept.reasons
+    page = (tmp_path / "t.html").read_text(encoding="utf-8")
+    data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
+    assert data["wished"] == ["swing_stroke_deg"] and "checked>" not in page
+
+
 def test_page_and_parquet_hold_the_same(tmp_path: Path) -> None:
     arrow = pytest.importorskip("pyarrow.parquet")
     sweep(task(), tmp_path / "t.csv")
@@ -271,6 +283,7 @@ def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
     asked = ["--vary", "geometry.base_radius=8,-5", "--keep", "stroke_mm", "-o", str(tmp_path / "t.csv")]
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 1 and (tmp_path / "t.csv").exists(), ran.output
+    assert "1 fail, 1 wrong, no valid spec." in ran.output  # by the words of the table
     told = CliRunner().invoke(cli, ["sweep", "--help"]).output
     assert "some variant holds" in told and "none holds" in told and "every finding" not in told
 
