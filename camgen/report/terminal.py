@@ -145,7 +145,8 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
     """Where the files are, and what to open."""
     names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
     kinds = Counter(name.rpartition(".")[2] for name in names)
-    held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in ("dxf", "stl", "3mf", "pdf") if kinds[kind])
+    known = "dxf", "stl", "3mf", "step", "glb", "svg", "pdf"
+    held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in known if kinds[kind])
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
         said += [f"  {folder / name}" for name in names]
@@ -154,6 +155,9 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
         said.append(f"open {folder / 'report.html'} in a browser to see it move")
     if plate is not None:
         said.append(f"print {folder / plate}")
+    sheets = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)]
+    if sheets:
+        said.append(f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}")
     return said
 
 
