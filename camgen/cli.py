@@ -29,17 +29,22 @@ KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")
 _COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
-_EXIT_CODES = """\b
+_CODES = """\b
 Exit codes:
-  0  every finding holds
-  1  a finding fails (files are written, the table says which)
+  0  {0}
+  1  {1}
   2  the spec or the command is wrong (all faults listed, nothing written)
   3  well formed, but no such mechanism exists (nothing written)
   4  a file could not be written or read
-Of several the worst, that is the largest, is returned. 130 is Ctrl-C, 70 a fault of camgen itself."""
+{2}130 is Ctrl-C, 70 a fault of camgen itself."""
+_EXIT_CODES = _CODES.format(
+    "every finding holds", "a finding fails (files are written, the table says which)",
+    "Of several the worst, that is the largest, is returned. ",
+)  # fmt: skip
+_SWEEP_CODES = _CODES.format("some variant holds", "none holds (the table is written, and says why)", "")
 
 _jobs = click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
-_quiet = click.option("-q", "--quiet", is_flag=True, help="Print only what fails.")
+_quiet = click.option("-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed.")
 _verbose = click.option("-v", "--verbose", is_flag=True, help="Print every finding in words, and every file.")
 _as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
 
@@ -175,7 +180,7 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
     hand_over(dump(found()), file)
 
 
-@cli.command(epilog=_EXIT_CODES)
+@cli.command(epilog=_SWEEP_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
 @click.option("--vary", metavar="KEY=VALUES", multiple=True, required=True, help="KEY=A:B:N, N values from A to B; or KEY=a,b,c.")
 @click.option("--grid", is_flag=True, help="Every value of each key with every one of the others: so it is anyway.")
@@ -217,8 +222,12 @@ def sweep(
     click.echo(swept.told)
     for reason, times in swept.reasons:
         click.echo(printable(f"  {times} x {reason}"))
+    if swept.further:
+        click.echo(f"  and {swept.further} more reason{'s' if swept.further > 1 else ''}, in the table")
     again = f", {swept.before} of them done before" if swept.before else ""
-    click.echo(f"{swept.count} rows{again}, {swept.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it")
+    rows = f"{swept.count} row{'s' if swept.count > 1 else ''}{again}"
+    click.echo(f"{rows}, {swept.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it")
+    raise click.exceptions.Exit(0 if swept.verdicts.get(sweeps.HOLDS) else 1)
 
 
 @cli.command(epilog=_EXIT_CODES)

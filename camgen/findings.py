@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
@@ -45,6 +46,16 @@ def left_out(not_judged: Sequence[NotJudged]) -> str:
     needs = dict.fromkeys(each.needs for each in not_judged)
     groups = [(", ".join(each.code for each in not_judged if each.needs == need), need) for need in needs]
     return "; ".join(f"{codes} ({'need' if ',' in codes else 'needs'} {need})" for codes, need in groups)
+
+
+def told_once(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
+    """Findings of one code, unit, limit and sentence as one, the worst, with all the places where it was found."""
+    groups: dict[tuple[object, ...], list[Finding]] = {}
+    for finding in findings:
+        said = re.sub(r"\d+(\.\d+)?", "#", finding.message)  # but for figures, which differ from file to file
+        groups.setdefault((finding.code, finding.ok, finding.unit, finding.limit, said), []).append(finding)
+    worst = (max(group, key=lambda f: -f.measured if f.floor else f.measured) for group in groups.values())
+    return [(f, "; ".join(dict.fromkeys(each.where for each in group))) for f, group in zip(worst, groups.values(), strict=True)]
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.

@@ -10,6 +10,7 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import stat
@@ -220,16 +221,41 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
     return Fault(place, shortened(quoted), f"valid TOML: {reason}")
 
 
+_STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
+
+
+def split_setting(setting: str) -> tuple[list[str], str]:
+    """The keys of "lengths.'A-B' = 5", bare or quoted as in TOML, and the text behind "="; no keys where it has no such form."""
+    keys, place = list[str](), 0
+    while found := _STEP.match(setting, place):
+        quoted, literal, bare, end = found.groups()
+        if quoted is not None:
+            try:
+                (quoted,) = tomllib.loads(f'"{quoted}" = 0')
+            except ValueError:
+                return [""], ""
+        keys.append(next(key for key in (quoted, literal, bare) if key is not None))
+        place = found.end()
+        if end == "=":
+            return keys, setting[place:]
+    return [""], ""
+
+
+def dotted(keys: Sequence[str]) -> str:
+    """Keys as one path, quoted where they hold a dot, "=" or a quote."""
+    return ".".join(json.dumps(key, ensure_ascii=False) if set(key) & set(".=\"'") else key for key in keys)
+
+
 def override(data: Data, setting: str) -> Data:
     """Copy of the tables with one value set, "geometry.swing_deg=24", or removed, "wanted.feed_range="; the value is TOML, or
-    else text. A list goes by its index from 0, as faults tell it: "segment.1.lift=80".
+    else text. A list goes by its index from 0, as faults tell it: "segment.1.lift=80". A key may be quoted, as in TOML.
 
     A key that no spec has is left for `validate` to find; SpecError where the setting is not of this form, where a list is
     shorter, and where there is nothing to remove.
     """
-    path, equals, text = setting.partition("=")
-    keys = [key.strip() for key in path.split(".")]
-    if not equals or not all(keys):
+    keys, text = split_setting(setting)
+    path = dotted(keys)
+    if not all(keys):
         raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
     removed = not text.strip()
     try:
@@ -243,11 +269,11 @@ def override(data: Data, setting: str) -> Data:
     changed = deepcopy(data)
     holder: Any = changed
     for depth, name in enumerate(keys, 1):
-        key, last = _key(holder, name, keys[: depth - 1], path.strip()), depth == len(keys)
+        key, last = _key(holder, name, keys[: depth - 1], path), depth == len(keys)
         if removed and isinstance(holder, dict) and key not in holder:
             where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
             nearest = get_close_matches(name, holder, 1)
-            fault = Fault(f"--set {path.strip()}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
+            fault = Fault(f"--set {path}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
             raise SpecError([fault])
         if not last:
             holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
@@ -267,7 +293,8 @@ def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
         raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
     if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
         has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
-        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {shortened(name)}")])
+        nearest = [f"files.{name}"] if where == "output" and not name.isdecimal() else []  # as a linkage has them
+        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {shortened(name)}", *nearest)])
     return int(name)
 
 

@@ -122,15 +122,22 @@ def test_quiet_tells_what_fails_and_verbose_tells_all(run: Run, results: dict[st
     assert run("build", "good", "--quiet") == (0, "", "")
     code, out, _ = run("build", "bad", "-q")
     assert (code, len(out.splitlines())) == (1, 3) and "The cam is off" in out and "margin" not in out
+    results |= {ok: replace(report(ok == "good"), remarks=["files are gone"], warnings=["read me"]) for ok in ("good", "bad")}
+    assert run("build", "good", "-q") == (0, f"note: {report().name}: files are gone\n", "")
+    assert "note: files are gone\n" in (out := run("build", "bad", "-q")[1]) and "read me" not in out
     assert "cam is off" not in run("build", "good")[1] and "The cam is off" in run("build", "good", "-v")[1]
 
 
+MORE = "cam-disc.step", "cam-assembly.glb", "cam-sheet-1.svg", "cam-sheet-2.svg"
+
+
 def test_the_last_lines_say_where_the_files_are_and_what_to_open(run: Run, results: dict[str, Any], tmp_path: Path) -> None:
-    for name in ("report.html", "cam-plate.3mf", "cam-disc.dxf", "cam-disc.stl"):
+    for name in ("report.html", "cam-plate.3mf", "cam-disc.dxf", "cam-disc.stl", *MORE):
         (tmp_path / name).write_text("")
     results["a"] = replace(report(), folder=tmp_path)
-    *_, where, see, make = run("build", "a")[1].splitlines()
-    assert where == f"files are in {tmp_path}: 1 DXF, 1 STL, 1 3MF"
+    *_, where, see, make, cut = run("build", "a")[1].splitlines()
+    assert where == f"files are in {tmp_path}: 1 DXF, 1 STL, 1 3MF, 1 STEP, 1 GLB, 2 SVG"
+    assert cut == f"cut {tmp_path / 'cam-sheet-1.svg'} and 1 more"
     assert str(tmp_path / "report.html") in see and str(tmp_path / "cam-plate.3mf") in make
     assert str(tmp_path / "cam-disc.dxf") in run("build", "a", "-v")[1]
 

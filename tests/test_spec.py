@@ -200,6 +200,9 @@ def test_byte_order_mark_and_windows_lines_are_fine(tmp_path: Path) -> None:
         ("print.bed=[200, 100]", {"shape": {"width": 1, "height": 1}, "print": {"bed": [200, 100]}}),
         ("name=1\nmechanism = 2", {"shape": {"width": 1, "height": 1}, "name": "1\nmechanism = 2"}),
         ("name=a=b", {"shape": {"width": 1, "height": 1}, "name": "a=b"}),
+        ('shape."A-B"=4', {"shape": {"width": 1, "height": 1, "A-B": 4}}),
+        (""" shape . 'a.b=c' = 4""", {"shape": {"width": 1, "height": 1, "a.b=c": 4}}),
+        (r'"q\"".x=""', {"shape": {"width": 1, "height": 1}, 'q"': {"x": ""}}),
     ],
 )
 def test_override(setting: str, expected: dict[str, Any]) -> None:
@@ -208,13 +211,16 @@ def test_override(setting: str, expected: dict[str, Any]) -> None:
     assert data == {"shape": {"width": 1, "height": 1}}
 
 
-@pytest.mark.parametrize("setting", ["", "shape.width", "=3", "shape.=3", ".width=3", "name.x=1"])
+@pytest.mark.parametrize("setting", ["", "shape.width", "=3", "shape.=3", ".width=3", "name.x=1", '""=1', r'"\q"=1'])
 def test_override_of_the_wrong_form(setting: str) -> None:
     with pytest.raises(SpecError, match="--set"):
         override({"name": "n"}, setting)
 
 
-SEGMENTS = {"name": "n", "segment": [{"kind": "rise", "lift": 5}, {"kind": "dwell"}], "shape": {"width": 1, "points": [[0, 1]]}}
+SEGMENTS = {
+    "name": "n", "output": [{}], "segment": [{"kind": "rise", "lift": 5}, {"kind": "dwell"}],
+    "shape": {"width": 1, "points": [[0, 1]]},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -226,7 +232,7 @@ SEGMENTS = {"name": "n", "segment": [{"kind": "rise", "lift": 5}, {"kind": "dwel
         ("segment.1=", ("segment",), [{"kind": "rise", "lift": 5}]),
         ("segment.0.lift=", ("segment", 0), {"kind": "rise"}),
         ("shape.points =  ", ("shape",), {"width": 1}),
-        ("shape=", (), {"name": "n", "segment": SEGMENTS["segment"]}),
+        ("shape=", (), {"name": "n", "output": [{}], "segment": SEGMENTS["segment"]}),
         ("name=''", ("name",), ""),
     ],
 )
@@ -246,6 +252,7 @@ def test_override_of_a_list_and_removal(setting: str, path: tuple[str | int, ...
         (f"segment.{'9' * 5000}=1", "segment has 2 items"),
         ("segment.lift=1", "segment has 2 items, 0 to 1: there is no lift"),
         ("segment.7=", "segment has 2 items"),
+        ("output.marks=true", "output has one item, 0: there is no marks (did you mean 'files.marks'?)"),
         ("shape.points.1.0=2", "shape.points has one item, 0: there is no 1"),
         ("shape.widht=", "--set shape.widht= - nothing to remove: there is no widht in shape (did you mean 'width'?)"),
         ("shapes.width=", "there is no shapes (did you mean 'shape'?)"),

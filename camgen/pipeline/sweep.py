@@ -39,7 +39,8 @@ _LARGEST = 2_000  # variants in a chunk
 _TRIES = 3  # of a chunk whose worker dies
 
 HOLDS, FAILS, REFUSED, WRONG = "holds", "fails", "refused", "wrong"
-_TOLD = {HOLDS: "hold", FAILS: "fail", REFUSED: "cannot be made", WRONG: "are no valid spec"}
+_TOLD = {HOLDS: "hold", FAILS: "fail", REFUSED: "refused, cannot be made", WRONG: "wrong, no valid spec"}
+_REASONS = 5  # that are told, the most frequent
 
 
 @dataclass(frozen=True)
@@ -259,11 +260,12 @@ class Cluster:
 
 @dataclass(frozen=True)
 class Swept:
-    """What a sweep came to: how many variants of each verdict, the most frequent reasons, s a variant, rows done before."""
+    """What a sweep came to: variants of each verdict, most frequent reasons, how many further ones, s, rows done before."""
 
     count: int
     verdicts: Mapping[str, int]
     reasons: Sequence[tuple[str, int]]
+    further: int
     seconds: float
     before: int
     columns: Sequence[str]
@@ -313,9 +315,11 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
             columns |= dict.fromkeys(row)
         del reasons[""]
         write(table, list(columns), journal.rows())
-        found = Swept(count, dict(verdicts), reasons.most_common(5), time.perf_counter() - began, before, list(columns))
+        found = Swept(count, dict(verdicts), reasons.most_common(_REASONS), max(len(reasons) - _REASONS, 0),
+                      time.perf_counter() - began, before, list(columns))  # fmt: skip
         keys = [axis.key for axis in task.variants.axes]
-        write_page(table.with_suffix(".html"), Path(task.source).stem, found.told, found.columns, keys, journal.rows(), count)
+        named = table.with_suffix(".html"), Path(task.source).stem, found.told
+        write_page(*named, found.columns, keys, journal.rows(), count, _wished(task.data, found.columns))
     finally:
         journal.close()
     journal.path.unlink()
@@ -337,6 +341,15 @@ def _refuse_unknown(task: Task, first: Row) -> None:
         faults = [unknown("--keep", name, known) for name in task.keep if name not in known]
         if faults:
             raise SpecError(faults, "command line")
+
+
+def _wished(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
+    """Figures of a wish: a key of [wanted], or a table of an [[output]] such as stroke, by its name and the output's."""
+    wanted, outputs = data.get("wanted"), data.get("output")
+    keys = [(key,) for key in wanted] if isinstance(wanted, Mapping) else []
+    tables = [each for each in outputs if isinstance(each, Mapping)] if isinstance(outputs, list) else []
+    asked = [*keys, *((str(t.get("name", "")), key) for t in tables for key, value in t.items() if isinstance(value, Mapping))]
+    return [column for column in columns if any(all(word in column for word in words) for words in asked)]
 
 
 def _left(places: np.ndarray, size: int) -> Iterator[range]:

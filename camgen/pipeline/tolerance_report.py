@@ -135,7 +135,7 @@ def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:
     band = 3 * scale * np.sqrt(np.sum((np.abs(spread.found[output.name].modes) * sizes[:, None]) ** 2, axis=0))
     angle = np.degrees(spread.theta)
     drawn = Plot(f"Error of {output.name} by the print", f"{spread.mechanism.angle_name}, deg", unit,
-                 [("+3 standard deviations", angle, band), ("-3", angle, -band)])  # fmt: skip
+                 [("3 standard deviations above", angle, band), ("3 below", angle, -band)])  # fmt: skip
     return [drawn, _histogram(f"Largest error of {output.name}", "worst of a copy", unit, copies.errors[output.name], spread,
                               output.name)]  # fmt: skip
 

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from camgen.errors import Fault, SpecError
+from camgen.spec import dotted, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d+))?\s*")
@@ -50,8 +51,9 @@ def _text(low: float, high: float, u: float) -> str:
 
 def axis(text: str) -> Axis:
     """Read `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`; SpecError where it is none of them, empty or the wrong way round."""
-    key, equals, values = (word.strip() for word in text.partition("="))
-    if not (key and equals and values):
+    keys, values = split_setting(text)
+    key, values = dotted(keys), values.strip()
+    if not (all(keys) and values):
         raise SpecError([Fault("--vary", repr(text), _FORM)], "command line")
     found = _RANGE.fullmatch(values)
     if not found:

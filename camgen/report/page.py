@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -20,11 +21,11 @@ from urllib.parse import quote
 import numpy as np
 
 from camgen import __version__
-from camgen.findings import Finding, NotJudged
+from camgen.findings import Finding, NotJudged, told_once
 from camgen.report.animation import frames, player
 from camgen.report.colours import SERIES, part_colour
 from camgen.report.figures import figure
-from camgen.report.words import GROUPS, UNITS, Figure, figures, name, rounded
+from camgen.report.words import GROUPS, NOISE, UNITS, Figure, figures, name, rounded
 
 if TYPE_CHECKING:
     from camgen.report.report import Report
@@ -51,7 +52,7 @@ def to_html(report: Report) -> str:
         mechanism=escape(report.mechanism),
         version=escape(__version__),
         verdict=escape(report.verdict),
-        state="ok" if report.ok and not report.not_judged else "bad",
+        state="bad" if not report.ok else "open" if report.not_judged else "ok" if report.findings else "",
         style=_asset("page.css") + _palette(len(report.animation.bodies) if report.animation else 0),
         key=_key_figures(report),
         change=to_change(report),
@@ -179,15 +180,15 @@ def _key_figures(report: Report) -> str:
 def to_change(report: Report) -> str:
     """What a person must know first: warnings, what fails with its numbers, and what was not judged."""
     said = "".join(f"<p><b>{escape(text)}</b></p>" for text in report.warnings)
-    failing = [finding for finding in report.findings if not finding.ok]
+    failing = told_once([finding for finding in report.findings if not finding.ok])
     if not (failing or report.not_judged):
         return said
     rows = [
         f'<tr class="bad"><td class="mark"><b>FAILS</b></td><th scope="row"><code>{escape(f.code)}</code> '
-        f"<small>{escape(f.where)}</small><p>{escape(f.message)}</p></th>"
+        f"<small>{escape(where)}</small><p>{escape(f.message)}</p></th>"
         f'<td class="n">{_text(f.measured)}{_unit(f.unit)}</td>'
         f'<td class="n">{"≥" if f.floor else "≤"} {_text(f.limit)}{_unit(f.unit)}</td></tr>'
-        for f in failing
+        for f, where in failing
     ]
     rows += [_not_judged(each) for each in report.not_judged]
     head = "".join(f'<th scope="col">{words}</th>' for words in ("Verdict", "What to change", "Measured", "Limit"))
@@ -196,7 +197,7 @@ def to_change(report: Report) -> str:
 
 def _not_judged(each: NotJudged) -> str:
     return (
-        f'<tr class="bad"><td class="mark"><b>NOT JUDGED</b></td><th scope="row"><code>{escape(each.code)}</code>'
+        f'<tr class="open"><td class="mark"><b>NOT JUDGED</b></td><th scope="row"><code>{escape(each.code)}</code>'
         f"<p>{escape(each.why)}</p></th><td></td><td></td></tr>"
     )
 
@@ -291,9 +292,12 @@ def _plots(plots: Sequence[Plot]) -> str:
 
 
 def once(plots: Sequence[Plot]) -> list[Plot]:
-    """The plots less those that show nothing new: all their curves are in an earlier one, which takes over their marks."""
+    """The plots less those of mere rounding, and those that show nothing new: an earlier one has all their curves, and takes
+    over their marks."""
     kept: list[Plot] = []
     for plot in plots:
+        if re.search(r"\b(mm|deg)$", plot.y_label) and all(np.nanmax(np.abs(y), initial=0.0) < NOISE for _, _, y in plot.series):
+            continue
         at = next((k for k, other in enumerate(kept) if _shows(other, plot)), None)
         if at is None:
             kept.append(plot)

@@ -18,14 +18,15 @@ MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
 def write_page(
     path: Path, name: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
-    count: int,
+    count: int, wished: Sequence[str] = (),
 ) -> None:  # fmt: skip
-    """Write the page of a sweep of `count` rows; keys: the columns that were varied."""
+    """Write the page of a sweep of `count` rows; keys: the columns that were varied; wished: figures of a wish."""
     step = -(-count // MOST)
     shown = [[row.get(column) for column in columns] for row in islice(rows, 0, None, step)]
     if step > 1:
         summary += f" This page shows every variant whose number is a multiple of {step}; the table has all."
-    data = json.dumps({"columns": list(columns), "keys": list(keys), "rows": shown}, ensure_ascii=False).replace("</", "<\\/")
+    data = json.dumps({"columns": list(columns), "keys": list(keys), "wished": list(wished), "rows": shown}, ensure_ascii=False)
+    data = data.replace("</", "<\\/")
     page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
     text = page.substitute(title=escape(f"Sweep of {name}"), summary=escape(summary), data=data)
     with file_errors():

@@ -14,6 +14,7 @@ from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
 from camgen.errors import printable
+from camgen.report.words import NOISE
 
 if TYPE_CHECKING:
     from camgen.findings import Finding
@@ -54,12 +55,13 @@ _BETWEEN = 2  # characters between columns
 def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> None:
     """The findings as a table on stdout, what fails first; then each failure in words, the verdict, and where the files are.
 
-    quiet: what fails alone, and nothing where all holds; verbose: every finding by itself and in words, every file by name.
+    quiet: what fails alone, and what this run did beside the result, for that is written nowhere; verbose: every finding by
+    itself and in words, every file by name.
     """
     from rich.console import Console
     from rich.text import Text
 
-    from camgen.findings import left_out
+    from camgen.findings import left_out, told_once
 
     class Terminal(Console):
         def on_broken_pipe(self) -> None:
@@ -73,12 +75,17 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
 
     failed = [finding for finding in report.findings if not finding.ok]
     if quiet and not failed:
+        for text in report.remarks:
+            say(f"note: {report.name}: {text}")
         return
     if not quiet:
         _print_table(console, report, verbose)
-    for finding in (*failed, *(finding for finding in report.findings if verbose and finding.ok)):
-        say(_in_words(finding))
-    for text in () if quiet else (*report.warnings, *report.remarks):
+    for finding, where in told_once(failed):
+        say(_in_words(finding, where))
+    for finding in report.findings if verbose else ():
+        if finding.ok:
+            say(_in_words(finding, finding.where))
+    for text in report.remarks if quiet else (*report.warnings, *report.remarks):
         say(f"note: {text}")
     count = len(report.findings)
     held = "the one finding holds" if count == 1 else f"all {count} findings hold"
@@ -109,24 +116,27 @@ def _print_table(console: Any, report: Report, every: bool) -> None:
     for column in (name for name in _COLUMNS if name in widths):
         justify: Any = "right" if column in ("measured", "limit", "margin") else "left"
         table.add_column(column, justify=justify, overflow="ellipsis", no_wrap=True, width=widths[column])
-    styles = {"ok": "green", "FAIL": "bold red", _OPEN: "bold red"}
+    styles = {"ok": "green", "FAIL": "bold red", _OPEN: "bold yellow"}
     for row in rows:
         table.add_row(*(Text(text, styles.get(text, "") if not name else "") for name, text in row.items() if name in widths))
     console.print(table)
 
 
-def number(value: float) -> str:
-    """A number of four digits, as short as it goes: "0.0018", "1.234e-5"."""
+def number(value: float, noise: float = NOISE) -> str:
+    """A number of four digits, as short as it goes: "0.0018", "1.234e-5"; 0 for what is only rounding."""
+    if abs(value) < noise:
+        return "0"
     return re.sub(r"e([+-])0*(\d)", lambda found: f"e{found[1].strip('+')}{found[2]}", f"{value:.4g}")
 
 
-def _in_words(finding: Finding) -> str:
+def _in_words(finding: Finding, where: str) -> str:
     """A finding as a sentence with its numbers."""
     unit = f" {finding.unit}" if finding.unit else ""
-    measured = f"{number(finding.measured)}{unit}" if not math.isnan(finding.measured) else "could not be measured"
+    size = f"{number(finding.measured, NOISE * finding.ok)}{unit}"
+    measured = size if not math.isnan(finding.measured) else "could not be measured"
     most, asked = ("least", "asked") if finding.floor else ("most", "allowed")
     limit = "" if math.isnan(finding.limit) else f"; at {most} {number(finding.limit)}{unit} is {asked}"
-    at = f" ({finding.where})" if finding.where else ""
+    at = f" ({where})" if where else ""
     message = finding.message[:1].upper() + finding.message[1:]
     return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(" .") + "."
 
@@ -135,7 +145,8 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
     """Where the files are, and what to open."""
     names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
     kinds = Counter(name.rpartition(".")[2] for name in names)
-    held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in ("dxf", "stl", "3mf", "pdf") if kinds[kind])
+    known = "dxf", "stl", "3mf", "step", "glb", "svg", "pdf"
+    held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in known if kinds[kind])
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
         said += [f"  {folder / name}" for name in names]
@@ -144,17 +155,20 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
         said.append(f"open {folder / 'report.html'} in a browser to see it move")
     if plate is not None:
         said.append(f"print {folder / plate}")
+    sheets = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)]
+    if sheets:
+        said.append(f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}")
     return said
 
 
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
-    margin = abs(finding.limit - finding.measured)
+    margin, noise = abs(finding.limit - finding.measured), NOISE * finding.ok
     limit = "none" if math.isnan(finding.limit) else f"{'>=' if finding.floor else '<='} {number(finding.limit)}"
     short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ").replace(", crank angle ", ", at ")
     cells = {
-        "finding": finding.code, "measured": number(finding.measured), "limit": limit,
-        "margin": number(margin if finding.ok else -margin), "unit": finding.unit,
+        "finding": finding.code, "measured": number(finding.measured, noise), "limit": limit,
+        "margin": number(margin if finding.ok else -margin, noise), "unit": finding.unit,
         "where": short if of == 1 else f"tightest of {of}: {short}", "": "ok" if finding.ok else "FAIL",
     }  # fmt: skip
     return {name: printable(text) for name, text in cells.items()}

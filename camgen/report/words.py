@@ -52,7 +52,7 @@ GROUPS = (
 )  # fmt: skip
 
 _KINDS = ("dxf", "stl", "3mf")
-_NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
+NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
 
 
 @dataclass
@@ -97,7 +97,7 @@ def rounded(value: float, digits: int = 4) -> str:
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
-    if abs(value) < _NOISE or value == 0:
+    if abs(value) < NOISE or value == 0:
         return "0"
     places = digits - 1 - math.floor(math.log10(abs(value)))
     value = round(value, places)

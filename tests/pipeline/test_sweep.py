@@ -22,6 +22,7 @@ from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
 from camgen.pipeline.variants import variants
+from camgen.spec import override
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 VARY = ["geometry.base_radius=8:32:7", "segment.0.law=cycloidal,modified-sine"]
@@ -60,6 +61,12 @@ def test_values_side_by_side_and_lists_with_brackets() -> None:
         ["a=1", "b=[1, 2]"], ["a=2", 'b={x = 1, y = "p,q"}'], ["a=3", "b=z"]]  # fmt: skip
 
 
+def test_a_key_may_be_quoted() -> None:
+    found = variants(['lengths."C-B"=40:46:3', "'a.b=c'=1,2"])
+    assert [each.key for each in found.axes] == ["lengths.C-B", '"a.b=c"']
+    assert override({}, found.settings(0)[0]) == {"lengths": {"C-B": 40.0}} and override({}, found.settings(0)[1]) == {"a.b=c": 1}
+
+
 def test_ends_of_a_range_are_what_was_typed() -> None:
     found = variants(["a=-0.3:0.1:5"])
     assert [found.values(k)[0] for k in range(5)] == ["-0.3", "-0.2", "-0.1", "0.0", "0.1"]
@@ -71,7 +78,8 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a"], {}, "KEY=A:B:N"), (["a="], {}, "KEY=A:B:N"), (["=1,2"], {}, "KEY=A:B:N"), (["a=5:2:3"], {}, "A less than B"),
         (["a=2:2:3"], {}, "A less than B"), (["a=1:2:1"], {}, "at least 2"), (["a=1:2"], {}, "without a number of values"),
         (["a=1,,2"], {}, "between every two commas"), (["a=1,1"], {}, "each value once"), ([], {}, "at least one"),
-        (["a=1,2", "a=3,4"], {}, "given twice"), (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
+        (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
+        (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
         (["a=1:2"], {"zipped": True, "latin": 5}, "one of the two"), (["a=1:1e999:3"], {}, "finite"),
     ],
 )  # fmt: skip
@@ -118,6 +126,18 @@ def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
         assert float(row["motion_error_dxf_mm"]) == pytest.approx(alone.numbers["motion_error_dxf_mm"], rel=1e-11)
         drawn = [folder / "disc-cam" / "disc-cam-cam.dxf" for folder in (tmp_path / "files" / f"{k:08d}", tmp_path / "alone")]
         assert drawn[0].read_bytes() == drawn[1].read_bytes()
+
+
+def test_reasons_beyond_those_told_are_counted_and_the_page_begins_with_the_wish(tmp_path: Path) -> None:
+    text = (SPEC.parent / "linkage.toml").read_text(encoding="utf-8")
+    text = text.replace("# stroke = { value = 47.7", "stroke = { value = 47.7")
+    (spec := tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    lengths = 'lengths."A-B"=1,2,3,4,5,6,60'
+    swept = sweep(prepared(spec, variants([lengths]), (), (), (), Path()), tmp_path / "t.csv")
+    assert (len(swept.reasons), swept.further) == (5, 1), swept.reasons
+    page = (tmp_path / "t.html").read_text(encoding="utf-8")
+    data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
+    assert data["wished"] == ["swing_stroke_deg"] and "checked>" not in page
 
 
 def test_page_and_parquet_hold_the_same(tmp_path: Path) -> None:
@@ -257,6 +277,15 @@ def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> No
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 0, ran.output
     assert "2 variants: 1 hold, 1 fail." in ran.output and "1 x PRESSURE_ANGLE" in ran.output and str(table) in ran.output
+
+
+def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
+    asked = ["--vary", "geometry.base_radius=8,-5", "--keep", "stroke_mm", "-o", str(tmp_path / "t.csv")]
+    ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
+    assert ran.exit_code == 1 and (tmp_path / "t.csv").exists(), ran.output
+    assert "1 fail, 1 wrong, no valid spec." in ran.output  # by the words of the table
+    told = CliRunner().invoke(cli, ["sweep", "--help"]).output
+    assert "some variant holds" in told and "none holds" in told and "every finding" not in told
 
 
 @pytest.mark.parametrize(

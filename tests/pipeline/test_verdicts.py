@@ -139,7 +139,7 @@ def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
     assert not make("disc-cam", "dxf").remarks
 
 
-def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
+def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
     make: Make, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     report = make("uniform-swing", "dxf,report")
@@ -157,8 +157,8 @@ def test_what_was_not_judged_is_said_as_loudly_as_a_failure(
     assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
     assert any("no 3MF was made (--only)" in each["why"] for each in data["not_judged"])
     page = (tmp_path / "uniform-swing" / "report.html").read_text("utf-8")
-    assert '<p class="verdict bad">' in page and "NOT JUDGED: INTERFERENCE" in page
-    assert page.count('<tr class="bad"><td class="mark"><b>NOT JUDGED</b>') == 5
+    assert '<p class="verdict open">' in page and "NOT JUDGED: INTERFERENCE" in page
+    assert page.count('<tr class="open"><td class="mark"><b>NOT JUDGED</b>') == 5
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import pytest
 from test_report import EVIL, Page, made_up
 
 from camgen.files.gltf import Moving, Shape, glb
-from camgen.findings import NotJudged, at_least, at_most
+from camgen.findings import NotJudged, at_least, at_most, told_once
 from camgen.geometry.mesh import Mesh
 from camgen.report.page import margins, once, to_html
 from camgen.report.report import Report
@@ -105,6 +105,24 @@ def test_what_fails_is_said_first_and_what_to_change() -> None:
     assert "MOTION_ERROR" not in first and "follows" not in first
 
 
+def test_what_is_only_not_judged_is_amber_and_a_page_of_no_checks_is_no_success() -> None:
+    def verdict(report: Report) -> list[str | None]:
+        seen = [attributes.get("class") or "" for _, attributes in Page(to_html(report)).elements]
+        return [each for each in seen if each.split()[:1] == ["verdict"] or each in ("bad", "open")]
+
+    holds, fails = at_most("A", 1, 2, "", "", ""), at_most("B", 3, 2, "", "", "")
+    left = [NotJudged("BED_FIT", "no STL was made", "STL")]
+    assert verdict(Report("a", "b", [holds], not_judged=left)) == ["verdict open", "open"]
+    assert verdict(Report("a", "b", [fails, holds], not_judged=left))[:3] == ["verdict bad", "bad", "open"]
+    assert verdict(Report("a", "b", [])) == ["verdict "] and verdict(Report("a", "b", [holds])) == ["verdict ok"]
+
+
+def test_one_fault_in_all_files_is_one_row() -> None:
+    stroke = [at_most("STROKE", size, 0.1, "mm", kind, f"off by {size}") for kind, size in (("design", 0.5), ("dxf", 0.6))]
+    told = told_once([*stroke, at_most("STROKE", 0.7, 0.2, "mm", "stl", "off by 0.7"), at_least("WALL", 1, 2, "", "a", "thin")])
+    assert [(finding.measured, where) for finding, where in told] == [(0.6, "design; dxf"), (0.7, "stl"), (1, "a")]
+
+
 def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
     found = [
         at_most("ERR", size, 1.0, "mm", f"demo-{part}.{kind}, at 3 deg", part)
@@ -131,5 +149,6 @@ def test_no_curve_is_shown_twice() -> None:
     again = Plot("Displacement", "cam angle, deg", "mm", [("wanted", x[::2], np.sin(np.radians(x[::2])))], [("rise", 0.0)])
     faster = replace(again, title="Velocity", y_label="mm/s")
     other = replace(again, title="Other", series=[("wanted", x, np.cos(np.radians(x)))])
-    kept = once([lift, again, faster, other])
+    noise = replace(other, title="Noise", series=[("error", x, 1e-33 * np.sin(x))])
+    kept = once([noise, lift, again, faster, other])
     assert [plot.title for plot in kept] == ["Lift", "Velocity", "Other"] and kept[0].marks == [("rise", 0.0)]

@@ -26,6 +26,12 @@ def shown(findings: tuple[Finding, ...], capsys: pytest.CaptureFixture[str]) -> 
     return capsys.readouterr().out
 
 
+def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture[str]) -> None:
+    found = at_most("PIN_GAP", 2.665e-15, 0.1, "mm", "", ""), at_most("LASH", 1e-12, 0, "mm", "", "")
+    text = shown(found, capsys)
+    assert "2.665" not in text and re.search(r"PIN_GAP +0 +<= +0.1 ", text) and re.search(r"LASH +1e-12 +<= +0 ", text)
+
+
 @pytest.mark.parametrize("width", [200, 120, 80, 50, 30])
 def test_table_keeps_verdict_code_measured_and_limit(
     width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
