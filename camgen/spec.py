@@ -41,7 +41,7 @@ Clearance = Annotated[float, Field(ge=0, le=10, json_schema_extra=MM)]
 Spread = Annotated[float, Field(ge=0, le=5, json_schema_extra=MM)] | None
 
 
-def turning(least: float = 0.0) -> AfterValidator:
+def turning(least: float = 0.001) -> AfterValidator:
     """Check of a speed: not 0, and either way at least so many rpm."""
 
     def check(value: float) -> float:

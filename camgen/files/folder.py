@@ -178,7 +178,7 @@ def _guarded(staging: Path) -> BinaryIO:
     """A staging folder's lock, held by this process until it is closed, or the process ends in whatever way."""
     _in_use.add(staging)
     guard = open(staging / _LOCK, "w+b")  # noqa: SIM115
-    _locked(guard, wait=True)
+    locked(guard, wait=True)
     guard.write(_MARK)  # after the lock: what is not marked yet is not taken for left behind
     guard.flush()
     return guard
@@ -194,7 +194,7 @@ def _abandoned(staging: Path) -> BinaryIO | None:
     except OSError:
         return None
     try:
-        if _locked(guard, wait=False) and guard.read() == _MARK:
+        if locked(guard, wait=False) and guard.read() == _MARK:
             return guard
     except OSError:
         pass
@@ -202,7 +202,7 @@ def _abandoned(staging: Path) -> BinaryIO | None:
     return None
 
 
-def _locked(file: BinaryIO, wait: bool) -> bool:
+def locked(file: BinaryIO, wait: bool) -> bool:
     """Whether this process holds the lock of an open file now; where the file system knows no locks nobody does."""
     try:
         if sys.platform == "win32":

@@ -26,6 +26,10 @@ _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
 _OVERHANG = {"overhang perimeter", "overhang wall"}  # of outer and inner walls alike: one that is part of an outer loop counts
 _MOST_MOVES = 20_000_000
+_MOVES = {("G", 0.0), ("G", 1.0), ("G", 2.0), ("G", 3.0)}
+_EXPONENT = re.compile(r"[XYZIJ]\s*[-+]?[\d.]+E")  # no slicer writes one: a number that is damaged
+_NARROWEST, _WIDEST = 0.01, 10.0  # mm, of a line
+_FARTHEST = 1e5  # mm, from the bed's origin
 _SEAM = 3.0  # line widths between the ends of a wall that is closed all the same
 _SAME_LAYER = 1e-4  # mm of height
 _ROUND = 64  # chords of a quarter of a bead's end
@@ -81,11 +85,14 @@ def read_gcode(path: Path) -> list[Wall]:
                         state.kind = mark[1].strip().lower()
                         marked |= state.kind in _OUTER
                     elif width:
+                        if not _NARROWEST <= _number(width[1]) <= _WIDEST:
+                            said = f"line {number + 1} says that its lines are {width[1]} mm wide"
+                            raise FileError(path, f"{said}; {_NARROWEST:g} to {_WIDEST:g} was expected")
                         if state.width != float(width[1]):
                             walls += _ended(state)
                         state.width = float(width[1])
                     continue
-                walls += _command(path, state, line.partition(";")[0])
+                walls += _command(path, state, line.partition(";")[0], number + 1)
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
     walls += _ended(state)
@@ -97,12 +104,27 @@ def read_gcode(path: Path) -> list[Wall]:
     return walls
 
 
-def _command(path: Path, state: _State, text: str) -> Iterator[Wall]:
-    """Do one line; walls that it ends."""
+def _number(text: str) -> float:
+    """The number that a text is, or nan."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _command(path: Path, state: _State, text: str, line: int) -> Iterator[Wall]:
+    """Do one line; walls that it ends. FileError where a move has something else than letters with numbers."""
     words = dict((letter, float(value)) for letter, value in _WORD.findall(text.upper()))
     if not words:
         return
     code = (next(iter(words)), next(iter(words.values())))
+    if code in _MOVES:
+        bare = re.sub(r"\(.*?\)", "", text.upper())
+        odd = _WORD.sub("", bare).strip() or (found[0] if (found := _EXPONENT.search(bare)) else "")
+        far = [letter for letter in "XYZIJ" if not abs(words.get(letter, 0.0)) <= _FARTHEST]
+        if odd or far:
+            said = f"has {odd.split()[0]!r}" if odd else f"has {far[0]} beyond {_FARTHEST:g}"
+            raise FileError(path, f"line {line} {said}; a letter and a plain number each was expected: is the file damaged?")
     match code:
         case ("G", 20.0) | ("G", 21.0):
             state.scale = 25.4 if code[1] == 20 else 1.0
@@ -143,6 +165,8 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
         if "I" not in words and "J" not in words:
             raise FileError(path, "has arcs by radius (R) in a wall; arcs by their centre (I, J) or none were expected")
         centre = start + complex(words.get("I", 0.0), words.get("J", 0.0)) * state.scale
+        if abs(start - centre) < _NARROWEST or abs(abs(end - centre) - abs(start - centre)) > _WIDEST / 10:
+            raise FileError(path, f"has an arc at X {end.real:g}, Y {end.imag:g} whose centre does not fit its ends")
         turn = float(np.angle((end - centre) / (start - centre))) % math.tau
         bulge = math.tan((turn if code == 3 else turn - math.tau) / 4)
     state.points.append(end)
@@ -154,7 +178,7 @@ def _ended(state: _State) -> Iterator[Wall]:
     """The wall that the run so far makes, if it is an outer one and closes."""
     points, bulges, kinds = state.points, state.bulges, state.kinds
     state.points, state.bulges, state.kinds = [], [], set()
-    if len(points) < 4 or not kinds & _OUTER:
+    if len(points) < (3 if any(bulges) else 4) or not kinds & _OUTER:  # two arcs close a circle
         return
     width = state.width if math.isfinite(state.width) else 0.4
     if abs(points[-1] - points[0]) > _SEAM * width:

@@ -27,9 +27,11 @@ def mean_torque(theta: Floats, torque: Floats) -> float:
 
 def inertia_for(energy: float, fluctuation: float, speed: float) -> float:
     """Inertia, kg m^2, of all that turns evenly with the shaft for a swing of its speed; energy J, speed rad/s."""
-    return energy / (fluctuation * speed**2)
+    square = fluctuation * speed**2
+    return energy / square if square else float("inf")
 
 
 def fluctuation_of(energy: float, inertia: float, speed: float) -> float:
     """Swing of the speed as a share of its mean; inf without inertia."""
-    return energy / (inertia * speed**2) if inertia else float("inf")
+    stored = inertia * speed**2
+    return energy / stored if stored else float("inf")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -97,3 +97,16 @@ def _linkages() -> Iterator[Row]:
     yield Row("four-bar, transmission angle at 180 deg", "103.1834814862", greatest)
     yield Row("four-bar, Grashof margin", "10.000", four_bar(9.0, 30.0, 19.0, 30.0).margin)
     yield Row("uniform swing of 30 deg, speed ratio", "6.000", 1 / float(uniform_swing(math.radians(30))(1.0, 1)))
+
+
+def to_text(found: Sequence[Row]) -> str:
+    """The rows as a table, and what they come to."""
+    lines = [f"{'constant':<52}{'published':>14}{'here':>16}  verdict"]
+    for row in found:
+        ours = 0.0 if abs(row.ours) < 1e-12 else row.ours  # rounding
+        lines.append(f"{row.what:<52}{row.published:>14}{ours:>16.10g}  {row.verdict}")
+    off = sum(not row.ok for row in found)
+    refuted, undecided = sum(bool(row.refuted) for row in found), sum(bool(row.undecided) for row in found)
+    sources = f"{refuted} printed values are refuted, {undecided} cannot be decided from their sources"
+    agree = f"{len(found) - refuted - undecided} constants agree; {sources}"
+    return "\n".join([*lines, f"{off} of {len(found)} constants are OFF" if off else agree])

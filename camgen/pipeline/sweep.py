@@ -26,6 +26,8 @@ import numpy as np
 
 from camgen import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
+from camgen.files.folder import locked
+from camgen.motion.segments import with_tables
 from camgen.pipeline.jobs import Progress, changed, read_tables, silent
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
@@ -63,7 +65,8 @@ class Task:
     @property
     def digest(self) -> str:
         """What the rows follow from, as a short text."""
-        asked = [__version__, self.data, self.variants, self.settings, self.keep, self.build]
+        data = with_tables(dict(self.data), self.folder)  # what is in the files of laws, not their names alone
+        asked = [__version__, data, self.variants, self.settings, self.keep, self.build]
         return hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
 
 
@@ -120,6 +123,9 @@ class Journal:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = open(path, "a+b")  # noqa: SIM115
             self._file.seek(0)
+            if not locked(self._file, wait=False):
+                self._file.close()
+                raise FileError(path, "another run of camgen writes it; wait for that, or choose another table with -o")
             first = self._file.readline()
             if not first.endswith(b"\n"):  # new, or ended before its first line was whole
                 self._file.truncate(0)
@@ -133,15 +139,17 @@ class Journal:
             self._file.seek(0, os.SEEK_END)
 
     def _read(self) -> None:
-        """Find the rows; a last line that was cut off is dropped."""
+        """Find the rows; from a line on that was cut off, or is none of ours, they are dropped."""
         place = self._file.tell()
         for line in iter(self._file.readline, b""):
             try:
-                number = json.loads(line)["variant"] if line.endswith(b"\n") else None
+                row = json.loads(line) if line.endswith(b"\n") else None
             except ValueError:
-                number = None
-            if number is None:
-                self._file.truncate(place)
+                row = None
+            sound = isinstance(row, dict) and {"variant", "verdict", "fails", "reason"} <= row.keys()
+            number = row["variant"] if sound else None  # type: ignore[index]
+            if not (type(number) is int and 0 <= number < len(self.places)):
+                self._file.truncate(place)  # what follows is judged again
                 return
             self.places[number] = place
             place += len(line)
@@ -275,6 +283,14 @@ class Swept:
         """The verdicts in a sentence: the same for the same sweep."""
         parts = [f"{self.verdicts[name]} {word}" for name, word in _TOLD.items() if self.verdicts.get(name)]
         return f"{self.count} variant{'s' if self.count > 1 else ''}: {', '.join(parts)}."
+
+    def lines(self, table: Path) -> list[str]:
+        """What a person is told at the end."""
+        more = f"  and {self.further} more reason{'s' if self.further > 1 else ''}, in the table"
+        again = f", {self.before} of them done before" if self.before else ""
+        rows = f"{self.count} row{'s' if self.count > 1 else ''}{again}"
+        place = f"{rows}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
+        return [self.told, *(f"  {n} x {reason}" for reason, n in self.reasons), *([more] if self.further else []), place]
 
 
 def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progress: Progress = silent) -> Swept:

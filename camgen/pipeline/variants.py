@@ -18,7 +18,7 @@ from camgen.errors import Fault, SpecError
 from camgen.spec import dotted, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d+))?\s*")
+_RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
 _FORM = "KEY=A:B:N, N values from A to B, or KEY=a,b,c"
 
 
@@ -66,6 +66,8 @@ def axis(text: str) -> Axis:
     low, high, count = float(found[1]), float(found[2]), int(found[3] or 0)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise SpecError([Fault(f"--vary {key}", repr(values), f"A less than B, both finite; {_FORM}")], "command line")
+    if count > 10**15:
+        raise SpecError([Fault(f"--vary {key}", repr(values), f"N of at most 1e15; {_FORM}")], "command line")
     if found[3] and count < 2:
         raise SpecError([Fault(f"--vary {key}", repr(values), f"N of at least 2; {_FORM}")], "command line")
     return Axis(key, low=low, high=high, count=count)
@@ -144,7 +146,7 @@ class Variants:
         return [f"{each.key}={value}" for each, value in zip(self.axes, self.values(number), strict=True)]
 
 
-def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0) -> Variants:
+def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0, grid: bool = False) -> Variants:
     """The variants that a command line asks for; SpecError with what is wrong with it."""
     faults: list[Fault] = []
     axes: list[Axis] = []
@@ -153,8 +155,8 @@ def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: i
             axes.append(axis(text))
         except SpecError as error:
             faults += error.faults
-    if zipped and latin:
-        faults.append(Fault("--zip", "with --latin", "one of the two"))
+    if zipped + bool(latin) + grid > 1:
+        faults.append(Fault("--zip, --latin, --grid", "more than one", "one of the three"))
     if faults:
         raise SpecError(faults, "command line")
     return Variants(tuple(axes), "latin" if latin else "zip" if zipped else "grid", latin, seed)

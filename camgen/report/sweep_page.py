@@ -26,7 +26,7 @@ def write_page(
     if step > 1:
         summary += f" This page shows every variant whose number is a multiple of {step}; the table has all."
     data = json.dumps({"columns": list(columns), "keys": list(keys), "wished": list(wished), "rows": shown}, ensure_ascii=False)
-    data = data.replace("</", "<\\/")
+    data = data.replace("<", "\\u003c")
     page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
     text = page.substitute(title=escape(f"Sweep of {name}"), summary=escape(summary), data=data)
     with file_errors():

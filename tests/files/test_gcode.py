@@ -138,3 +138,19 @@ def test_the_motion_of_a_sliced_disc(tmp_path):
     found = recover(read_outline(path).ring, read_follower("translating,radius=5,direction_deg=0,at=0"))
     wanted = e * np.cos(found.theta) + np.sqrt((r + p) ** 2 - (e * np.sin(found.theta)) ** 2)
     assert np.abs(found.s - wanted).max() < 3e-3  # the seam is 0.05 mm of a chord
+
+
+@pytest.mark.parametrize(
+    "old, new, said",
+    [
+        ("X", "Xgarbage", "line"), ("X", "X-1e5 X", "line"), ("X", "Xnan", "line"), ("X", "X" + "9" * 400 + " X", "beyond"),
+        (";WIDTH:", ";WIDTH:500\n;WIDTH:", "500 mm wide"), (";WIDTH:", ";WIDTH:0.4.5\n;WIDTH:", "mm wide"),
+    ],
+)  # fmt: skip
+def test_damaged_numbers_are_no_motion(tmp_path, old, new, said):
+    path = tube(tmp_path / "p.gcode", layers=1)
+    text = path.read_text()
+    at = text.index(old, text.index("G1 X") if old == "X" else 0)
+    path.write_text(text[:at] + new + text[at + len(old) :])
+    with pytest.raises(FileError, match=said):
+        read_gcode(path)

@@ -6,6 +6,8 @@ import csv
 import json
 import os
 import signal
+import subprocess
+import sys
 import time
 from itertools import product
 from pathlib import Path
@@ -80,7 +82,7 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a=1,,2"], {}, "between every two commas"), (["a=1,1"], {}, "each value once"), ([], {}, "at least one"),
         (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
         (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
-        (["a=1:2"], {"zipped": True, "latin": 5}, "one of the two"), (["a=1:1e999:3"], {}, "finite"),
+        (["a=1:2"], {"zipped": True, "latin": 5}, "one of the three"), (["a=1:1e999:3"], {}, "finite"),
     ],
 )  # fmt: skip
 def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
@@ -308,3 +310,44 @@ def test_bad_input_writes_nothing(
         main(["sweep", str(SPEC), *arguments])
     assert done.value.code == code and said in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+# ---- what an enemy does ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line", ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', '{"variant":1.5}', '{"variant":-1}'])
+def test_a_damaged_journal_is_judged_anew(line: str, tmp_path: Path) -> None:
+    sweep(task(), tmp_path / "whole.csv")
+    journal = sweeps.Journal(tmp_path / "t.csv.journal", task())
+    journal.add([sweeps.judged(task(), 3)])
+    journal.close()
+    with open(tmp_path / "t.csv.journal", "a", encoding="utf-8") as file:
+        file.write(line + "\n")
+    assert sweep(task(), tmp_path / "t.csv").before == 1
+    assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:
+    """Locks hold between processes."""
+    code = "import sys; from camgen.cli import main; main(sys.argv[1:])"
+    arguments = ["sweep", str(SPEC), "--vary", "geometry.base_radius=12:32:400", "-o", str(tmp_path / "t.csv")]
+    first = subprocess.Popen([sys.executable, "-c", code, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        while not (tmp_path / "t.csv.journal").exists() and first.poll() is None:
+            time.sleep(0.05)
+        second = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
+    finally:
+        first.kill()
+        first.wait()
+    assert second.returncode == 4 and "another run of camgen writes it" in second.stderr
+
+
+def test_a_law_s_file_that_was_changed_is_another_sweep(tmp_path: Path) -> None:
+    spec = tmp_path / "law.toml"
+    text = SPEC.read_text(encoding="utf-8")
+    spec.write_text(text.replace('law = "modified-sine"', 'law = { name = "table", file = "law.csv", rest = true }'), encoding="utf-8")
+    digests = []
+    for middle in (0.5, 0.45):
+        (tmp_path / "law.csv").write_text(f"0,0\n0.25,0.15\n0.5,{middle}\n0.75,0.85\n1,1\n", encoding="utf-8")
+        digests.append(prepared(spec, variants(VARY[:1]), (), (), (), Path()).digest)
+    assert digests[0] != digests[1]

@@ -79,9 +79,12 @@ def _changed(layout: Layout, refused: Crowded) -> Iterator[Iterable[tuple[str, L
                for each in sizes if each["wall"] >= layout.min_wall and each["head"] >= least]  # fmt: skip
 
 
+_WIDEST = 1e5  # mm, bow that is worth a try
+
+
 def _bent(layout: Layout, link: str, short: float) -> Iterator[tuple[str, Layout]]:
     """A link with bows, to either side, from slight to wide."""
-    for bow in (float(f"{side * factor * short:.2g}") for factor in _BOWS for side in (1, -1)):
+    for bow in (float(f"{side * factor * short:.2g}") for factor in _BOWS for side in (1, -1) if factor * short < _WIDEST):
         yield f"parts.{link}.bow = {bow:g}", _with(layout, {link: {"bow": bow}})
 
 

@@ -109,7 +109,7 @@ class Linkage(Mechanism):
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
         lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
-        found += self.making.faults(self.links, self.print.nozzle)
+        found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"

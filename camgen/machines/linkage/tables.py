@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
@@ -204,7 +204,7 @@ class Shape(Record):
 
     hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
     width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
-    bow: Annotated[float, Field(ge=-1e6, le=1e6)] = Field(
+    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] = Field(
         0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
     )
     thickness: Length | None = Field(None, description="mm; that of all links unless given")
@@ -268,7 +268,7 @@ class Parts(Record):
         """Depth of the pockets for the heads of its screws, mm."""
         return 0.0 if self.face is None else self.face.screw.height + SUNK
 
-    def faults(self, links: Iterable[str], nozzle: float) -> list[Fault]:
+    def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
         known = [*type(self).model_fields, *links]
         found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
@@ -281,8 +281,9 @@ class Parts(Record):
             elif thickness is not None and thickness < nozzle:
                 found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
             width = self.shape(link).width
-            if width is not None and width < nozzle:
-                found.append(Fault(f"parts.{link}.width", f"{width:g}", least))
+            if width is not None and width < max(nozzle, min_wall):
+                thinnest = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
+                found.append(Fault(f"parts.{link}.width", f"{width:g}", thinnest))
         kinds = {self.pin, *self.pins.values()}
         if "dowel" in kinds and self.pin_diameter not in DOWELS:
             right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
