@@ -410,3 +410,21 @@ def test_the_pin_of_a_roller_in_a_groove_bends_by_the_contact() -> None:
     force = drive.study().numbers["peak_contact_force_n"]
     (each,) = (each for each in assess(drive).findings if each.where == "pin tip, under contact")
     assert each.measured == pytest.approx(32 * force * 2.2 / (math.pi * 125), rel=1e-3) and "2.2 mm" in each.message
+
+
+def test_the_pressure_of_a_knife_edge_is_not_judged() -> None:
+    given = judged("disc-cam", "geometry.follower={motion='translating', shape='knife'}", "load.mass_kg=0.1", "spring.preload=9")
+    assert "HERTZ" not in {each.code for each in given.findings}
+    assert ["knife edge" in each.why for each in given.not_judged if each.code == "HERTZ"] == [True]
+
+
+def test_weight_counts_in_a_machine_that_swings() -> None:
+    """The frames' weight about their axle: lift-off of force closure differs by where it pulls."""
+    settings = ("geometry.closure='force'", "frame.tip='MR63'", "spring.preload=0.1", "spring.rate=0.2",
+                "geometry.reversal_blend_deg=20")  # fmt: skip
+    least = [
+        next(each.measured for each in made("uniform-swing", *settings, *more).limits() if each.code == "LIFT_OFF")
+        for more in ((), ("load.gravity_deg=90",), ("load.gravity_deg=-90",))
+    ]
+    assert len({round(each, 6) for each in least}) == 3
+    assert min(least[1:]) < least[0] < max(least[1:])

@@ -155,6 +155,10 @@ def contacts(
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
                 borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
             continue
+        if getattr(joint.touches[0].cam.follower, "tip_radius", math.inf) == 0:  # type: ignore[attr-defined]
+            why = f"a knife edge touches at {joint.name}: it has no width, and no formula gives its pressure"
+            borne.left.append(NotJudged("HERTZ", why, "a roller or a flat face"))
+            continue
         layer = parts[outline.part].layers[parts[outline.part].cut]
         length, angle = layer.z1 - layer.z0, _angle(run, joint.cam) - joint.phase
         effort = forces.contacts[joint.name] * joint.leaves
@@ -163,8 +167,6 @@ def contacts(
             mine = (effort >= 0) == (k == 0) if len(joint.touches) > 1 else np.ones(len(theta), bool)
             radius = touch.radius(angle)  # type: ignore[attr-defined]
             across = getattr(touch.cam.follower, "tip_radius", math.inf)  # type: ignore[attr-defined]
-            if not across:  # an edge has no width: no formula gives its pressure
-                continue
             with np.errstate(all="ignore"):
                 curvature = np.where((radius > 0) | (radius < -across), 1 / radius + 1 / across, np.nan)
             pressed, _ = strength.line_contact(np.where(mine, force, 0.0), length, curvature, own.elastic, tip.elastic)
