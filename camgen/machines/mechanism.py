@@ -30,7 +30,7 @@ from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Moun
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.assess import drives_of
-from camgen.machines.loads.journals import Journal, journals
+from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
@@ -181,6 +181,10 @@ class Mechanism(Spec, ABC):
     def journals(self) -> Mapping[str, Journal]:
         """The plain bearings of its pins, by joint."""
         return journals(self.model, self.features(), self.parts(), self.mounts(), self.material.name)
+
+    def posts(self) -> Sequence[Post]:
+        """Its pins that only a spring or a roller bends."""
+        return ()
 
     def bears(self, joint: str) -> Bears:
         """What the spec says of a joint's materials."""

@@ -13,7 +13,9 @@ from camgen.errors import Fault
 from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.bench import Bench
+from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.tables import Parts
+from camgen.machines.loads.journals import Post
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
@@ -127,6 +129,14 @@ class StandingCams(Mechanism):
         """That of the bench."""
         spring = self.bench.spring if self.standing else None
         return None if spring is None else Mounted(spring, *self.bench.way)
+
+    def posts(self) -> Sequence[Post]:
+        """Of a machine the pins of its springs and its roller."""
+        if not self.standing:
+            return ()
+        bench, pulls = self.bench, {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()}
+        pulls |= {} if bench.spring is None else {"spring": bench.spring.force(bench.way[1])}
+        return tuple(posts(bench.bodies.layout, pulls, self.material.name))
 
     def steps(self) -> Table:
         """By height, and at last the springs."""

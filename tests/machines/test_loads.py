@@ -380,3 +380,51 @@ def test_life_of_a_bearing_on_a_pin_by_hand() -> None:
         hours = 1e6 * (1140 / mean) ** 3 / (np.sum(way) / math.tau) / 300 / 60
         (life,) = (each for each in given.findings if each.code == "BEARING_LIFE" and each.where == f"ball bearing of {name}")
         assert life.measured == pytest.approx(min(hours, 1e9), rel=0.01)
+
+
+# ---- pins that only a spring or a roller bends -----------------------------------------------------------------------
+
+PRESSED = ("parts.make='machine'", "load.mass_kg=0.02", "motor.speed_rpm=10")
+
+
+def test_the_post_of_a_return_spring_by_hand() -> None:
+    """5 mm thick; the plate ends at 5 mm, the pin's head starts where the parts list has it: 32 F a / (pi d^3) there."""
+    drive = made("disc-cam", *PRESSED, "load.resistance=2", "load.gravity_deg=90")
+    report = assess(drive)
+    head = next(part.thickness for part in drive.parts() if part.name == "pin-1") - 1.5  # of its head, the plate's side is 0
+    force = report.study.numbers["spring_force_greatest_n"]
+    (post,) = (each for each in report.findings if each.where == "pin post, under spring")
+    assert post.measured == pytest.approx(32 * force * (head - 0.2 - 5) / (math.pi * 125), rel=1e-6)
+    assert post.ok
+    heavy = judged("disc-cam", *PRESSED, "spring.preload=35")
+    broken = {each.where: each for each in heavy.findings if each.code == "PIN_STRESS" and not each.ok}
+    assert "pin post, under spring" in broken
+    assert {each.where for each in heavy.findings if each.where.startswith("pin tip")}
+    steel = judged("disc-cam", *PRESSED, "spring.preload=35", "bodies.pin='dowel'")
+    assert all(each.ok for each in steel.findings if each.where.startswith(("pin post", "pin tip")))
+
+
+def test_the_pin_of_a_roller_in_a_groove_bends_by_the_contact() -> None:
+    """No spring pulls; the roller's middle over its follower's face, 0.2 + 4 / 2, bends its pin by the greatest force."""
+    drive = made("disc-cam", "parts.make='machine'", "geometry.closure='groove'", "parts.hub_height=0", "load.mass_kg=5")
+    force = drive.study().numbers["peak_contact_force_n"]
+    (each,) = (each for each in assess(drive).findings if each.where == "pin tip, under contact")
+    assert each.measured == pytest.approx(32 * force * 2.2 / (math.pi * 125), rel=1e-3) and "2.2 mm" in each.message
+
+
+def test_the_pressure_of_a_knife_edge_is_not_judged() -> None:
+    given = judged("disc-cam", "geometry.follower={motion='translating', shape='knife'}", "load.mass_kg=0.1", "spring.preload=9")
+    assert "HERTZ" not in {each.code for each in given.findings}
+    assert ["knife edge" in each.why for each in given.not_judged if each.code == "HERTZ"] == [True]
+
+
+def test_weight_counts_in_a_machine_that_swings() -> None:
+    """The frames' weight about their axle: lift-off of force closure differs by where it pulls."""
+    settings = ("geometry.closure='force'", "frame.tip='MR63'", "spring.preload=0.1", "spring.rate=0.2",
+                "geometry.reversal_blend_deg=20")  # fmt: skip
+    least = [
+        next(each.measured for each in made("uniform-swing", *settings, *more).limits() if each.code == "LIFT_OFF")
+        for more in ((), ("load.gravity_deg=90",), ("load.gravity_deg=-90",))
+    ]
+    assert len({round(each, 6) for each in least}) == 3
+    assert min(least[1:]) < least[0] < max(least[1:])

@@ -37,7 +37,9 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.stacking import laid
+from camgen.machines.loads.journals import Post
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
@@ -204,6 +206,12 @@ class Linkage(Mechanism):
     def motor_frame(self) -> str:
         """Its frame."""
         return "" if self.making.face is None else self.making.motor
+
+    def posts(self) -> Sequence[Post]:
+        """Pins of its springs and rollers alone, of what is its own."""
+        if self.lacking() is not None:
+            return ()
+        return tuple(posts(self.bodies.layout, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
 
     def bears(self, joint: str) -> Bears:
         """As this spec, or that of the included machine whose joint it is, says."""

@@ -65,7 +65,8 @@ def assess(mechanism: Mechanism) -> Assessment:
                 for name, load in forces.reactions.items()}  # fmt: skip
     numbers |= follower.balance(run, forces)
     swung = follower.elastic(run, mechanism.load)
-    for borne in (plain, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
+    posts = bearing.bent_posts(forces, mechanism.posts(), bears)
+    for borne in (plain, posts, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
         numbers |= borne.numbers

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +20,7 @@ from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
 from camgen.machine.model import GROUND, Cam, Pin, Slide
 from camgen.machine.run import Run
-from camgen.machines.loads.journals import Journal
+from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.tables import Bears
 from camgen.numerics import Floats
 from camgen.parts import materials
@@ -93,13 +93,34 @@ def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], be
     return borne
 
 
+def bent_posts(forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears]) -> Borne:
+    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most."""
+    borne, worst = Borne(), dict[str, tuple[float, Finding]]()
+    for post in posts:
+        pressed = forces.pressing.get(post.by)
+        if not post.pull and pressed is None:
+            continue
+        force = post.pull if pressed is None else float(np.max(np.abs(_finite(pressed))))
+        bent = float(strength.pin_bending(force, post.lever, post.diameter))
+        sheared = float(strength.pin_shear(force, post.diameter))
+        name = f"{post.name}, under {post.by}"
+        journal = Journal(post.by, post.diameter, 0.0, post.lever, post.material, "")
+        for each in _pin(name, journal, bent, sheared, force, bears(post.by), not post.pull):
+            if post.name not in worst or each.measured > worst[post.name][0]:
+                worst[post.name] = each.measured, each
+    borne.findings += [each for _, each in worst.values()]
+    return borne
+
+
 def _friction(journal: Journal) -> float:
     steel = "steel" in (journal.shaft, journal.hole)
     return materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
 
 
-def _pin(name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears) -> list[Finding]:
-    """PIN_STRESS of one pin, by what it bears least of: bending, or shear as bending that is as bad."""
+def _pin(
+    name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears, fast: bool = True
+) -> list[Finding]:
+    """PIN_STRESS of one pin, by what it bears least of: bending, or shear as bending as bad; fast: inertia may load it."""
     row = materials.of(journal.shaft)
     limit = bears.pin_stress_mpa or row.bears
     worse, how = max((bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared"))
@@ -109,7 +130,7 @@ def _pin(name: str, journal: Journal, bent: float, sheared: float, force: float,
     by = "limits.pin_stress_mpa" if bears.pin_stress_mpa else f"{row.name} bears {row.bears:g} MPa"
     remark = f"by {force:.4g} N, {how}; {by}"
     remark += "" if worse <= limit else "; make it thicker or shorter, or of steel and say so (limits.pin_stress_mpa = 350)"
-    remark += f", {holds:.3g} times the speed where inertia alone loads it" if math.isfinite(holds) else ""
+    remark += f", {holds:.3g} times the speed where inertia alone loads it" if fast and math.isfinite(holds) else ""
     return [at_most("PIN_STRESS", worse, limit, "MPa", f"pin {name}", remark)]
 
 
@@ -134,6 +155,10 @@ def contacts(
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
                 borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
             continue
+        if getattr(joint.touches[0].cam.follower, "tip_radius", math.inf) == 0:  # type: ignore[attr-defined]
+            why = f"a knife edge touches at {joint.name}: it has no width, and no formula gives its pressure"
+            borne.left.append(NotJudged("HERTZ", why, "a roller or a flat face"))
+            continue
         layer = parts[outline.part].layers[parts[outline.part].cut]
         length, angle = layer.z1 - layer.z0, _angle(run, joint.cam) - joint.phase
         effort = forces.contacts[joint.name] * joint.leaves
@@ -142,8 +167,6 @@ def contacts(
             mine = (effort >= 0) == (k == 0) if len(joint.touches) > 1 else np.ones(len(theta), bool)
             radius = touch.radius(angle)  # type: ignore[attr-defined]
             across = getattr(touch.cam.follower, "tip_radius", math.inf)  # type: ignore[attr-defined]
-            if not across:  # an edge has no width: no formula gives its pressure
-                continue
             with np.errstate(all="ignore"):
                 curvature = np.where((radius > 0) | (radius < -across), 1 / radius + 1 / across, np.nan)
             pressed, _ = strength.line_contact(np.where(mine, force, 0.0), length, curvature, own.elastic, tip.elastic)

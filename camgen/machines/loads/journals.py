@@ -35,6 +35,21 @@ class Journal:
     ball: Bearing | None = None
 
 
+@dataclass(frozen=True)
+class Post:
+    """A pin of one link that a spring or a cam's roller bends: diameter and lever, mm; what it is of; pull: N, 0 by a cam.
+
+    by: the spring, or the joint of the cam.
+    """
+
+    name: str
+    by: str
+    diameter: float
+    lever: float
+    material: str
+    pull: float = 0.0
+
+
 def _round(contour: Contour, eye: Eye) -> bool:
     """Whether the contour is the eye's circle, or one with a flat."""
     return any(

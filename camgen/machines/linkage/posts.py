@@ -1,0 +1,36 @@
+"""Pins of a single link, on which a spring pulls or a roller turns: no joint of the model has them, yet they bend.
+
+A spring may slip as far out as there is room on its pin, a roller presses in its middle. A spring pulls a roller on its cam,
+which pushes it back: of the two that bend one pin, against each other, the worse alone is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.loads.journals import Post
+
+_STEEL = ("dowel", "shoulder")
+
+
+def posts(layout: Layout, pulls: Mapping[str, float], printed: str) -> Iterator[Post]:
+    """All of them; pulls: greatest pull of each spring of the layout, N; printed: the name of their plastic."""
+    loads: dict[str, list[tuple[str, float, float]]] = {}
+    for name, spring in layout.springs.items():
+        for _, point in (spring.a, spring.b):
+            loads.setdefault(point, []).append((name, pulls[name], max(top for _, top in layout.on(point))))
+    for tip in (tip for tip in layout.tips if tip.rolls):
+        floor = layout.floor(layout.level[tip.level])
+        middle = floor + layout.wheel_thickness(tip.wheel.link) / 2
+        loads.setdefault(tip.point, []).append((tip.joint.name, 0.0, middle))
+    for point, bent in loads.items():
+        if len(layout.pivots.get(point, ())) != 1:
+            continue
+        body = layout.pressed_in(point)
+        low = layout.floor(layout.level[body])
+        faces = low, low + layout.thickness(body)
+        material = "steel" if layout.kind(point) in _STEEL else printed
+        for what, pull, at in bent:
+            lever = max(0.0, at - faces[1], faces[0] - at)
+            yield Post(point, what, layout.turning(point), lever, material, pull)
