@@ -239,6 +239,11 @@ def flange(boss: float, screw_circle: float, count: int, thread: str) -> MotorFa
     return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2 + _RIM, 0.0, standard="")
 
 
+def screw_for(core: float) -> str:
+    """The thread of a core hole, mm, where one has it, and the hole."""
+    return ", ".join([*(thread for thread, hole in CORE_HOLES.items() if hole == core), f"for a core hole of {core:g}"])
+
+
 def nut(name: str, thread: str, count: int) -> Bought:
     """Nuts of a thread."""
     return Bought(name, "ISO 4032", thread, count)

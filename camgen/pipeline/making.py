@@ -17,7 +17,7 @@ from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import DENSITY
+from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
@@ -162,9 +162,14 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides)
     ]
     blank: tuple[object, ...] = ("",) * 5
-    rows += [(part.made, part.name, part.title, part.count, part.count * part.volume, *blank) for part in parts
-             if part not in printed]
-    for thing in mechanism.bought():
+    for part in (part for part in parts if part not in printed):  # what is bought has a size, what is turned a volume
+        bought = part.made == "bought"
+        what, volume = (": ".join([part.title, *part.notes[:1]]), "") if bought else (part.title, part.count * part.volume)
+        rows.append((part.made, part.name, what, part.count, volume, *blank))
+    things = list(mechanism.bought())
+    if any("glued" in note for part in parts for note in part.notes) and "glue" not in {thing.name for thing in things}:
+        things.append(Bought("glue", "", "for all that is glued", 1))
+    for thing in things:
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
         rows.append(("bought", thing.name, size, thing.count, "", *blank))
     columns = (

@@ -20,6 +20,7 @@ from camgen.machine.features import Eye
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.catalogue import Bearing
 from camgen.pipeline.build import build, check
+from camgen.pipeline.making import parts_table
 from camgen.spec import read, validate
 
 # ISO 7379: shoulder -> thread, head's diameter and height, thread's length, mm [BOSL2, screws.scad].
@@ -97,6 +98,22 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
     assert len(ways) == 3 and list(ways.values()) == pytest.approx([0.2] * 3)
     monkeypatch.setattr(Bearing, "lip", property(lambda self: self.outside))  # straight through
     assert set(rise(with_parts(root, pin="bearing")).values()) == {math.inf}
+
+
+def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
+    machine = with_parts(root, pin="bearing")
+    steps = [(row[1], str(row[2])) for row in machine.steps().rows]
+    names = [name for name, _ in steps]
+    assert names.count("bearing-mr85") >= 1
+    poses = machine.poses(np.zeros(1))
+    for row in (row for row in machine.steps().rows if row[1] == "bearing-mr85"):
+        under = [(poses[name][0].z, name) for name in ("crank", "coupler", "rocker")]
+        link = max(each for each in under if each[0] < float(row[4]))[1]
+        assert names.index(link) >= int(row[0]), link
+    assert all("pressed and glued in" in what for name, what in steps if name.startswith("pin-"))
+    rows = {str(row[1]): row for row in parts_table(machine).rows}
+    assert "5 x 8 x 2.5" in str(rows["bearing-mr85"][2]) and rows["bearing-mr85"][4] == ""
+    assert "glue" in rows and str(rows["screw of the plate, from behind"][2]).startswith("M3, for a core hole of 2.5")
 
 
 def test_a_head_little_wider_than_its_pin_is_not_taken_for_it() -> None:

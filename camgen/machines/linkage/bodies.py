@@ -48,7 +48,7 @@ from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_cr
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.troughs import covers, rails
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, Bought, nut
+from camgen.parts.catalogue import STEEL, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
@@ -119,7 +119,7 @@ class Bodies:
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
         p, face = self.sizes, self.sizes.face
-        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.base_thickness:g} into the plate"
+        screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
         shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
         motors = [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
         if face is not None:

@@ -37,7 +37,7 @@ from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
 from camgen.motion.synthesis import Variable, Wish, search
-from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.catalogue import Bought, screw_for, turning_text
 from camgen.parts.hardware import headed
 from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
 from camgen.spec import Length, Record, Rpm, turning, validate
@@ -278,7 +278,7 @@ class ThreadTakeUp(Mechanism):
     def bought(self) -> Sequence[Bought]:
         """Motor, and screws for mounting."""
         p = self.making
-        screw = f"for a core hole of {p.mount_diameter:g}, at most {p.thickness:g} into the frame"
+        screw = f"{screw_for(p.mount_diameter)}, at most {p.thickness:g} into the frame"
         drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
         if self.masses is not None and self.motor is not None:
             figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self.speed)
