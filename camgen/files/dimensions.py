@@ -58,7 +58,8 @@ def hole_of(contour: Contour) -> Hole:
         radius, width = (outer.radius + inner.radius) / 2, outer.radius - inner.radius
         low, high = sorted((math.degrees(outer.t0), math.degrees(outer.t1)))
         turn = 360 * math.floor(low / 360)
-        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° - {high - turn:.1f}°"
+        turn += 360 * (high - turn > 360)  # across Ox: from below it to above
+        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° {'to' if low < turn else '-'} {high - turn:.1f}°"
         return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2))
     lower, upper = extent([fit_arcs(contour, 0.01)])
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"

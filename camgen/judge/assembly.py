@@ -65,6 +65,8 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
             resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
         )  # fmt: skip
+        ends = _wholes(machine)
+        clearances = [c for c in clearances if {c.a, c.b} not in ends]
     except ValueError as error:  # a section that does not close, a motion that jumps
         return [copies, at_least("INTERFERENCE", math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
     findings = [copies, *interference(clearances, machine.gap, machine.angle)]
@@ -74,6 +76,12 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
         for c in ordered[:_SHOWN]
     ]
     return findings, rows
+
+
+def _wholes(machine: Moved) -> list[set[str]]:
+    """Pairs of stand-ins that are two ends of one thing, as of a spring: they always overlap, which says nothing."""
+    things = [thing for thing in machine.stand_ins if thing.whole]
+    return [{a.name, b.name} for a, b in itertools.combinations(things, 2) if a.whole == b.whole]
 
 
 def _touching(machine: Moved, names: Sequence[str], spare: float) -> dict[Pair, float]:

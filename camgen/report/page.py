@@ -25,13 +25,12 @@ from camgen.findings import Finding, NotJudged, told_once
 from camgen.report.animation import frames, player
 from camgen.report.colours import SERIES, part_colour
 from camgen.report.figures import figure
-from camgen.report.words import GROUPS, NOISE, UNITS, Figure, figures, name, rounded
+from camgen.report.words import GROUPS, KINDS, NOISE, UNITS, Figure, figures, name, rounded
 
 if TYPE_CHECKING:
     from camgen.report.report import Report
     from camgen.study import Plot, Scene, Table
 
-_KINDS = ("dxf", "stl", "3mf")
 _FIRST_PLOTS = 9  # more curves than this are folded away
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
 _NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
@@ -131,7 +130,12 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]])
     """A table with a caption."""
 
     def line(row: Sequence[object]) -> str:
-        rest = "".join(f"<td{kind(cell)}>{_text(cell)}</td>" for cell in row[1:])
+        # What is only estimated, mass and time, is told to three digits.
+        cells = (
+            rounded(cell, 3) if isinstance(cell, float) and column.endswith((", g", ", min")) else _text(cell)
+            for column, cell in zip(columns, row, strict=True)
+        )
+        rest = "".join(f"<td{kind(cell)}>{text}</td>" for cell, text in list(zip(row, cells, strict=True))[1:])
         return f'<tr><th scope="row">{_text(row[0])}</th>{rest}</tr>'
 
     def kind(cell: object) -> str:
@@ -216,8 +220,9 @@ def _used(finding: Finding) -> float | None:
 
 def _kind(finding: Finding) -> str:
     """In which kind of file it was found, "" as designed."""
-    words = finding.where.lower().replace(",", " ").replace(".", " ").split()
-    return next((kind for kind in _KINDS if kind in words), "")
+    words = finding.where.lower().replace(",", " ").replace(".step", " .step").replace(".", " ").split()
+    words = [word for word in words if word != "step" or ".step" in finding.where.lower()]  # also an English word
+    return next((kind for kind in KINDS if kind in words), "")
 
 
 def _urgent(finding: Finding) -> tuple[bool, float]:
@@ -232,7 +237,7 @@ def margins(findings: Sequence[Finding]) -> str:
         groups.setdefault((finding.code, finding.unit), []).append(finding)
     worst = {key: max(group, key=_urgent) for key, group in groups.items()}
     order = sorted(groups, key=lambda key: _urgent(worst[key]), reverse=True)
-    kinds = [kind for kind in ("", *_KINDS) if any(_kind(finding) == kind for finding in findings)]
+    kinds = [kind for kind in ("", *KINDS) if any(_kind(finding) == kind for finding in findings)]
     near = [key for key in order if not worst[key].ok or (_used(worst[key]) or 0) >= _NEAR or worst[key].code in _ALWAYS]
     shown = near if len(near) < len(order) - 1 else order
     rest = [key for key in order if key not in shown]
@@ -335,13 +340,15 @@ def figure_lists(numbers: Mapping[str, float]) -> str:
         )
         body = f"<dl>{body}</dl>" if body else ""
         if by_kind:
-            body += _table(group, ["figure", "unit", *(kind.upper() for kind in _KINDS)], map(_row, by_kind))
+            kinds = [kind for kind in KINDS if any(kind in each.values for each in by_kind)]
+            rows = (_row(each, kinds) for each in by_kind)
+            body += _table(group, ["figure", "unit", *(kind.upper() for kind in kinds)], rows)
         text += f"<details{' open' if len(members) <= 24 else ''}><summary>{group}</summary>{body}</details>" if body else ""
     return text
 
 
-def _row(each: Figure) -> tuple[str, ...]:
-    return (each.name, each.unit, *(_known(each, kind) if kind in each.values else "" for kind in _KINDS))
+def _row(each: Figure, kinds: Sequence[str]) -> tuple[str, ...]:
+    return (each.name, each.unit, *(_known(each, kind) if kind in each.values else "" for kind in kinds))
 
 
 def _known(each: Figure, kind: str) -> str:

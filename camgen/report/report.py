@@ -77,7 +77,7 @@ class Report:
         """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file."""
         from camgen.report import page
 
-        kinds = ("_dxf_", "_stl_", "_3mf_")
+        kinds = ("_dxf_", "_stl_", "_3mf_", "_step_")
         figures = {name: value for name, value in self.numbers.items() if not any(kind in name for kind in kinds)}
         found = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>{page.to_change(self)}{page.margins(self.findings)}"
         return found + page.figure_lists(figures)

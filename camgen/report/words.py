@@ -42,7 +42,7 @@ NAMES = {
 
 # Groups of figures, each with what its keys hold, in the order of the page; the first that matches counts.
 GROUPS = (
-    ("From the files", r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf"),
+    ("From the files", r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf|_step(?=_|$)"),
     ("Making", r"^mass|print_time|shaft_length|area|outline|section"),
     ("Forces and drive", r"torque|force|reaction|energy|inertia|"
      r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
@@ -51,7 +51,7 @@ GROUPS = (
     ("Motion", r""),
 )  # fmt: skip
 
-_KINDS = ("dxf", "stl", "3mf")
+KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
 NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
 
 
@@ -71,7 +71,7 @@ def figures(numbers: Mapping[str, float]) -> list[Figure]:
     for key, value in numbers.items():
         suffix = next((unit for unit in UNITS if key.endswith("_" + unit)), "")
         stem = key.removesuffix("_" + suffix) if suffix else key
-        kind = next((kind for kind in _KINDS if re.search(rf"_{kind}(?=_|$)", stem)), "")
+        kind = next((kind for kind in KINDS if re.search(rf"_{kind}(?=_|$)", stem)), "")
         stem = re.sub(rf"_{kind}(?=_|$)", "", stem) if kind else stem
         group = next(name for name, pattern in GROUPS if re.search(pattern, key))
         figure = found.setdefault((stem, suffix), Figure(name(stem), UNITS.get(suffix, ""), group))

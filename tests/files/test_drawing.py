@@ -98,6 +98,11 @@ def test_holes_are_named_and_described():
     }  # fmt: skip
 
 
+def test_a_slot_across_the_axis_is_told_from_below_to_above():
+    ((_, hole),) = holes_of([kidney(0, 18, 4, math.radians(-17.4), math.radians(34.8))])
+    assert hole.shape == "slot 8 on R18, -17.4° to 17.4°"
+
+
 def test_holes_at_points_of_the_spec_have_their_names():
     contours = [circle(0, 4), circle(10, 1.5), circle(10j, 1.5), circle(5, 1)]
     named = {label: hole.place for label, hole in holes_of(contours, (("pivot", 10 + 0j), ("B", 0j), ("far", 99 + 0j)))}

@@ -20,7 +20,7 @@ from camgen.findings import NotJudged, at_least, at_most, told_once
 from camgen.geometry.mesh import Mesh
 from camgen.report.page import margins, once, to_html
 from camgen.report.report import Report
-from camgen.study import Plate, Plot, Scene, Step
+from camgen.study import Plate, Plot, Scene, Step, Table
 
 CORNERS, FACES = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 TETRAHEDRON = Mesh(np.array(CORNERS, float), np.array(FACES))
@@ -115,6 +115,19 @@ def test_what_is_only_not_judged_is_amber_and_a_page_of_no_checks_is_no_success(
     assert verdict(Report("a", "b", [holds], not_judged=left)) == ["verdict open", "open"]
     assert verdict(Report("a", "b", [fails, holds], not_judged=left))[:3] == ["verdict bad", "bad", "open"]
     assert verdict(Report("a", "b", [])) == ["verdict "] and verdict(Report("a", "b", [holds])) == ["verdict ok"]
+
+
+def test_step_is_a_kind_of_file_and_estimates_have_three_digits() -> None:
+    found = [at_most("ERR", 0.3, 1.0, "mm", where, "") for where in ("demo-cam.step, at 3 deg", "first step")]
+    rows = [("cam", 12.3456, 98.7654, 1234.56)]
+    table = Table("Parts", ("part", "mass, g", "time, min", "mm^3"), rows)
+    report = Report("a", "b", found, {"lash_step_mm": 0.125}, tables=[table])
+    parsed = Page(to_html(report))
+    assert [attributes["data-of"] for tag, attributes in parsed.elements if tag == "td" and attributes.get("data-of")] == [
+        "designed", "STEP", "limit"]  # fmt: skip
+    heads = [text for tag, text in parsed.texts if tag == "th"]
+    assert heads.count("STEP") == 2 and "STL" not in heads and "Lash step" not in parsed.text()
+    assert all(text in parsed.text() for text in ("12.3", "98.8", "1234.56")) and "12.34" not in parsed.text()
 
 
 def test_one_fault_in_all_files_is_one_row() -> None:
