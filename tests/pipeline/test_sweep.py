@@ -344,8 +344,8 @@ def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:
 
 def test_a_law_s_file_that_was_changed_is_another_sweep(tmp_path: Path) -> None:
     spec = tmp_path / "law.toml"
-    text = SPEC.read_text(encoding="utf-8")
-    spec.write_text(text.replace('law = "modified-sine"', 'law = { name = "table", file = "law.csv", rest = true }'), encoding="utf-8")
+    table = 'law = { name = "table", file = "law.csv", rest = true }'
+    spec.write_text(SPEC.read_text(encoding="utf-8").replace('law = "modified-sine"', table), encoding="utf-8")
     digests = []
     for middle in (0.5, 0.45):
         (tmp_path / "law.csv").write_text(f"0,0\n0.25,0.15\n0.5,{middle}\n0.75,0.85\n1,1\n", encoding="utf-8")
