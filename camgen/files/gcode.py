@@ -121,7 +121,7 @@ def _command(path: Path, state: _State, text: str, line: int) -> Iterator[Wall]:
     if code in _MOVES:
         bare = re.sub(r"\(.*?\)", "", text.upper())
         odd = _WORD.sub("", bare).strip() or (found[0] if (found := _EXPONENT.search(bare)) else "")
-        far = [letter for letter in "XYZIJ" if not abs(words.get(letter, 0.0)) <= _FARTHEST]
+        far = [letter for letter in ("X", "Y", "Z", "I", "J") if not abs(words.get(letter, 0.0)) <= _FARTHEST]
         if odd or far:
             said = f"has {odd.split()[0]!r}" if odd else f"has {far[0]} beyond {_FARTHEST:g}"
             raise FileError(path, f"line {line} {said}; a letter and a plain number each was expected: is the file damaged?")

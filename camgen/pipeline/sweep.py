@@ -234,6 +234,7 @@ class Cluster:
     """Chunks shared out by a Dask scheduler, tcp://host:port; what a lost worker had is run again by another."""
 
     address: str
+    patience: float = 10.0  # s, for the scheduler to answer
 
     def __call__(self, task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where there is no scheduler, or it is lost."""
@@ -243,7 +244,7 @@ class Cluster:
             raise FileError(self.address, "needs Dask: pip install 'camgen[cluster]'") from None
         cluster: Any = distributed  # without types
         try:
-            with cluster.Client(self.address, timeout=10) as client:
+            with cluster.Client(self.address, timeout=self.patience) as client:
                 held = client.scatter(task, broadcast=True)
 
                 def submit(chunk: range) -> Any:

@@ -25,7 +25,7 @@ UNTIMED = 9  # columns of its tables that hold no file sizes and no seconds
 @pytest.fixture(scope="module")
 def benches() -> dict[str, Bench]:
     specs = Path(__file__).resolve().parents[2] / "specs"
-    return {name: measure(specs / f"{name}.toml", COARSE if name == "uniform-swing" else COARSE[:3]) for name in STARTERS}
+    return {name: measure(specs / f"{name}.toml", COARSE if name == "uniform-swing" else COARSE[:2]) for name in STARTERS}
 
 
 def cells(text: str) -> list[list[str]]:

@@ -210,7 +210,7 @@ def test_no_scheduler_is_told() -> None:
     pytest.importorskip("distributed")
     began = time.monotonic()
     with pytest.raises(FileError, match="cannot be reached"):
-        list(Cluster("tcp://127.0.0.1:9")(task(), iter([range(1)])))
+        list(Cluster("tcp://127.0.0.1:9", patience=1.0)(task(), iter([range(1)])))
     assert time.monotonic() - began < 60
 
 
