@@ -179,7 +179,7 @@ def drawn(pdf: Path) -> list[np.ndarray]:
     text = ""
     for stream in streams:
         try:
-            text += zlib.decompress(stream).decode("latin1")
+            text += zlib.decompressobj().decompress(stream).decode("latin1")  # its last byte may look like a line's end
         except zlib.error:
             continue  # a font
     pieces: list[list[complex]] = []
@@ -327,7 +327,7 @@ EVERY = sorted({client for clients in CLIENTS.values() for client in clients}, k
 def test_every_part_is_accepted(client: Client, built: list[Path]) -> None:
     needed(client)
     work = [each for each in tasks(built) if each[1] is client]
-    assert len(work) >= 30
+    assert len(work) >= (10 if client is chromium else 30)  # a page for each spec
     refused = {path.name: problem for (path, _), problem in zip(work, answers(work), strict=True) if problem}
     assert refused == {}
 
