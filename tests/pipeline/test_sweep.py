@@ -143,7 +143,8 @@ def test_reasons_beyond_those_told_are_counted_and_the_page_begins_with_the_wish
 
 
 def test_page_and_parquet_hold_the_same(tmp_path: Path) -> None:
-    arrow = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet as arrow
+
     sweep(task(), tmp_path / "t.csv")
     sweep(task(), tmp_path / "t.parquet")
     table = arrow.read_table(tmp_path / "t.parquet").to_pylist()
@@ -189,7 +190,8 @@ def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_a_cluster_writes_the_same_and_bears_a_killed_worker(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     many = task("geometry.base_radius=8:32:40")
     sweep(many, tmp_path / "one.csv")
     with distributed.LocalCluster(
@@ -207,7 +209,6 @@ def test_a_cluster_writes_the_same_and_bears_a_killed_worker(tmp_path: Path) -> 
 
 
 def test_no_scheduler_is_told() -> None:
-    pytest.importorskip("distributed")
     began = time.monotonic()
     with pytest.raises(FileError, match="cannot be reached"):
         list(Cluster("tcp://127.0.0.1:9", patience=1.0)(task(), iter([range(1)])))
