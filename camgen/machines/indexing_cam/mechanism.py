@@ -18,7 +18,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -32,11 +32,9 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
-from camgen.machines.bench import Bench, Tip
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, TwoCranks, driver_faults
-from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import (
     CrankSpring,
@@ -48,7 +46,6 @@ from camgen.machines.indexing_cam.unloader import (
     law_torque,
     peak,
 )
-from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
@@ -58,6 +55,10 @@ from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
 from camgen.study import Plot, Sketch, Study
+
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
+    from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
 
 _LINK = "driven-link"
 _EVEN = "angle of the even drive", "even drive, once a turn of the cam"
@@ -231,6 +232,10 @@ class IndexingCam(StandingCams):
 
     def _stood(self) -> Bench:
         """On the bench the driven link is a round table."""
+        from camgen.machines.bench import Bench, Tip
+        from camgen.machines.indexing_cam.standing_unloader import CRANK
+        from camgen.machines.linkage.tables import Gear as GearTable
+
         f, load = self.geometry.follower, self.load
         sizes = Sizes.model_validate({_LINK: {"hub_diameter": f.arm}, **self.sizes.model_dump(exclude_none=True)})
         gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -self.geometry.gear_ratio})
@@ -253,6 +258,8 @@ class IndexingCam(StandingCams):
         """The unloader of a machine that is made; None where its spring is none that can be."""
         if not isinstance(self._spring, CrankSpring):
             return None
+        from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
+
         f, ratio = self.geometry.follower, self.geometry.gear_ratio
         wheel = (self._link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
         return StandingUnloader(
