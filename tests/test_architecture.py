@@ -22,6 +22,7 @@ WINGS = {
     "judge": {"geometry", "machine", "files"},
     "report": {"geometry", "machine", "files"},
     "pipeline": {"geometry", "motion", "machine", "parts", "files", "machines", "judge", "report"},
+    "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
     "live": {"motion", "machines", "report", "pipeline", "starters"},
 }
 GROUND = {"", "errors", "findings", "numerics", "schemas", "spec", "study", "tolerances"}
