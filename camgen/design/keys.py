@@ -24,6 +24,7 @@ from camgen.pipeline.jobs import changed
 from camgen.spec import unknown
 
 _EACH = 100  # designs for each key and unit of effort
+_CROWD = 6  # of them at once for each key
 _BROKEN, _REFUSED = 1e6, 1e12  # costs, in sizes of the figure
 _DIGITS = 6  # of a value that is found
 
@@ -50,10 +51,9 @@ class Search:
 
         keys, bounds = list(self.wish.vary), list(self.wish.vary.values())
         budget = _EACH * len(keys) * self.wish.effort
-        size = max(8, 6 * len(keys))
         widths = np.array([high - low for low, high in bounds])
         end = differential_evolution(
-            self.cost, bounds, popsize=size / len(keys), maxiter=max(1, budget // size - 1), seed=self.wish.seed,
+            self.cost, bounds, popsize=_CROWD, maxiter=max(1, budget // (_CROWD * len(keys)) - 1), seed=self.wish.seed,
             polish=False, tol=1e-4,
         )  # fmt: skip
         simplex = np.vstack([end.x, end.x + 0.02 * np.diag(widths)])

@@ -64,7 +64,7 @@ def design(spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told
     data, source, folder = read_tables(spec)
     for setting in settings:
         data = specs.override(data, setting)
-    text = Path(source).read_text(encoding="utf-8-sig") if isinstance(spec, str | Path) else None
+    text = Path(spec).read_text(encoding="utf-8-sig") if isinstance(spec, str | Path) else None
     asked = wish(data, source)
     if isinstance(asked, PathWish):
         return _for_path(asked, data, source, folder, text if not settings else None, jobs, told)
@@ -73,7 +73,7 @@ def design(spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told
         changed(rest, source, folder)  # faults of the spec itself come first
         found = Search(rest, source, folder, asked, told).found()
         if text is not None and not settings:
-            return edited(text, found), None
+            return with_tables(edited(text, found), {}, ["wanted"]), None
         for setting in found:
             rest = specs.override(rest, setting)
         return specs.dump(changed(rest, source, folder)), None
@@ -102,9 +102,10 @@ def _for_path(
     points = asked.points(folder)
     target = Target(points)
     shortest = asked.shortest or _hub(rest)
-    goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, math.sin(math.radians(max(asked.transmission_deg, 0.1))))
+    sine = math.sin(math.radians(max(asked.transmission_deg, 0.1)))
+    goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
     kinds = paths.kinds(asked.bars // 2, 2)
-    told(f"{len(kinds)} chains are searched; some minutes")
+    told(f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else ""))
     with Workers(jobs) as workers:
         found = paths.search(goal, kinds, asked.effort, asked.seed, workers.map, told)
     if not found:
@@ -125,10 +126,10 @@ def _hub(tables: specs.Data) -> float:
     from camgen.machines.linkage.tables import Parts
 
     given = tables.get("parts")
-    known = {key: value for key, value in given.items() if key in ("pin_diameter", "wall")} if isinstance(given, dict) else {}
-    parts = Parts.model_construct(**{"pin_diameter": Parts.model_fields["pin_diameter"].default,
-                                     "wall": Parts.model_fields["wall"].default, **known})  # fmt: skip
-    return parts.pin_diameter + 2 * parts.wall
+    known = given if isinstance(given, dict) else {}
+    fields = Parts.model_fields
+    pin, wall = (known.get(key, fields[key].default) for key in ("pin_diameter", "wall"))
+    return float(pin + 2 * wall)
 
 
 def _chosen(front: Sequence[Candidate], goal: Goal, tolerance: float | None) -> Candidate:

@@ -27,10 +27,10 @@ class PathWish(Record):
 
     path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(description="mm, [x, y] of its points, or a CSV file")
     joined: bool = Field(True, description="whether lines join the points in their order; false: a dense cloud in any order")
-    tolerance: Length | None = Field(None, description="mm, how far path and points may be apart; else the best trade-off")
+    tolerance: Length | None = Field(None, description="mm, how far path and points may be apart; none: best trade-off")
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
-    transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least angle between two links at a pin")
+    transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least between two links at a pin")
     effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how often the best chains are searched again")
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
 
