@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from camgen.numerics import Floats
 from camgen.pipeline.jobs import changed
 from camgen.spec import unknown
 
-_EACH = 100  # designs for each key and unit of effort
+_EACH = 60  # designs for each key and unit of effort
 _CROWD = 6  # of them at once for each key
 _BROKEN, _REFUSED = 1e6, 1e12  # costs, in sizes of the figure
 _DIGITS = 6  # of a value that is found
@@ -31,7 +31,7 @@ _DIGITS = 6  # of a value that is found
 
 @dataclass
 class Search:
-    """A machine's tables, with the keys that vary; met: the best so far as settings, its figures and failing findings."""
+    """A machine's tables, with the keys that vary; settings: of the best so far, broken: what it does not keep."""
 
     data: Mapping[str, Any]
     source: str
@@ -41,8 +41,7 @@ class Search:
     reason: str = ""
     best: float = math.inf
     settings: Sequence[str] = ()
-    figures: Mapping[str, float] = field(default_factory=dict)
-    failing: Sequence[Finding] = ()
+    broken: Sequence[str] = ()
     tried: int = 0
 
     def found(self) -> Sequence[str]:
@@ -60,8 +59,8 @@ class Search:
         simplex = np.where(simplex > [high for _, high in bounds], 2 * end.x - simplex, simplex)
         ends = {"initial_simplex": simplex, "maxfev": budget // 2, "xatol": 1e-4, "fatol": 1e-6}
         minimize(self.cost, end.x, method="Nelder-Mead", bounds=bounds, options=ends)
-        if self.failing or not self.settings:
-            said = self.reason or "; ".join(f"{f.code} {f.measured:.4g} against {f.limit:.4g} {f.unit}" for f in self.failing)
+        if self.broken or not self.settings:
+            said = "; ".join(self.broken) or self.reason
             raise DesignError(
                 "designs that keep every limit", 0, 1, "", f"{self.tried} tried", "widen wanted.vary, or relax a limit",
                 f"none of {self.tried} designs keeps every limit; the nearest one: {said}",
@@ -83,15 +82,18 @@ class Search:
         self._known(figures, name)
         failing = [finding for finding in findings if not finding.ok]
         short = sum(_short(finding) for finding in failing)
+        broken = [f"{each.code} {each.measured:.4g} against {each.limit:.4g} {each.unit}" for each in failing]
         for wanted, (low, high) in self.wish.figures.items():
             value = figures[wanted]
-            off = max(low - value, value - high, 0.0) / max(abs(low), abs(high), 1e-9)
-            short += math.inf if math.isnan(off) else off
+            if not low <= value <= high:
+                off = max(low - value, value - high) / max(abs(low), abs(high), 1e-9)
+                short += math.inf if math.isnan(off) else 0.01 + off
+                broken.append(f"{wanted} {value:.4g} outside {low:g} to {high:g}")
         figure = sign * figures[name]
         cost = figure if not short else _BROKEN * (1 + min(short, 1e3)) if math.isfinite(short) else _REFUSED
         cost = _REFUSED if math.isnan(cost) else cost
         if cost < self.best:
-            self.best, self.settings, self.figures, self.failing = cost, settings, figures, failing
+            self.best, self.settings, self.broken = cost, settings, broken
             if not short:
                 self.told(f"{name} {figures[name]:.6g} after {self.tried} designs")
         return cost

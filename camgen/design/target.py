@@ -19,7 +19,7 @@ from camgen.numerics import Floats, Indices, Points
 Flags = NDArray[np.bool_]
 
 _DIRECTIONS = 32  # in which the ends of a chord are looked for; the ends found are true points of the path
-_FEW, _MANY = 72, 256  # points of the target in a fast look, in a refinement
+_FEWEST, _FEW, _MANY = 12, 72, 256  # points of the target: to tell its sense, in a fast look, in a refinement
 _CELLS = 200  # of the grid along the chord
 _MARGIN = 40  # cells round the target
 _BLOCK = 48  # paths whose distances fit the processor's cache
@@ -79,7 +79,7 @@ class Target:
         """Error of each path, (designs,), by the grid and few points: within a few hundredths of the spacing of the points."""
         found = np.empty(laid.shape[1])
         ways = np.stack([self._looked_up(grid, laid) for grid in self.grids])
-        better = np.argmin(ways, axis=0)
+        better = np.argmin(ways + [_from_points(few[:_FEWEST], laid) for few in self.few], axis=0)
         for sense, few in enumerate(self.few):
             own = np.flatnonzero(better == sense)
             if own.size:

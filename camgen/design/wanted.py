@@ -37,8 +37,8 @@ class PathWish(Record):
     def points(self, folder: Path) -> Points:
         """Its points, dense; SpecError or FileError where they are no path."""
         given = _table(folder / self.path) if isinstance(self.path, str) else self.path
-        z = np.array([complex(*place) for place in given])
-        z = z[np.concatenate([[True], np.abs(np.diff(z)) > 0])] if self.joined else np.unique(z)
+        z = np.array([complex(*place) for place in given], complex)
+        z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
         box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
         if z.size < 3 or box < 1e-3:
             raise SpecError([Fault("wanted.path", f"{z.size} different points", "at least 3 that are apart, mm")])
@@ -63,7 +63,7 @@ class KeyWish(Record):
     least: str | None = Field(None, description="a figure, or a key that varies, that is to be as small as can be")
     most: str | None = Field(None, description="or as great as can be")
     figures: dict[str, Bounds] = Field({}, description="figures that must lie between a least and a greatest value")
-    effort: Annotated[int, Field(ge=1, le=50)] = Field(1, description="times a hundred designs for each key")
+    effort: Annotated[int, Field(ge=1, le=50)] = Field(1, description="times sixty designs for each key, and a simplex's")
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other values")
 
     def faults(self) -> list[Fault]:
