@@ -28,7 +28,7 @@ from camgen.machines.linkage.drawing import Scaled
 from camgen.machines.linkage.layout import Layout, Stretched
 from camgen.machines.linkage.stacking import laid
 from camgen.machines.linkage.tables import Gear, Parts
-from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
 from camgen.spec import Print
 
@@ -70,7 +70,8 @@ class Bench:
 
     drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
     is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
-    by body; strung: further springs, by name; gravity: what weight pulls with, or nothing.
+    by body; strung: further springs, by name; gravity: what weight pulls with, or nothing; freewheels, marks: as a layout has
+    them.
     """
 
     drawn: Machine
@@ -86,6 +87,8 @@ class Bench:
     more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
     strung: Mapping[str, Strung] = field(default_factory=dict)
     gravity: Sequence[Gravity] = ()
+    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
+    marks: Mapping[str, complex] = field(default_factory=dict)
 
     @cached_property
     def machine(self) -> Machine:
@@ -175,7 +178,8 @@ class Bench:
     def _layout(self, machine: Machine) -> Layout:
         springs = {name: Stretched(each.a, each.b, each.wire.outside) for name, each in self.strung.items()}
         return Layout(
-            machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears, springs=springs
+            machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears, springs=springs,
+            freewheels=self.freewheels, marks=self.marks,
         )  # fmt: skip
 
     @cached_property

@@ -154,6 +154,8 @@ class Bodies:
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
+        if link in layout.marks:
+            holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
         notes = [f"level {layout.level[link]}", *self._pressed(link), *notes]
         return Part(
@@ -221,12 +223,15 @@ class Bodies:
         bought = layout.on_motor(point, GROUND)  # the motor's own shaft
         if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
-            ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
+            bore = self._profile(self.fits.press_clearance)
+            name = "collar"
+            if layout.clutch(point):
+                name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
             collar = Part(
-                "collar", "Collar of a shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
-                notes=("pressed and glued on the shaft under the plate",),
+                name, "Collar of a shaft", (Layer(Region(circle(0j, self._collar), (bore,)), 0.0, s.thickness),), centres=(0j,),
+                min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
             )  # fmt: skip
-            yield collar, Mount("collar", body, at, z=-play - s.thickness)
+            yield collar, Mount(name, body, at, z=-play - s.thickness)
         elif not bought:
             yield from pin(layout, point)
         yield from bearings(layout, point)
@@ -245,6 +250,12 @@ class Bodies:
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         part = Part(name, title, (layer,), centres=(0j,), notes=(f"glued into link {link} and the collar",))
+        loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
+        if loose:
+            end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
+            rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
+            steel = "hardened steel rod, h6, a flat ground on its upper end, for what is glued on it"
+            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(steel, *part.notes), made="bought", cut=1)
         return part, Mount(name, link, at, z=-below)
 
     # ---- cams -------------------------------------------------------------------------------------------------------
@@ -292,15 +303,20 @@ class Bodies:
         layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
         start = float(layout.machine.start_of(wheel.link).angle)
         edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
-        region = plate(f"wheel of {wheel.link}", edge, {"bore": self._profile(press).moved(cmath.exp(1j * start))}, self.min_wall)
+        bore, held = self._profile(press).moved(cmath.exp(1j * start)), f"pressed and glued on the shaft of {wheel.link}"
+        wide = self.sizes.shaft_diameter + press
+        if wheel.link in layout.freewheels:
+            on, clutch = layout.freewheels[wheel.link]
+            wide = clutch.outside + press
+            bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+        region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, self.min_wall)
         notes = (
-            f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
-            f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", held, f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
         layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
             wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
-            bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
+            bore=wide, min_wall=self.min_wall,
         )  # fmt: skip
         at = layout.at(wheel.link, layout.shaft_of(wheel.link))
         return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))

@@ -47,7 +47,8 @@ class Layout:
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link.
+    the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
+    link that is and the one-way clutch; marks: of links, where a hole shows how they stand.
     """
 
     drawn: m.Machine
@@ -62,6 +63,8 @@ class Layout:
     stems: Mapping[str, str] = field(default_factory=dict)
     sunk: bool = False
     springs: Mapping[str, Stretched] = field(default_factory=dict)
+    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
+    marks: Mapping[str, complex] = field(default_factory=dict)
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -151,7 +154,7 @@ class Layout:
     @cached_property
     def shafts(self) -> dict[str, str]:
         """The link that is fixed on the shaft at a point: the driven one's first."""
-        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels)])
+        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels)])
         return {
             next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
         }
@@ -185,7 +188,12 @@ class Layout:
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
-        return next(point for point, held in self.shafts.items() if held == link)
+        on = self.freewheels[link][0] if link in self.freewheels else link
+        return next(point for point, held in self.shafts.items() if held == on)
+
+    def clutch(self, point: str) -> Bearing | None:
+        """The one-way clutches in which a shaft turns."""
+        return next((each for on, each in self.freewheels.values() if self.shafts.get(point) == on), None)
 
     @cached_property
     def pens(self) -> dict[str, str]:
@@ -217,13 +225,13 @@ class Layout:
     def kind(self, point: str) -> str:
         """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it."""
         if point in self.shafts:
-            return self.sizes.pins.get(point, "printed")
+            return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
         found = self.sizes.pins.get(point, self.sizes.pin)
         return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
 
     def bearing(self, point: str) -> Bearing | None:
-        """The narrowest ball bearing on the pin of a point."""
-        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
+        """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        return (self.clutch(point) or narrowest(self.turning(point))) if self.kind(point) == "bearing" else None
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""

@@ -106,6 +106,8 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
         if shaft is not None or point in layout.slots:
             over += [(upper, link) for link in moving if link != upper]
         held = (*moving, *layout.riders.get(point, ()))
+        loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
+        over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
         axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point)))
