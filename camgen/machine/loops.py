@@ -54,8 +54,8 @@ class Chain:
     """A machine parted into steps. Raises DesignError where equations and unknowns do not match."""
 
     def __init__(self, machine: Machine) -> None:
-        clutches = [joint for joint in machine.joints if isinstance(joint, Clutch)]
-        self.driven = {each.name for each in (*machine.drives, *clutches)}  # whose laws are of theta
+        self.driven = {drive.name for drive in machine.drives}  # whose laws are of theta
+        self.driven |= {joint.name for joint in machine.joints if isinstance(joint, Clutch)}
         self.groups: Groups = group_bodies(machine)
         self.route: dict[str, Vectors] = {GROUND: _from(GROUND)}
         self.steps: list[Step] = []

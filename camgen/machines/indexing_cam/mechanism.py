@@ -16,7 +16,6 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -35,8 +34,9 @@ from camgen.machine.targets import Advance, advance
 from camgen.machines.bench import Bench
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
-from camgen.machines.indexing_cam.driver import CHAIN, TwoCranks, driver_faults
+from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
 from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, stepping, stood
+from camgen.machines.indexing_cam.standing_driver import room
 from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
 from camgen.machines.indexing_cam.stepping import FORWARDS, Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
@@ -111,15 +111,19 @@ class IndexingCam(StandingCams):
             why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
             found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
         if self.freewheel is not None and u.torque not in ("none", "crank"):
-            right = '"crank" or "none" with [freewheel]: a torque that is as far back at the end of a turn as it is forwards at its begin'
-            found.append(Fault("unloader.torque", f"'{u.torque}'", right + " cannot go on"))
+            right = '"crank" or "none" with [freewheel]: a torque that ends as far back as it begins forwards cannot go on'
+            found.append(Fault("unloader.torque", f"'{u.torque}'", right))
         if self.freewheel is not None and self.sizes.shaft_diameter not in CLUTCHES:
             sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)
             found.append(Fault("bodies.shaft_diameter", f"{self.sizes.shaft_diameter:g}", f"a bore of freewheels, {sold} mm"))
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
-            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg), self.standing)
+            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg))
+            between, wall = room(self.sizes, self.print, self.driver.crank, self.driver.offset), self.sizes.wall
+            if self.standing and between < wall:
+                right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
+                found.append(Fault("driver.offset", f"{self.driver.offset:g}", right + "; or a longer driver.crank"))
         return [*found, *p.misfits(), *self.size_faults("follower", LINK), *self._law_faults()]
 
     def _law_faults(self) -> Sequence[Fault]:
@@ -140,7 +144,7 @@ class IndexingCam(StandingCams):
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
         as a table. SpecError without [synthesis].
         """
-        wanted, spring = self.synthesis, self.spring
+        wanted, spring = self.synthesis, self.unloading
         if wanted is None or spring is None:
             raise SpecError([Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")])
         found = trade_off(spring, wanted.weights, wanted.sines, wanted.cosines)[-1]
@@ -205,7 +209,9 @@ class IndexingCam(StandingCams):
 
     def chain(self, crank: float, offset: float, rise_deg: float) -> TwoCranks:
         """A chain of these sizes, mm, for turns of the driven link in so many degrees of 180."""
-        return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, complex(-self.geometry.follower.pivot_distance))
+        far = complex(self.geometry.follower.pivot_distance)
+        at = far / 2 if self.standing else -far
+        return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, at, self.standing)
 
     def found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
@@ -373,7 +379,7 @@ class IndexingCam(StandingCams):
         return IndexingStudy(
             self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
             None if self.geometry.closure != "force" else self.bench.closing if self.standing else load.closing_n_m, self._ideal,
-            *(() if self.driver is None else _EVEN), step=self.stepping,
+            *(("cam angle", "cam shaft") if self.driver is None else _EVEN), self.stepping,
         )  # fmt: skip
 
     @cached_property
@@ -445,7 +451,7 @@ class IndexingCam(StandingCams):
         tables = [*found.tables, *([] if beside is None else [beside])]
         if self.two_cranks is not None:
             numbers |= self.two_cranks.numbers
-            notes.append(CHAIN)
+            notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
         return Study(numbers, (*found.plots, drawn), tables, sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:

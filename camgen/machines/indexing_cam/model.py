@@ -10,6 +10,8 @@ from camgen.machine.cams.machine import FollowerLoad, cam_machine
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Bench, Tip
+from camgen.machines.indexing_cam.driver import ARM
+from camgen.machines.indexing_cam.standing_driver import StandingDriver
 from camgen.machines.indexing_cam.standing_unloader import CRANK
 from camgen.machines.indexing_cam.stepping import WHEEL, Stepping
 from camgen.machines.indexing_cam.unloader import OnLink
@@ -74,15 +76,21 @@ def stood(spec: IndexingCam) -> Bench:
     """On the bench the driven link is a round table."""
     f, load, made = spec.geometry.follower, spec.load, spec.made_unloader
     shapes: dict[str, object] = {LINK: {"hub_diameter": f.arm}}
-    geared, freewheels = "link", {}
+    freewheels = {}
     points: dict[str, dict[str, complex]] = {GROUND: {"axle": spec.link_centre}, LINK: {"axle": 0j}}
     if spec.freewheel is not None:
         clutch, _ = CLUTCHES[spec.sizes.shaft_diameter]
-        geared, points[WHEEL], freewheels = WHEEL, {"axle": 0j}, {WHEEL: (LINK, clutch)}
+        points[WHEEL], freewheels = {"axle": 0j}, {WHEEL: (LINK, clutch)}
         shapes[WHEEL] = {"thickness": clutch.width}
     sizes = Sizes.model_validate({**shapes, **spec.sizes.model_dump(exclude_none=True)})
-    gears = {"gears": GearTable.model_validate({"a": "follower", "b": geared.replace("-", "_"), "ratio": -spec.geometry.gear_ratio})}
-    machine, strung = drawn(spec, 0.0), {}
+    gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -spec.geometry.gear_ratio})
+    gears = {"gears": gear}
+    machine, strung, driven, beneath = drawn(spec, 0.0), {}, "cam", None
+    if spec.two_cranks is not None:
+        driven, points[GROUND]["arm"], points[ARM] = ARM, spec.two_cranks.at, {"arm": 0j}
+        gears["2 to 1"] = GearTable.model_validate({"a": ARM, "b": "cam", "ratio": -0.5})
+        shafts = [0j, complex(f.pivot_distance), spec.link_centre, *([] if made is None else [made.axle])]
+        beneath = StandingDriver(machine, sizes, spec.print, spec.allowed.min_wall, spec.density, shafts)
     if made is not None:
         machine, gears["unloader gears"] = made.added(drawn(spec, 0.0, False), LINK), made.gear
         points[GROUND] |= {"crank": made.axle, "anchor": made.post}
@@ -92,5 +100,5 @@ def stood(spec: IndexingCam) -> Bench:
         machine, spec.cams["cam"], Tip("roller", f.roller_radius, spec.geometry.closure), sizes, spec.print,
         spec.allowed.min_wall, spec.density, FollowerLoad(preload=load.closing_n_m),
         [LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])], gears, points, strung, freewheels=freewheels,
-        marks={} if spec.freewheel is None else {LINK: complex(_MARK * f.arm / 2)},
+        driven=driven, beneath=beneath, marks={} if spec.freewheel is None else {LINK: complex(_MARK * f.arm / 2)},
     )  # fmt: skip

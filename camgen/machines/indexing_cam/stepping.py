@@ -28,15 +28,16 @@ from camgen.study import Plot, Table
 WHEEL = "drive-wheel"
 FORWARDS: Literal[-1] = -1  # sense of the wheel's angle as the follower swings out: it is geared to it
 NOTE = (
-    "The driven link turns on: its shaft runs in two freewheels. One is in the wheel that the follower rocks, and takes the shaft "
-    "along forwards alone; the other is in the plate, and holds the shaft while the wheel goes back. So each turn of the cam shaft "
-    "makes one indexing, and the dwell lasts from the end of a rise to the next. The unloader's crank turns on with the link, "
-    "once for each indexing, and stops unloader.lead_deg before its dead centre: there its spring draws the link back on the "
-    "freewheel of the plate, which holds it. In the source's fig. 1 a second cam (3) swings a carrier (8) with the gears and the "
-    "spring about the output shaft; we take it that this changes the spring over in the dwell. Here the crank goes over its dead "
-    "centre as a turn begins, and no second cam is needed; the price is that the spring pulls back first. A freewheel cannot "
-    "brake: what is left of the inertia in the run-down has to be less than the friction of the link (load.friction_n_m, of a "
-    "felt under the table say). Errors of the turns add up: a table that has to stop in the same places needs a notch as well."
+    "The driven link turns on: its shaft runs in two freewheels. One is in the wheel that the follower rocks, and takes the "
+    "shaft along forwards alone; the other is in the plate, and holds it while the wheel goes back. So each turn of the cam "
+    "shaft makes one indexing, and the dwell lasts from the end of a rise to the next. The unloader's crank turns on with "
+    "the link, once for each indexing, and stops unloader.lead_deg before its dead centre: there its spring draws the link "
+    "back on the freewheel of the plate, which holds it. In the source's fig. 1 a second cam (3) swings a carrier (8) with "
+    "the gears and the spring about the output shaft; we take it that this changes the spring over in the dwell. Here the "
+    "crank goes over its dead centre as a turn begins, and no second cam is needed; the price is that the spring pulls back "
+    "first. A freewheel cannot brake: what is left of the inertia in the run-down has to be less than the friction of the "
+    "link (load.friction_n_m, of a felt under the table say). Errors of the turns add up: a table that has to stop in the "
+    "same places needs a notch as well."
 )
 
 
@@ -131,7 +132,7 @@ class Stepping:
             ),
             at_least(
                 "FORCE_CLOSURE", held + load.friction, process, "N m", "freewheel of the plate, in the dwell",
-                "torque that keeps the link from turning on by itself, of the unloader and of friction; the limit is the process's",
+                "torque that keeps the link from turning on by itself, by unloader and friction; the limit is the process's",
             ),
             at_most(
                 "CLUTCH_TORQUE", most, self.limit, "N m", "freewheels of the driven link",
@@ -147,6 +148,7 @@ class Stepping:
         speed = self.ratio * abs(slope * omega)
         return {
             "advance_a_turn_deg": math.degrees(self.index),
+            "turn_to_dwell_ratio": (self.rise - self.locks) / (math.tau - self.rise + self.locks),
             "dwell_share_ratio": 1 - (self.rise - self.locks) / math.tau,
             "lost_motion_deg": math.degrees(self.lost),
             "locking_speed_deg_s": math.degrees(speed),
@@ -166,7 +168,7 @@ class Stepping:
         curves = [("driven link", np.degrees(x), link), ("its wheel", np.degrees(x), wheel)]
         held = np.nan_to_num(pushing)
         return [
-            Plot(f"Driven link: steps over {turns} turns of the cam shaft", f"{angle} in the sense of turning, deg", "deg", curves),
+            Plot(f"Driven link: steps over {turns} turns of the cam shaft", f"{angle} as time goes on, deg", "deg", curves),
             Plot("Torque in the freewheel of the wheel", f"{angle}, deg", "N m", [("push", np.degrees(theta), held)]),
         ]
 

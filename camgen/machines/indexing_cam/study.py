@@ -239,6 +239,8 @@ class IndexingStudy:
         if self.spring is not None:
             kappa = np.linspace(0, 1, 601)
             position, rise = self.law(kappa), self._spans[0]
+            if self.step is not None:
+                position = np.clip((position * ratio * self.swing - self.step.lost) / self.step.index, 0, 1)
             inertia = self.load.inertia * ratio * self.swing * (self.omega / rise) ** 2 * self.law(kappa, 2)
             name = "ideal spring" if self.spring is self.ideal else "spring"
             curves = [("inertia", position, inertia), (name, position, self.spring(position))]

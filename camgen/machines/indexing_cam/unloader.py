@@ -55,8 +55,9 @@ class CrankSpring:
     """A spring on a cord that runs from a crank pin over a guide; the crank turns with the link, once less 2 lead a stroke.
 
     At a = 0 the crank stands `lead` (rad) past its dead centre, where the pin is farthest from the guide; at a = 1/2 pin and
-    guide are nearest. on: the link turns on, so the crank turns once a stroke, from `lead` before that place. stiffness N/mm; crank: radius of the pin, guide: its distance from the crank's axis, both mm;
-    stretch: of the spring at a = 1/2, mm; stroke: of the link, rad.
+    guide are nearest. on: the link turns on, so the crank turns once a stroke, from `lead` before that place. stiffness N/mm;
+    crank: radius of the pin, guide: its distance from the crank's axis, both mm; stretch: of the spring where they are
+    nearest, mm; stroke: of the link, rad.
     """
 
     stiffness: float

@@ -178,7 +178,7 @@ class Bodies:
         screw = self.sizes.mount_diameter / 2
         under = self._collar + self.sizes.mount_diameter  # a screw's head beside the collar
         face, motor = self.sizes.face, points[layout.shaft_of(layout.driven)]
-        beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts)]
+        beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
         pockets = {}
         if face is not None:
             beside.append((motor, math.sqrt(2) * face.half + self.sizes.mount_diameter))
@@ -189,8 +189,10 @@ class Bodies:
         pairs = [(a, b) for a in beside for b in beside]
         a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
         way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
-        screws = [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
+        screws = [] if layout.hangs else [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
         holes |= {f"screw {k}": circle(z, screw) for k, z in enumerate(screws, 1)}
+        holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
+        hubs += [(z, wide / 2 + self.sizes.wall) for z, wide in layout.feet]
         outer = hull([*hubs, *((z, screw + self.sizes.wall) for z in screws)])
         region = plate("ground plate", outer, holes, self.min_wall)
         floor = self.sizes.base_thickness
@@ -200,8 +202,9 @@ class Bodies:
             layers = [Layer(layers[0].region, 0.0, under), Layer(region, under, floor)]
         return Part(
             part_name(GROUND), "Ground plate", (*layers, *rails(layout, GROUND, floor)),
-            centres=(*points.values(), *screws), min_wall=self.min_wall,
-            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
+            centres=(*points.values(), *screws, *(z for z, _ in layout.feet)), min_wall=self.min_wall,
+            notes=(*(["the outermost holes are for screws from behind"] if screws else []), *self._pressed(GROUND)),
+            points=tuple(points.items()),
         )  # fmt: skip
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
@@ -219,6 +222,8 @@ class Bodies:
         """Pin or shaft of a point, and what is threaded on it."""
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
         held = layout.on(point)
+        if point in layout.carried:
+            return
         at, top = layout.at(body, point), held[-1][1]
         bought = layout.on_motor(point, GROUND)  # the motor's own shaft
         if point in layout.shafts and not bought:
@@ -311,7 +316,8 @@ class Bodies:
             bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
         region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, self.min_wall)
         notes = (
-            f"drawn at theta = 0, level {layout.level[wheel.level]}", held, f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
+            f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
         layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
