@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from camgen.machine.model import Law, Output, Pose
-from camgen.machine.targets import Target
+from camgen.machine.targets import Advance, Target
 from camgen.numerics import Floats
 
 
@@ -245,7 +245,7 @@ class Asked:
     motion: Callable[[Floats, int], Any] | None = None
     stroke: bool = False
     lash: float = math.inf
-    targets: tuple[Target, ...] = ()
+    targets: tuple[Target | Advance, ...] = ()
     judged: bool = True
 
 

@@ -84,7 +84,7 @@ class StandingCams(Mechanism):
 
     @cached_property
     def _parts(self) -> Sequence[Part]:
-        return self.bench.bodies.parts if self.standing else self._cams()
+        return self.bench.parts if self.standing else self._cams()
 
     def parts(self) -> Sequence[Part]:
         """The cams, or the whole machine."""
@@ -98,7 +98,7 @@ class StandingCams(Mechanism):
         meant = iter(outlines)
         return [
             replace(each, meant=next(meant).meant) if isinstance(each, CamOutline) else each
-            for each in self.bench.bodies.features()
+            for each in self.bench.features()
         ]
 
     def features(self) -> Sequence[Feature]:
@@ -107,11 +107,11 @@ class StandingCams(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """All parts on their bodies."""
-        return self.bench.bodies.mounts if self.standing else self._beside()
+        return self.bench.mounts if self.standing else self._beside()
 
     def stand_ins(self) -> Sequence[StandIn]:
         """The follower's tips, where they are not made; a machine's motor."""
-        return self.bench.bodies.stand_ins() if self.standing else super().stand_ins()
+        return self.bench.stand_ins() if self.standing else super().stand_ins()
 
     def moved(self) -> Moved:
         """What the sweep needs, springs too."""

@@ -71,6 +71,13 @@ class Driver(Record):
     offset: Length
 
 
+class Freewheels(Record):
+    """The link turns on by a turn at a time: a freewheel takes it along as the follower swings out, a second one holds it on
+    the ground as that swings back; the follower swings so much further as is lost before a freewheel locks."""
+
+    lost_deg: Annotated[float, Field(ge=0, le=45)] = 1.0
+
+
 class LoadTable(Weight):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
@@ -149,7 +156,8 @@ class Parts(ShaftHole):
 class Limits(Bears):
     """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
 
-    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
+    residual: peak torque that the unloader may leave to the cam, as a share of that without it; advance_deg: how far a turn of a
+    link that turns on may be off.
     """
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
@@ -158,4 +166,5 @@ class Limits(Bears):
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
+    advance_deg: Annotated[float, Field(gt=0, le=360)] = 0.05
     min_wall: Length = 0.8

@@ -155,6 +155,8 @@ class Bodies:
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
+        if link in layout.marks:
+            holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
         notes = [f"level {layout.level[link]}", *self._pressed(link), *notes]
         return Part(
@@ -177,7 +179,7 @@ class Bodies:
         screw = self.sizes.mount_diameter / 2
         under = self._collar + self.sizes.mount_diameter  # a screw's head beside the collar
         face, motor = self.sizes.face, points[layout.shaft_of(layout.driven)]
-        beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts)]
+        beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
         pockets = {}
         if face is not None:
             beside.append((motor, math.sqrt(2) * face.half + self.sizes.mount_diameter))
@@ -188,8 +190,10 @@ class Bodies:
         pairs = [(a, b) for a in beside for b in beside]
         a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
         way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
-        screws = [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
+        screws = [] if layout.hangs else [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
         holes |= {f"screw {k}": circle(z, screw) for k, z in enumerate(screws, 1)}
+        holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
+        hubs += [(z, wide / 2 + self.sizes.wall) for z, wide in layout.feet]
         outer = hull([*hubs, *((z, screw + self.sizes.wall) for z in screws)])
         region = plate("ground plate", outer, holes, self.min_wall)
         floor = self.sizes.base_thickness
@@ -199,8 +203,9 @@ class Bodies:
             layers = [Layer(layers[0].region, 0.0, under), Layer(region, under, floor)]
         return Part(
             part_name(GROUND), "Ground plate", (*layers, *rails(layout, GROUND, floor)),
-            centres=(*points.values(), *screws), min_wall=self.min_wall,
-            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
+            centres=(*points.values(), *screws, *(z for z, _ in layout.feet)), min_wall=self.min_wall,
+            notes=(*(["the outermost holes are for screws from behind"] if screws else []), *self._pressed(GROUND)),
+            points=tuple(points.items()),
         )  # fmt: skip
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
@@ -218,16 +223,21 @@ class Bodies:
         """Pin or shaft of a point, and what is threaded on it."""
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
         held = layout.on(point)
+        if point in layout.carried:
+            return
         at, top = layout.at(body, point), held[-1][1]
         bought = layout.on_motor(point, GROUND)  # the motor's own shaft
         if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
-            ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
+            bore = self._profile(self.fits.press_clearance)
+            name = "collar"
+            if layout.clutch(point):
+                name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
             collar = Part(
-                "collar", "Collar of a shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
-                notes=("pressed and glued on the shaft under the plate",),
+                name, "Collar of a shaft", (Layer(Region(circle(0j, self._collar), (bore,)), 0.0, s.thickness),), centres=(0j,),
+                min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
             )  # fmt: skip
-            yield collar, Mount("collar", body, at, z=-play - s.thickness)
+            yield collar, Mount(name, body, at, z=-play - s.thickness)
         elif not bought:
             yield from pin(layout, point)
         yield from bearings(layout, point)
@@ -246,6 +256,12 @@ class Bodies:
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         part = Part(name, title, (layer,), centres=(0j,), notes=(f"glued into link {link} and the collar",))
+        loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
+        if loose:
+            end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
+            rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
+            steel = "hardened steel rod, h6, a flat ground on its upper end, for what is glued on it"
+            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(steel, *part.notes), made="bought", cut=1)
         return part, Mount(name, link, at, z=-below)
 
     # ---- cams -------------------------------------------------------------------------------------------------------
@@ -293,15 +309,21 @@ class Bodies:
         layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
         start = float(layout.machine.start_of(wheel.link).angle)
         edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
-        region = plate(f"wheel of {wheel.link}", edge, {"bore": self._profile(press).moved(cmath.exp(1j * start))}, self.min_wall)
+        bore, held = self._profile(press).moved(cmath.exp(1j * start)), f"pressed and glued on the shaft of {wheel.link}"
+        wide = self.sizes.shaft_diameter + press
+        if wheel.link in layout.freewheels:
+            on, clutch = layout.freewheels[wheel.link]
+            wide = clutch.outside + press
+            bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+        region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, self.min_wall)
         notes = (
-            f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
             f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
         layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
             wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
-            bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
+            bore=wide, min_wall=self.min_wall,
         )  # fmt: skip
         at = layout.at(wheel.link, layout.shaft_of(wheel.link))
         return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))

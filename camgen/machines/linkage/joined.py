@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -15,6 +15,7 @@ from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
+from camgen.parts.catalogue import Bearing
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -36,7 +37,9 @@ class Joined:
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link.
+    the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
+    link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
+    on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it.
     """
 
     drawn: m.Machine
@@ -51,30 +54,16 @@ class Joined:
     stems: Mapping[str, str] = field(default_factory=dict)
     sunk: bool = False
     springs: Mapping[str, Stretched] = field(default_factory=dict)
+    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
+    marks: Mapping[str, complex] = field(default_factory=dict)
+    carried: Mapping[str, str] = field(default_factory=dict)
+    feet: Sequence[tuple[complex, float]] = ()
+    hangs: bool = False
 
     @cached_property
     def machine(self) -> m.Machine:
         """The machine with all its points."""
         return with_seconds(self.drawn, self.cams)
-
-    def lacking(self) -> DesignError | None:
-        """What to say of joints of which no bodies are made."""
-        try:
-            self.toothed  # noqa: B018
-        except DesignError as error:
-            return error
-        slid = next((tip for tip in self.tips if tip.hung and tip.joint.slide is not None), None)
-        if slid is not None:
-            return DesignError(
-                "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
-                'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
-            )  # fmt: skip
-        held = next((tip for tip in self.tips if not tip.rolls and tip.closure != "force"), None)
-        if held is not None:
-            return DesignError(
-                f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
-            )
-        return None
 
     @cached_property
     def slides(self) -> dict[str, m.Slide]:
@@ -111,7 +100,7 @@ class Joined:
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         bodies, slots = self.machine.bodies, self.slots
-        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked
+        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked | set(self.carried)
         carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
         return {
             name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
@@ -134,10 +123,11 @@ class Joined:
     @cached_property
     def shafts(self) -> dict[str, str]:
         """The link that is fixed on the shaft at a point: the driven one's first."""
-        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels)])
-        return {
+        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels)])
+        found = {
             next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
         }
+        return {**found, **self.carried}
 
     @cached_property
     def riders(self) -> dict[str, list[str]]:
@@ -154,7 +144,12 @@ class Joined:
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
-        return next(point for point, held in self.shafts.items() if held == link)
+        on = self.freewheels[link][0] if link in self.freewheels else link
+        return next(point for point, held in self.shafts.items() if held == on)
+
+    def clutch(self, point: str) -> Bearing | None:
+        """The one-way clutches in which a shaft turns."""
+        return next((each for on, each in self.freewheels.values() if self.shafts.get(point) == on), None)
 
     @cached_property
     def pens(self) -> dict[str, str]:

@@ -43,13 +43,13 @@ class Layout(Joined):
     def kind(self, point: str) -> str:
         """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it."""
         if point in self.shafts:
-            return self.sizes.pins.get(point, "printed")
+            return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
         found = self.sizes.pins.get(point, self.sizes.pin)
         return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
 
     def bearing(self, point: str) -> Bearing | None:
-        """The narrowest ball bearing on the pin of a point."""
-        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
+        """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        return (self.clutch(point) or narrowest(self.turning(point))) if self.kind(point) == "bearing" else None
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""

@@ -39,7 +39,7 @@ from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
-from camgen.machines.linkage.stacking import laid
+from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.loads.journals import Post
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
@@ -289,7 +289,7 @@ class Linkage(Mechanism):
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
-        return self._layout.lacking()
+        return lacking(self._layout)
 
     def found(self) -> Mapping[str, object]:
         """Levels, the included specs and where they stand, and what every mechanism fills in."""

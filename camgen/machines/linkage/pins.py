@@ -143,9 +143,12 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    notes = (f"ball bearing {bearing.name}, {bearing.size}, pressed into its link",)
-    ring = spacer(bearing_name(bearing), "Ball bearing", bearing.bore, bearing.outside, bearing.width, layout.min_wall)
-    return replace(ring, notes=notes, made="bought")
+    title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
+    if bearing in [clutch for _, clutch in layout.freewheels.values()]:
+        said = "pressed in so that, seen from above, the ring can only turn counter-clockwise on its shaft"
+        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", said]
+    ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
+    return replace(ring, notes=tuple(notes), made="bought")
 
 
 def hand_crank(layout: Layout) -> Iterator[Placed]:

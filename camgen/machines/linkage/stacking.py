@@ -107,6 +107,8 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
         if shaft is not None or point in layout.slots:
             over += [(upper, link) for link in moving if link != upper]
         held = (*moving, *layout.riders.get(point, ()))
+        loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
+        over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
         axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point)))
@@ -125,3 +127,23 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
             walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
         over += [(link, on)] if on != GROUND else []
     return levels(bands, axes, run.theta, layout.fits.slide_clearance, layout.given, walls, over, explain, searched=explain)
+
+
+def lacking(layout: Layout) -> DesignError | None:
+    """What to say of joints of which no bodies are made."""
+    try:
+        layout.toothed  # noqa: B018
+    except DesignError as error:
+        return error
+    slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)
+    if slid is not None:
+        return DesignError(
+            "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
+            'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
+        )  # fmt: skip
+    held = next((tip for tip in layout.tips if not tip.rolls and tip.closure != "force"), None)
+    if held is not None:
+        return DesignError(
+            f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
+        )
+    return None
