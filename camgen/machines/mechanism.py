@@ -210,6 +210,11 @@ class Mechanism(Spec, ABC):
         return 0.0, math.tau
 
     @property
+    def shown_turns(self) -> int:
+        """Turns of the drive after which all of it is where it was, as far as it is shown."""
+        return 1
+
+    @property
     def sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
         return -1 if self.speed < 0 else 1
@@ -282,6 +287,10 @@ class Mechanism(Spec, ABC):
         ]
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height", columns, rows, [laid for _, laid in sorted(copies.items())])
+
+    def idle(self) -> Sequence[str]:
+        """Keys that were set and say nothing of this machine, dotted."""
+        return ()
 
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""

@@ -76,6 +76,14 @@ class StandingCams(Mechanism):
         """The same, made once."""
         return self._stood()
 
+    def idle(self) -> Sequence[str]:
+        """Keys of [parts] that are set and that those of [bodies] replace."""
+        making = getattr(self, "making", None)
+        if making is None or not self.standing:
+            return ()
+        asked = {key for key, field in type(making).model_fields.items() if getattr(making, key) != field.default}
+        return [f"parts.{key}" for key in type(making).model_fields if key in asked - {"make"}]
+
     # ---- either -----------------------------------------------------------------------------------------------------
 
     def machine(self) -> Machine:

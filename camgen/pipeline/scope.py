@@ -102,6 +102,9 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             found.append(f"laser.thickness = {mechanism.laser.thickness:g}: no part is flat and as thick, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
+    idle = mechanism.idle()
+    if idle:
+        found.append(f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]')
     curves = mechanism.output.curves
     if curves != "bulge" and any(kind in kinds for kind in SOLID) and not any(kind in kinds for kind in DRAWN):
         found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')

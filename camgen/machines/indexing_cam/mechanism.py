@@ -91,17 +91,12 @@ class IndexingCam(StandingCams):
              f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle"),
             (g.closure == "force" or not self.load.closing_n_m, "load.closing_n_m", self.load.closing_n_m,
              'nothing here: closure "conjugate" needs no spring'),
-            (u.crank is None or u.guide is None or u.guide > u.crank, "unloader.guide", u.guide or 0.0,
-             f"more than the crank, {u.crank or 0:g} mm"),
         ]  # fmt: skip
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        found += u.faults()
+        found += u.faults(self.freewheel is not None)
         if self.load.gravity_deg is not None:
             why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
             found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
-        if self.freewheel is not None and u.torque not in ("none", "crank"):
-            right = '"crank" or "none" with [freewheel]: a torque that ends as far back as it begins forwards cannot go on'
-            found.append(Fault("unloader.torque", f"'{u.torque}'", right))
         if self.freewheel is not None and self.sizes.shaft_diameter not in CLUTCHES:
             sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)
             found.append(Fault("bodies.shaft_diameter", f"{self.sizes.shaft_diameter:g}", f"a bore of freewheels, {sold} mm"))
@@ -260,6 +255,12 @@ class IndexingCam(StandingCams):
     def stepping(self) -> Stepping | None:
         """How the link turns on; None where it goes to and fro."""
         return stepping(self)
+
+    @property
+    def shown_turns(self) -> int:
+        """Those that bring a link that turns on round once, eight at most."""
+        whole = (n for n in range(1, 9) if (n * self.geometry.index_deg) % 360 < 1e-9)
+        return 1 if self.freewheel is None else next(whole, 1)
 
     @cached_property
     def cam_drive(self) -> Machine:

@@ -187,6 +187,9 @@ class Bodies:
             hubs += [(motor + z, wide + self.sizes.wall) for z in face.screws]
             holes |= {f"motor screw {k}": circle(motor + z, face.screw.clearance / 2) for k, z in enumerate(face.screws, 1)}
             pockets = {f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)}
+        if self.sizes.hand_crank:  # screws lie beside its way
+            beside.append((motor, self.sizes.hand_crank + self.sizes.pin_diameter + self.sizes.head + self.sizes.mount_diameter))
+        beside += [(z, wide / 2 + self.sizes.mount_diameter) for z, wide in layout.feet]
         pairs = [(a, b) for a in beside for b in beside]
         a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
         way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
