@@ -111,14 +111,27 @@ def build(
 
 @cli.command(epilog=_EXIT_CODES)
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--gcode", multiple=True, type=click.Path(path_type=Path), help="Judge this in place of the folder's files.")
+@click.option("--line-width", type=click.FloatRange(0.01, 10), help="Of G-code that does not say it (CuraEngine), mm.")
 @_jobs
 @_as_json
 @_quiet
 @_verbose
-def check(folders: Sequence[Path], jobs: int, **shown: bool) -> None:
-    """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
+def check(
+    folders: Sequence[Path], gcode: Sequence[Path], line_width: float | None, jobs: int, **shown: bool
+) -> None:  # fmt: skip
+    """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
+
+    With --gcode, once for each plate: what a printer lays down of it (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
+    """
+    if gcode and len(folders) > 1:
+        raise SpecError([Fault("--gcode", f"with {len(folders)} folders", "one folder, whose plates they are")], "command line")
 
     def work() -> Work:
+        if gcode:
+            from camgen.pipeline.sliced import check_gcode
+
+            return lambda folder, progress, jobs: check_gcode(folder, gcode, line_width, progress)
         from camgen.pipeline import build as pipeline
 
         return pipeline.check
@@ -378,22 +391,8 @@ def _say(text: str) -> None:
 def list_() -> None:
     """List the mechanisms and the laws of motion."""
     from camgen import starters
-    from camgen.machines import MECHANISMS
-    from camgen.motion.laws import LAWS
-    from camgen.motion.segments import ABOUT, FAMILIES
 
-    click.echo("Mechanisms")
-    for name in MECHANISMS:
-        click.echo(f"  {name:<20} {starters.summary(name)}")
-    click.echo("\nExamples")
-    for name in starters.examples():
-        click.echo(f"  {name:<20} {starters.summary(name)}")
-    click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
-    for law in LAWS.values():
-        click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
-    click.echo('\nLaws with parameters, as law = { name = "...", KEY = ... }')
-    for name, about in ABOUT.items():
-        click.echo(f"  {name:<20} {', '.join(FAMILIES.get(name, ())) or 'no key'}: {about}")
+    click.echo(starters.listing())
 
 
 @cli.command()

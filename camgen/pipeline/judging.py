@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
+from camgen.files.formats import DRAWN, EXACT, FORMATS, READABLE, SOLID
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
@@ -201,7 +201,7 @@ def judge_motion(
     features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
     if not features or parts_of(features) & lost:
         return None
-    fit = compensation(mechanism) if FORMATS[kind].solid else None
+    fit = compensation(mechanism) if READABLE[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
         kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
