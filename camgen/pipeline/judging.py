@@ -401,7 +401,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.plates import bed_fit, within
 
     findings, bed = [], case.mechanism.print
-    for part in case.parts.values():
+    for part in case.mechanism.printed():
         rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
         corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
         findings.append(bed_fit(part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height)[1])
