@@ -152,18 +152,3 @@ def _unit(name: str, node: Mapping[str, Any]) -> str | None:
     said = _SAID.search(node.get("description", ""))
     named = next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), None)
     return typed or (said and (said[1] or "1").replace("share", "1")) or named or ("1" if "integer" in types else None)
-
-
-def listing() -> str:
-    """All mechanisms, examples and laws of motion, one a line."""
-    from camgen.machines import MECHANISMS
-    from camgen.motion.laws import LAWS
-    from camgen.motion.segments import ABOUT, FAMILIES
-
-    lines = ["Mechanisms", *(f"  {name:<20} {summary(name)}" for name in MECHANISMS)]
-    lines += ["\nExamples", *(f"  {name:<20} {summary(name)}" for name in examples())]
-    lines.append(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
-    lines += [f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}" for law in LAWS.values()]
-    lines.append('\nLaws with parameters, as law = { name = "...", KEY = ... }')
-    lines += [f"  {name:<20} {', '.join(FAMILIES.get(name, ())) or 'no key'}: {about}" for name, about in ABOUT.items()]
-    return "\n".join(lines)

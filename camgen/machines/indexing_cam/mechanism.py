@@ -52,7 +52,7 @@ from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
-from camgen.motion.segments import MATCHED, backwards, law_of, turning_rows
+from camgen.motion.segments import law_of
 from camgen.motion.spring_law import characteristic, trade_off
 from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
@@ -92,18 +92,7 @@ class IndexingCam(StandingCams):
              f"more than the crank, {u.crank or 0:g} mm"),
         ]  # fmt: skip
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        needed, further = t.UNLOADER_KEYS[u.torque]
-        takes = ", ".join((*needed, *further)) or "nothing more"
-        missing = f"missing: torque '{u.torque}' needs it"
-        found += [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(u, key) is None]
-        for key in t.UnloaderTable.model_fields:
-            if key != "torque" and getattr(u, key) is not None and key not in (*needed, *further):
-                found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{u.torque}' takes {takes}"))
-        if u.torque == "table" and u.points is not None:
-            try:
-                characteristic(u.points)
-            except SpecError as error:
-                found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        found += u.faults()
         if self.load.gravity_deg is not None:
             why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
             found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
@@ -111,21 +100,7 @@ class IndexingCam(StandingCams):
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
             found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg), self.standing)
-        return [*found, *p.misfits(), *self.size_faults("follower", _LINK), *self._law_faults()]
-
-    def _law_faults(self) -> Sequence[Fault]:
-        choice = self.geometry.law
-        if choice.name == MATCHED:
-            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
-        try:
-            law = law_of(choice)
-        except SpecError as error:
-            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
-        turning = turning_rows(choice)
-        if turning:
-            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
-        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
-        return [] if fault is None else [fault]
+        return [*found, *p.misfits(), *self.size_faults("follower", _LINK), *g.law_faults()]
 
     def designed(self) -> Self:
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
+from camgen.errors import Fault, SpecError
 from camgen.machines.loads.tables import Bears, Drives, Weight
-from camgen.motion.segments import NamedLaw
+from camgen.motion.program import Segment
+from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
+from camgen.motion.spring_law import characteristic
 from camgen.parts.disc_cams import ShaftHole, Thickness
 from camgen.spec import Length, Record, Rpm, turning
 
@@ -37,6 +41,21 @@ class Geometry(Record):
     gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
     closure: Literal["conjugate", "force"] = "conjugate"
 
+    def law_faults(self) -> Sequence[Fault]:
+        """What is wrong with the law, which runs between dwells there and back."""
+        choice = self.law
+        if choice.name == MATCHED:
+            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
+        try:
+            law = law_of(choice)
+        except SpecError as error:
+            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        turning = turning_rows(choice)
+        if turning:
+            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
+        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
+        return [] if fault is None else [fault]
+
 
 class Motor(Drives):
     """What drives the cam shaft."""
@@ -63,6 +82,14 @@ class LoadTable(Weight):
     closing_n_m: NotNegative = 0.0
 
 
+_UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
+    "none": ((), ()),
+    "law": ((), ("balance", "design_rpm")),
+    "table": (("points",), ()),
+    "crank": (("crank", "guide", "stretch", "lead_deg"), ("stiffness_n_mm",)),
+}
+
+
 class UnloaderTable(Record):
     """The spring on the driven link.
 
@@ -81,13 +108,21 @@ class UnloaderTable(Record):
     stretch: NotNegative | None = None
     lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
 
-
-UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
-    "none": ((), ()),
-    "law": ((), ("balance", "design_rpm")),
-    "table": (("points",), ()),
-    "crank": (("crank", "guide", "stretch", "lead_deg"), ("stiffness_n_mm",)),
-}
+    def faults(self) -> Sequence[Fault]:
+        """Keys that its kind needs and has not, or has and does not take; a table of points that is none."""
+        needed, further = _UNLOADER_KEYS[self.torque]
+        takes = ", ".join((*needed, *further)) or "nothing more"
+        missing = f"missing: torque '{self.torque}' needs it"
+        found = [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(self, key) is None]
+        for key in UnloaderTable.model_fields:
+            if key != "torque" and getattr(self, key) is not None and key not in (*needed, *further):
+                found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{self.torque}' takes {takes}"))
+        if self.torque == "table" and self.points is not None:
+            try:
+                characteristic(self.points)
+            except SpecError as error:
+                found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        return found
 
 
 class SynthesisTable(Record):

@@ -43,7 +43,8 @@ from camgen.machine.features import (
     SlotFaces,
     StandIn,
 )
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.troughs import covers, rails

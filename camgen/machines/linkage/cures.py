@@ -15,7 +15,8 @@ from typing import Any
 
 from camgen.errors import DesignError
 from camgen.machine.run import Run
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.parts.levels import Axis, Band, Crowded
 
 Search = Callable[[Layout, Run, bool], dict[str, int] | None]

@@ -36,6 +36,7 @@ from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
+from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.stacking import laid
@@ -111,7 +112,7 @@ class Linkage(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
-        found = self._drawing.faults()
+        found = drawing_faults(self._drawing)
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
         lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]

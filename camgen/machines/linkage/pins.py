@@ -18,7 +18,8 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
 from camgen.parts.catalogue import BEARINGS, Bearing, dowel
 from camgen.parts.hardware import headed, plate, spacer

@@ -13,7 +13,8 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.cures import cured, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse
 from camgen.parts.levels import Axis, Band, Crowded, Wall, hull_corners, levels
 
