@@ -159,7 +159,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     printed = mechanism.printed()
     rows: list[tuple[object, ...]] = [
         ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
-        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides)
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer)
     ]
     blank: tuple[object, ...] = ("",) * 5
     for part in (part for part in parts if part not in printed):  # what is bought has a size, what is turned a volume

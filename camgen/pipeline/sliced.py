@@ -36,6 +36,7 @@ from camgen.study import Table
 _OVER = np.diag([-1.0, 1.0, -1.0])  # a part that lies turned over, as plates lay it
 _FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
 _ANGLES = 721  # at which the motion of one layer is judged
+_HIGH = 1e-3  # mm, by which a print may be higher or lower than its part
 _FOOT = 0.05  # mm, by which a first layer may be off a foot that the part itself makes smaller
 # What settings of a slicer cost: measured with PrusaSlicer 2.5 on the cam of the uniform-swing starter, away from its corners.
 _LINES = "lines of varying width put that cam's follower 9.9 um off with a resolution of 0, 19.7 with 0.0125 mm; classic ones 1.1"
@@ -95,8 +96,8 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
         findings += one.findings
     progress("letting the parts touch")
     moved, numbers, more = _moved(case, laid, ", ".join(path.name for path in plates))
-    columns = ("part", "layers", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm", "spread, mm", "worst, mm",
-               "at height, mm")  # fmt: skip
+    columns = ("part", "layers", "height, mm", "meant, mm", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm",
+               "spread, mm", "worst, mm", "at height, mm")  # fmt: skip
     tables = [
         Table("As laid by the printer, out of the material meant", columns, [row for one in laid.values() for row in one.rows]),
         _eye_table(case, laid),
@@ -104,7 +105,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     ]
     return Report(
         mechanism.name, mechanism.mechanism, [*findings, *moved], numbers, tables=[table for table in tables if table.rows],
-        not_judged=(*not_judged, *more), remarks=_remarks(numbers, settings),
+        not_judged=(*not_judged, *more), remarks=_remarks(laid, numbers, settings),
     )  # fmt: skip
 
 
@@ -168,13 +169,15 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> 
                     f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
                     "foot already: is the slicer's own compensation on?")
         )  # fmt: skip
+    lying = copy.known.solid.vertices @ copy.known.turn[2]
+    head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(lying)), *first)
     if not rows:
-        laid.rows.append((part.name, len(copy.layers), *first, "", "", "", "", ""))
+        laid.rows.append((*head, "", "", "", "", ""))
         return
     table = np.array(rows)
     at = int(np.argmax(np.abs(table[:, 1])))
-    laid.rows.append((part.name, len(copy.layers), *first, float(table[:, 1].mean()), float(table[:, 2].mean()),
-                      float(table[:, 1].std()), float(table[at, 1]), float(table[at, 0])))  # fmt: skip
+    laid.rows.append((*head, float(table[:, 1].mean()), float(table[:, 2].mean()), float(table[:, 1].std()),
+                      float(table[at, 1]), float(table[at, 0])))  # fmt: skip
     said = told or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
     laid.findings.append(at_most("ROUND_TRIP", worst, bead / 2, "mm", f"{where}, {part.name}", said))
 
@@ -279,9 +282,13 @@ def _costs(value: str) -> bool:
         return value == "arachne"
 
 
-def _remarks(numbers: Mapping[str, float], settings: Mapping[str, str]) -> list[str]:
+def _remarks(laid: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]) -> list[str]:
     """What a person should read beside the findings."""
     found = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
+    high = {str(row[0]): (float(str(row[2])), float(str(row[3]))) for one in laid.values() for row in one.rows}
+    off = [f"{part} {top:g} for {meant:g}" for part, (top, meant) in high.items() if abs(top - meant) > _HIGH]
+    if off:
+        found.append(f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing")
     for key, first in numbers.items():
         if "_first_layer_" in key:
             worst, mean, spread = (numbers[key.replace("_first_", f"_{what}_")] for what in ("worst", "mean", "spread"))

@@ -77,6 +77,7 @@ def test_parts_are_found_wherever_they_lie(folder):
         assert small == pytest.approx(meant, abs=4e-3) and large == pytest.approx(meant, abs=4e-3), part
         assert first == pytest.approx(meant, abs=4e-3)
     assert any("perimeter_generator = arachne" in text and "1.1" in text for text in report.remarks)
+    assert any("ground 4.8 for 5" in text for text in report.remarks)  # six layers of 0.8 mm
     assert any("shaft is not on the plate" in each.why for each in report.not_judged)
 
 
@@ -127,7 +128,7 @@ def test_the_first_layer_is_told_by_itself(folder):
     squeezed = laid(folder, ["collar"], lambda name, k, flat: flat.buffer(0.2 * (k == 0)))
     report = check_gcode(folder, [squeezed])
     assert not failing(report)
-    assert report.tables[0].rows[0][2:4] == pytest.approx((0.2, 0.2), abs=5e-3)
+    assert report.tables[0].rows[0][4:6] == pytest.approx((0.2, 0.2), abs=5e-3)
     spec = (folder / "spec.toml").read_text(encoding="utf-8")
     (folder / "spec.toml").write_text(spec.replace("elephant_foot = 0.0", "elephant_foot = 0.2"), encoding="utf-8")
     try:
