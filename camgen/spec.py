@@ -86,6 +86,7 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None

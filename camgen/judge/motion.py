@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.formats import FORMATS
+from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.judge.cams import judge_cams, named
 from camgen.judge.joints import Closable, Fit, Outline, assembled
@@ -55,7 +55,7 @@ def judge_machine(
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
-    kind: of FORMATS; where: said in findings; files: sections (shapes at each height) of each part's file of this
+    kind: of READABLE; where: said in findings; files: sections (shapes at each height) of each part's file of this
     kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
 
@@ -63,7 +63,7 @@ def judge_machine(
     limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
-    form = FORMATS[kind]
+    form = READABLE[kind]
     found = read(features, files, form.holds == "drawing")
     every = named(where, parts_of(features))
     if found.lost:

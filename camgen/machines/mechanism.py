@@ -35,6 +35,7 @@ from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
@@ -260,8 +261,12 @@ class Mechanism(Spec, ABC):
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def printed(self) -> Sequence[Part]:
-        """Parts that are laid out on plates."""
-        return [part for part in self.parts() if part.made == "printed"]
+        """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+        return [part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)]
+
+    def cut_of_sheet(self, part: Part) -> bool:
+        """Whether a part is cut of the laser's sheet."""
+        return self.laser is not None and not why_not(part, self.laser.thickness)
 
     def steps(self) -> Table:
         """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is

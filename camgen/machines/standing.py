@@ -6,13 +6,15 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.bench import Bench
+from camgen.machines.linkage import sheets
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.tables import Parts
 from camgen.machines.loads.journals import Post
@@ -42,12 +44,18 @@ class StandingCams(Mechanism):
         """Of the machine's bodies."""
         return self.bodies or Sizes.model_validate({})
 
-    def size_faults(self, *links: str) -> list[Fault]:
-        """What is wrong with [bodies] of a machine with these links."""
+    @model_validator(mode="before")
+    @classmethod
+    def _of_sheet(cls, data: Any) -> Any:
+        return sheets.filled(data, "bodies")
+
+    def size_faults(self, *links: str, slides: bool = False, grooves: bool = False) -> list[Fault]:
+        """What is wrong with [bodies] of a machine with these links; slides, grooves: whether it has such."""
         if self.bodies is None:
             return []
         faults = self.bodies.faults(("ground", *links), self.print.nozzle)
-        return [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
+        found = [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
+        return [*found, *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves))]
 
     # ---- the cams alone ---------------------------------------------------------------------------------------------
 

@@ -245,11 +245,12 @@ class Bodies:
             yield from pin(layout, point)
         yield from bearings(layout, point)
         for (_, under), (high, _) in pairwise(held):
-            height = layout.floor(high) - under - 2 * play
+            height, step = layout.floor(high) - under - 2 * play, s.thickness + play
+            rings = round((height + play) / step) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
-                ring_part = spacer("spacer", "Spacer", hole, wide, height, self.min_wall)
-                yield ring_part, Mount("spacer", body, at, z=under + play)
+                ring_part = spacer("spacer", "Spacer", hole, wide, s.thickness if s.of_sheet else height, self.min_wall)
+                yield from ((ring_part, Mount("spacer", body, at, z=under + play + k * step)) for k in range(rings))
 
     def _shaft(self, link: str, top: float, at: complex) -> Placed:
         """A link's shaft; the one that drives is longer below the plate."""
@@ -258,7 +259,8 @@ class Bodies:
         name = "shaft" if driven else f"shaft-{link}"
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
-        part = Part(name, title, (layer,), centres=(0j,), notes=(f"glued into link {link} and the collar",))
+        made = "turned" if self.sizes.of_sheet else "printed"
+        part = Part(name, title, (layer,), centres=(0j,), notes=(f"glued into link {link} and the collar",), made=made)
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)

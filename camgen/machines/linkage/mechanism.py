@@ -15,11 +15,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
@@ -31,7 +31,7 @@ from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, wheels
+from camgen.machines.linkage import bridges, figures, sheets, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
@@ -104,6 +104,11 @@ class Linkage(Mechanism):
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
+    @model_validator(mode="before")
+    @classmethod
+    def _of_sheet(cls, data: Any) -> Any:
+        return sheets.filled(data, "parts")
+
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
@@ -113,6 +118,7 @@ class Linkage(Mechanism):
         lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
+        found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
@@ -341,10 +347,6 @@ class Linkage(Mechanism):
             lash = _LASH * stroke(course) if given is None else given
             found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
         return tuple(found)
-
-    def printed(self) -> Sequence[Part]:
-        """All that are printed."""
-        return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws, springs."""

@@ -69,9 +69,8 @@ def pin(layout: Layout, point: str) -> Iterator[Placed]:
     match layout.kind(point):
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
-            low = bottom - (play + cap.thickness) * hung
-            yield steel, Mount("pin", body, at, z=low)
-            yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
+            yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
+            yield cap, Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip)
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
@@ -90,14 +89,14 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     length = dowel(s.pin_diameter, grip + s.thickness)
     least = grip + max(layout.min_wall, s.head / 2)
     if length < least:
-        raise DesignError(
-            "length of the dowel", length, least, "mm", f"pin {point}",
-            'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
-        )  # fmt: skip
+        remedy = "change laser.thickness or parts.pin_diameter: thin dowels are sold shorter"
+        if not s.of_sheet:
+            remedy = 'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"'
+        raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy)
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
-    return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, layout.min_wall)
+    return steel, spacer("cap", "Cap of a pin", hole, wide, s.thickness if s.of_sheet else length - grip, layout.min_wall)
 
 
 def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float) -> Iterator[Placed]:
@@ -107,7 +106,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if not grip <= length <= grip + room:
         raise DesignError(
             "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
-            f'change parts.thickness, or make parts.pins.{point} "printed"',
+            f'change parts.thickness, or make parts.pins.{point} "{"dowel" if s.of_sheet else "printed"}"',
         )  # fmt: skip
     discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
     layers, z = [], 0.0
@@ -125,7 +124,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
         fill = spacer("spacer", "Spacer", screw.diameter + layout.fits.slide_clearance, wide, length - grip, layout.min_wall)
-        yield fill, Mount("spacer", body, at, z=bottom + grip)
+        yield replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill, Mount("spacer", body, at, z=bottom + grip)
 
 
 def bearings(layout: Layout, point: str) -> Iterator[Placed]:

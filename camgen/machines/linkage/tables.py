@@ -219,6 +219,7 @@ class Parts(Record):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
+    make: Literal["printed", "laser"] = Field("printed", description="laser: of layers of the sheet of [laser], pins of steel")
     thickness: Length = Field(4.0, description="mm, of a link")
     pin: PinKind = Field(
         "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
@@ -244,9 +245,19 @@ class Parts(Record):
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
     )
 
+    @property
+    def shapes(self) -> dict[str, Shape]:
+        """What is special to links, by their names."""
+        return self.__pydantic_extra__ or {}
+
     def shape(self, link: str) -> Shape:
         """What is special to a link."""
-        return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
+        return self.shapes.get(link, Shape.model_validate({}))
+
+    @property
+    def of_sheet(self) -> bool:
+        """Whether all is cut of one sheet."""
+        return self.make == "laser"
 
     @property
     def shoulder(self) -> ShoulderScrew:
@@ -271,7 +282,7 @@ class Parts(Record):
     def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
         known = [*type(self).model_fields, *links]
-        found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
+        found = [unknown(f"parts.{name}", None, known) for name in self.shapes if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
         for link in links:
             thickness = self.shape(link).thickness
