@@ -230,6 +230,10 @@ class Parts(Record):
     base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft: Literal["through", "interrupted"] = Field(
+        "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
+    )
+    plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
