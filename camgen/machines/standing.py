@@ -47,6 +47,8 @@ class StandingCams(Mechanism):
         if self.bodies is None:
             return []
         faults = self.bodies.faults(("ground", *links), self.print.nozzle)
+        if self.bodies.shaft != "through":
+            faults.append(Fault("parts.shaft", self.bodies.shaft, '"through": no link turns on a point of the cam'))
         return [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
 
     # ---- the cams alone ---------------------------------------------------------------------------------------------

@@ -31,7 +31,7 @@ from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, plates, webs, wheels
+from camgen.machines.linkage import bridges, figures, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
@@ -112,7 +112,6 @@ class Linkage(Mechanism):
         lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
-        found += plates.faults(self.making, self.print.nozzle)
         if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
             found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]

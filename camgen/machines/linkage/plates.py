@@ -13,13 +13,13 @@ from itertools import product
 
 import numpy as np
 
-from camgen.errors import DesignError, Fault
+from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, circle
 from camgen.machine.features import Mount
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.tables import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
-from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
+from camgen.parts.catalogue import Bought
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.levels import Axis, Band, Wall, distance, ways
 from camgen.parts.part import Layer, Part, hull
@@ -29,24 +29,6 @@ HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 _STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points
 _EVERY = 8  # samples of the motion: posts need no finer ones
 _LEAST = 2.0  # posts' diameters between two of them
-
-
-def screw(sizes: Parts) -> Screw | None:
-    """The screw of a post, whose core hole is that of the plate's other screws; None where no thread has it."""
-    return next((SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == sizes.mount_diameter), None)
-
-
-def faults(sizes: Parts, nozzle: float) -> Iterator[Fault]:
-    """Why no second plate can be screwed on."""
-    if sizes.plates < 2:
-        return
-    held = screw(sizes)
-    if held is None:
-        right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
-        yield Fault("parts.mount_diameter", f"{sizes.mount_diameter:g}", right)
-    elif sizes.base_thickness < held.height + SUNK + 2 * nozzle:
-        right = f"at least {held.height + SUNK + 2 * nozzle:g} mm: the sunk heads of the posts' screws, and a floor"
-        yield Fault("parts.base_thickness", f"{sizes.base_thickness:g}", right)
 
 
 def post_radius(sizes: Parts) -> float:
@@ -153,7 +135,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
 
 def bought(layout: Layout) -> list[Bought]:
     """Screws of the posts."""
-    held, grip = screw(layout.sizes), layout.sizes.base_thickness - _depth(layout.sizes)
+    held, grip = layout.sizes.post_screw, layout.sizes.base_thickness - _depth(layout.sizes)
     if layout.second is None or held is None:
         return []
     length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
@@ -163,14 +145,14 @@ def bought(layout: Layout) -> list[Bought]:
 
 def _depth(sizes: Parts) -> float:
     """Of the pockets for the heads of the posts' screws, mm."""
-    held = screw(sizes)
-    assert held is not None, "faults() has looked"
+    held = sizes.post_screw
+    assert held is not None, "the spec's faults have been looked for"
     return held.height + SUNK
 
 
 def _posts(layout: Layout) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
     """Hubs of the posts, their screws' holes in a plate, and the pockets for the heads."""
-    held, places = screw(layout.sizes), () if layout.second is None else layout.second.columns
+    held, places = layout.sizes.post_screw, () if layout.second is None else layout.second.columns
     if held is None or not places:
         return [], {}, {}
     wide = (held.head + HEAD_ROOM) / 2

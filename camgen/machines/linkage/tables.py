@@ -17,7 +17,7 @@ from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, Tim
 from camgen.machines.loads.tables import Bears
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
+from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
@@ -258,6 +258,11 @@ class Parts(Record):
         return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
 
     @property
+    def post_screw(self) -> Screw | None:
+        """Of the posts of a second plate, whose core hole is that of the plate's other screws; None where no thread has it."""
+        return next((SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == self.mount_diameter), None)
+
+    @property
     def least_crank(self) -> float:
         """Shortest hand crank, mm: hubs of shaft and knob beside each other."""
         return self.shaft_diameter / 2 + 2 * self.head + 2 * self.wall + self.pin_diameter
@@ -306,6 +311,13 @@ class Parts(Record):
             if self.face.screw_length(grip) < grip + screw.nominal / 2:
                 right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+        held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
+        if self.plates > 1 and held is None:
+            right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
+            found.append(Fault("parts.mount_diameter", f"{self.mount_diameter:g}", right))
+        if held is not None and self.base_thickness < held.height + floor:
+            right = f"at least {held.height + floor:g} mm: the sunk heads of the posts' screws, and a floor"
+            found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))

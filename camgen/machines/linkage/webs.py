@@ -30,8 +30,8 @@ def throws(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str] = 
 
 
 def webs(link: str, shaft: str, thrown: Sequence[str], back: bool) -> dict[str, tuple[str, ...]]:
-    """Points of each web by its name, from below; back: whether the last leads back to the axis."""
-    chain = [shaft, *thrown, *([shaft] if back else [])]
+    """Points of each web by its name, from below; back: whether the last leads back to the axis. Nothing without a throw."""
+    chain = [shaft, *thrown, *([shaft] if back else [])] if thrown else []
     return {web_name(link, k): both for k, both in enumerate(pairwise(chain))}
 
 
