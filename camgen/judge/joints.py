@@ -117,7 +117,7 @@ def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mo
 
     ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
     """
-    builder = _Builder(machine, keyed(features, mounts, found), found)
+    builder = _Builder(machine, mounts, keyed(features, mounts, found), found)
     for kind in (PinEyes, Steady, SlideFaces, SlotFaces, CamOutline, GearTeeth):  # cams and gears ask for the pins that hold them
         for feature in features:
             if isinstance(feature, kind):
@@ -143,8 +143,8 @@ def keyed(features: Sequence[Feature], mounts: Sequence[Mount], found: Readings)
 class _Builder:
     """Joints, put one by one where their features are."""
 
-    def __init__(self, machine: Machine, mounts: Sequence[Mount], found: Readings) -> None:
-        self.mounts, self.found = mounts, found
+    def __init__(self, machine: Machine, mounts: Sequence[Mount], made: Sequence[Mount], found: Readings) -> None:
+        self.mounts, self.made, self.found = mounts, dict(zip(mounts, made, strict=True)), found
         self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
         self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
@@ -184,7 +184,7 @@ class _Builder:
         if eye.part is None:
             return place
         mount = self._mount(eye.part, place, eye.at)
-        return Place(place.body, place.at + mount.place(self.found.eyes[eye].centre) - mount.place(eye.at))
+        return Place(place.body, place.at + self.made[mount].place(self.found.eyes[eye].centre) - mount.place(eye.at))
 
     def _on(self, part: str | None, body: str) -> bool:
         return any((mount.part, mount.body) == (part, body) for mount in self.mounts)
@@ -207,7 +207,7 @@ class _Builder:
         off = abs((on[1] - feature.far.at) - (on[0] - feature.near.at))
         if feature.webs is not None:
             body = joint.b if ground is joint.a else joint.a
-            low, high = (self._mount(eye.part or "", body, eye.at).place(eyes[eye].centre) for eye in feature.webs)
+            low, high = (self.made[self._mount(eye.part or "", body, eye.at)].place(eyes[eye].centre) for eye in feature.webs)
             off += abs(high - low)
         sizes = [abs(eyes[eye].diameter - eye.diameter) for eye in (feature.far, feature.pin)]
         fit = self.fits[feature.joint]

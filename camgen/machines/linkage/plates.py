@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -141,6 +141,24 @@ def bought(layout: Layout) -> list[Bought]:
     length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
     size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
     return [Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns))]
+
+
+def steps(layout: Layout) -> list[str]:
+    """In which order what the second plate and an interrupted shaft ask for goes together."""
+    found = []
+    for (low, held), (high, _) in pairwise(layout.webs.items()):
+        between = sorted((link for link in layout.pivots[held[1]] if link not in layout.webs), key=layout.level.__getitem__)
+        found.append(f"pin {held[1]} into {low}, {', '.join(between)} on it, {high} on its upper flat")
+    if layout.webs:
+        upper = [f"the short shaft into {layout.upper_web}"] if layout.second is not None else []
+        found = [f"The shaft is interrupted; from below, press and glue {'; '.join([*found, *upper])}."]
+    if layout.second is not None:
+        points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
+        hanging = [point for point in points if layout.cut(point) is not None and point not in layout.shafts]
+        first = f"First press its pins {', '.join(hanging)} through the links that turn on them. " if hanging else ""
+        found.append(f"The second plate goes on last: {first}Then lay it on the posts, so that {', '.join(points)} find their "
+                     "holes, and draw the screws tight crosswise.")  # fmt: skip
+    return found
 
 
 def _depth(sizes: Parts) -> float:
