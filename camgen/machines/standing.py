@@ -54,6 +54,8 @@ class StandingCams(Mechanism):
         if self.bodies is None:
             return []
         faults = self.bodies.faults(("ground", *links), self.print.nozzle)
+        if self.bodies.shaft != "through":
+            faults.append(Fault("parts.shaft", self.bodies.shaft, '"through": no link turns on a point of the cam'))
         found = [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
         return [*found, *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves))]
 

@@ -1,4 +1,4 @@
-"""What meets where in a linkage of parts: pins and shafts, slots, slides, wheels, springs, and what sits on each pin.
+"""What meets what in a linkage of parts: pivots, shafts and what rides on them, wheels, springs, pens.
 
     pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
     shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
@@ -14,6 +14,7 @@ from functools import cached_property
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.catalogue import Bearing
 from camgen.spec import Print
@@ -31,6 +32,16 @@ class Stretched:
 
 
 @dataclass(frozen=True)
+class Second:
+    """The plate over all links. cuts: by the point of each pin and shaft of the ground that is two stubs, the highest level of
+    the one on the lower plate, 0 where all hangs from this one; columns: places of the posts; highest: level that is taken."""
+
+    cuts: Mapping[str, int]
+    columns: tuple[complex, ...]
+    highest: int
+
+
+@dataclass(frozen=True)
 class Joined:
     """A machine and the sizes of its parts.
 
@@ -39,7 +50,8 @@ class Joined:
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
     the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
     link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
-    on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it.
+    on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
+    second: the plate over all, once levels are found.
     """
 
     drawn: m.Machine
@@ -59,11 +71,46 @@ class Joined:
     carried: Mapping[str, str] = field(default_factory=dict)
     feet: Sequence[tuple[complex, float]] = ()
     hangs: bool = False
+    second: Second | None = None
+
+    # ---- joints -----------------------------------------------------------------------------------------------------
 
     @cached_property
     def machine(self) -> m.Machine:
         """The machine with all its points."""
         return with_seconds(self.drawn, self.cams)
+
+    @cached_property
+    def webs(self) -> dict[str, tuple[str, ...]]:
+        """Points of each web of the interrupted shaft, from below, by its name; nothing where the shaft goes through."""
+        if self.sizes.shaft != "interrupted":
+            return {}
+        links = {body.name: tuple(body.points) for body in self.machine.bodies}
+        shaft = next(point for point in links[self.driven] if point in links[GROUND])
+        return webs(self.driven, shaft, throws(links, self.driven, list(self.slots)), self.sizes.plates > 1)
+
+    @cached_property
+    def bodies(self) -> dict[str, m.Body]:
+        """Of the machine by their names, the driven link as its webs, each in that link's axes."""
+        return {body.name: body for body in parted(self.machine.bodies, self.driven, self.webs)}
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of those that move."""
+        return [name for name in self.bodies if name != GROUND]
+
+    def carrier(self, link: str) -> str:
+        """The body of the model that a web is of; any other link is one itself."""
+        return self.driven if link in self.webs else link
+
+    def web_at(self, body: str, point: str) -> str:
+        """The lowest web with a point, of the driven link where it has webs; any other link is itself."""
+        return next((web for web, held in self.webs.items() if point in held), body) if body == self.driven else body
+
+    @property
+    def upper_web(self) -> str:
+        """The last web, which turns in the second plate."""
+        return [*self.webs, self.driven][max(0, len(self.webs) - 1)]
 
     @cached_property
     def slides(self) -> dict[str, m.Slide]:
@@ -99,7 +146,7 @@ class Joined:
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
-        bodies, slots = self.machine.bodies, self.slots
+        bodies, slots = self.bodies.values(), self.slots
         ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked | set(self.carried)
         carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
         return {
@@ -117,7 +164,7 @@ class Joined:
         """Links that are no more than a wheel on their shaft, and the level of that wheel."""
         carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
         shaped = (link for link in carried if self.sizes.shape(link).hub_diameter)
-        more = {link for link in carried if len(self.machine.body(link).points) > 1}.union(shaped)
+        more = {link for link in carried if len(self.bodies[link].points) > 1}.union(shaped)
         return {link: level for link, level in carried.items() if link not in more}
 
     @cached_property

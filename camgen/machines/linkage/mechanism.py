@@ -31,7 +31,7 @@ from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets, wheels
+from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
@@ -115,15 +115,25 @@ class Linkage(Mechanism):
         found = drawing_faults(self._drawing)
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
-        lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
         found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
+        if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
+            found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
+
+    @property
+    def _webs(self) -> list[str]:
+        """Names of the further webs of an interrupted shaft."""
+        if self.making.shaft == "through" or self.drive.link not in self.links or m.GROUND not in self.links:
+            return []
+        thrown = webs.throws(self.links, self.drive.link, [slot.pin for slot in self.slots])
+        return [webs.web_name(self.drive.link, k) for k in range(1, len(thrown) + self.making.plates - 1)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, Tim
 from camgen.machines.loads.tables import Bears
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
+from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
@@ -231,6 +231,10 @@ class Parts(Record):
     base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft: Literal["through", "interrupted"] = Field(
+        "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
+    )
+    plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
@@ -263,6 +267,11 @@ class Parts(Record):
     def shoulder(self) -> ShoulderScrew:
         """The thinnest shoulder screw that is as thick as a pin."""
         return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def post_screw(self) -> Screw | None:
+        """Of the posts of a second plate, whose core hole is that of the plate's other screws; None where no thread has it."""
+        return next((SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == self.mount_diameter), None)
 
     @property
     def least_crank(self) -> float:
@@ -313,6 +322,13 @@ class Parts(Record):
             if self.face.screw_length(grip) < grip + screw.nominal / 2:
                 right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+        held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
+        if self.plates > 1 and held is None:
+            right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
+            found.append(Fault("parts.mount_diameter", f"{self.mount_diameter:g}", right))
+        if held is not None and self.base_thickness < held.height + floor:
+            right = f"at least {held.height + floor:g} mm: the sunk heads of the posts' screws, and a floor"
+            found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))
