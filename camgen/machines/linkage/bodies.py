@@ -377,8 +377,10 @@ class Bodies:
             far, hangs = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)), layout.cut(point) is not None
             if hangs and point not in layout.shafts:
                 continue  # it is the joints' own
-            joint = next(each.name for each in layout.machine.joints if isinstance(each, m.Pin)
-                         and self._point_of(each)[0] == point and GROUND in (each.a.body, each.b.body))  # fmt: skip
+            joint = next((each.name for each in layout.machine.joints if isinstance(each, m.Pin)
+                          and self._point_of(each)[0] == point and GROUND in (each.a.body, each.b.body)), None)  # fmt: skip
+            if joint is None:
+                continue  # a spring's eye sits there
             web = layout.upper_web
             part = f"shaft-{web}" if hangs else self._pin_of(point, layout.pressed_in(point), GROUND)
             ends = (self._eye(point, layout.driven), self._eye(point, web)) if hangs else None

@@ -9,6 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from camgen.errors import DesignError
@@ -96,6 +97,10 @@ class Layout(Joined):
             step = least + self.fits.slide_clearance
             return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
         return (0, 1) if point in self.hung else (1, 0)
+
+    def heads(self) -> list[Layout]:
+        """It, and where one plate holds the ground's pins, it with their heads under that."""
+        return [self] if self.sizes.plates > 1 else [self, replace(self, sunk=True)]
 
     def between_plates(self, point: str) -> bool:
         """Whether a second plate can hold the far end of what stands on the ground at a point."""

@@ -37,8 +37,7 @@ def laid(layout: Layout, run: Run) -> Layout:
         refused: DesignError | None = None
         for tried in tries:
             try:
-                heads = [tried] if layout.sizes.plates > 1 else [tried, replace(tried, sunk=True)]
-                found = [(each, found_levels(each, run, explain)) for each in heads]
+                found = [(each, found_levels(each, run, explain)) for each in tried.heads()]
             except DesignError as error:
                 refused = refused or error
                 continue
