@@ -87,6 +87,7 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
@@ -124,7 +125,15 @@ class Laser(Record):
     gap: Annotated[float, Field(ge=0, le=100)] = 2.0
 
 
-class Spec(Record):
+class Checked(Record):
+    """A record that `validate` makes: its keys are judged one by one, then together."""
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
+        return ()
+
+
+class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
     mechanism: str
@@ -142,12 +151,8 @@ class Spec(Record):
     output: Output = Output()
     laser: Laser | None = None
 
-    def faults(self) -> Sequence[Fault]:
-        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
-        return ()
 
-
-S = TypeVar("S", bound=Spec)
+S = TypeVar("S", bound=Checked)
 
 # ---- reading ---------------------------------------------------------------------------------------------------------
 
@@ -351,12 +356,12 @@ def _tuples(value: Any) -> Any:
 
 
 @lru_cache
-def _json_schema(cls: type[Spec]) -> Data:
+def _json_schema(cls: type[Checked]) -> Data:
     """The class's schema, to look things up in."""
     return cls.model_json_schema()
 
 
-def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
+def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Fault]:
     """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
     root = _json_schema(cls)
     found: dict[str, Fault] = {}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from camgen.commands.building import build, check
+from camgen.commands.designing import design
 from camgen.commands.help import explain, guide_, list_, selftest
 from camgen.commands.pages import explore, watch
 from camgen.commands.precision import bench, tolerance
 from camgen.commands.rolling import motion
-from camgen.commands.specs import design, new, schema
+from camgen.commands.specs import new, schema
 from camgen.commands.sweeping import sweep
 
 COMMANDS = (

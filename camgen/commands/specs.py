@@ -1,13 +1,12 @@
-"""`camgen new`, `camgen design`, `camgen schema`: a spec to begin with, one that is searched for, what its keys are."""
+"""`camgen new`, `camgen schema`: a spec to begin with, and what its keys are."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from camgen.commands.options import EXIT_CODES, completed, mechanisms, specs_known
+from camgen.commands.options import completed, mechanisms, specs_known
 from camgen.commands.running import hand_over, known, spec_name
 from camgen.errors import Fault, SpecError, printable
 
@@ -47,23 +46,6 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
         named = file.parent / starters.schema_name(kind)
         click.echo(printable(f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"), err=True)
     click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
-
-
-@click.command(epilog=EXIT_CODES)
-@click.argument("spec", type=click.Path(path_type=Path))
-@click.argument("file", required=False, type=click.Path(path_type=Path))
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: wanted.feed_range=80.")
-def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
-    """Search for what SPEC's table [wanted] ([synthesis] of an indexing cam) asks; write that spec to FILE, or print it."""
-    from camgen.pipeline import build as pipeline
-    from camgen.spec import dump
-
-    mechanism = pipeline.read_mechanism(spec, settings)
-    found = getattr(mechanism, "designed", None)
-    if found is None:
-        expected = "a mechanism with a search of its own, such as thread-take-up"
-        raise SpecError([Fault("mechanism", mechanism.mechanism, expected)], str(spec))
-    hand_over(dump(found()), file)
 
 
 @click.command()

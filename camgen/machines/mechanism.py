@@ -34,6 +34,7 @@ from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
@@ -210,6 +211,11 @@ class Mechanism(Spec, ABC):
         return 0.0, math.tau
 
     @property
+    def shown_turns(self) -> int:
+        """Turns of the drive after which all of it is where it was, as far as it is shown."""
+        return 1
+
+    @property
     def sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
         return -1 if self.speed < 0 else 1
@@ -255,8 +261,12 @@ class Mechanism(Spec, ABC):
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def printed(self) -> Sequence[Part]:
-        """Parts that are laid out on plates."""
-        return [part for part in self.parts() if part.made == "printed"]
+        """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+        return [part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)]
+
+    def cut_of_sheet(self, part: Part) -> bool:
+        """Whether a part is cut of the laser's sheet."""
+        return self.laser is not None and not why_not(part, self.laser.thickness)
 
     def steps(self) -> Table:
         """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
@@ -282,6 +292,10 @@ class Mechanism(Spec, ABC):
         ]
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height", columns, rows, [laid for _, laid in sorted(copies.items())])
+
+    def idle(self) -> Sequence[str]:
+        """Keys that were set and say nothing of this machine, dotted."""
+        return ()
 
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.files.formats import EXACT, FORMATS
+from camgen.files.formats import EXACT, FORMATS, READABLE
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
@@ -95,7 +95,7 @@ def judge_motion(
     features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
     if not features or parts_of(features) & lost:
         return None
-    fit = compensation(mechanism) if FORMATS[kind].solid else None
+    fit = compensation(mechanism) if READABLE[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
         kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
