@@ -255,20 +255,19 @@ class Constraints:
         theta = np.asarray(theta, float)
         if guess is None:
             guess, signs = self._followed(theta)
-            q, open_ = self._newton(guess, theta)
-            open_ |= signs * self._sign(q, theta) < 0
+            q, slopes, open_ = self._newton(guess, theta)
+            open_ |= signs * _sign(slopes) < 0
         else:
-            q, open_ = self._newton(guess, theta)
+            q, slopes, open_ = self._newton(guess, theta)
         q[open_] = 0
-        first, second = self.derivatives(q, theta, order)
+        first, second = self._derivatives(q, theta, slopes, order)
         for rows in (q, first, second):
             rows[open_] = np.nan
         return Closed(theta, q, first, second)
 
-    def derivatives(self, q: Floats, theta: Floats, order: int = 2) -> tuple[Floats, Floats]:
-        """q', q'' to theta at closed poses; of order 1 the latter is nan."""
+    def _derivatives(self, q: Floats, theta: Floats, slopes: Floats, order: int = 2) -> tuple[Floats, Floats]:
+        """q', q'' to theta at closed poses with their slopes; of order 1 the latter is nan."""
         with np.errstate(all="ignore"):
-            slopes = self.evaluate(q, theta)[1]
             first = solved(slopes, -self.drift(theta), self.holds)
             if order < 2:
                 return first, np.full(first.shape, np.nan)
@@ -279,7 +278,8 @@ class Constraints:
         if self.height != self.width:
             raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 freedoms each")
 
-    def _newton(self, guess: Floats, theta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def _newton(self, guess: Floats, theta: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Closed poses, the slopes there, and which stay open."""
         q = guess.copy()
         open_ = ~np.isfinite(q).all(axis=1)
         q[open_] = self.start
@@ -292,20 +292,15 @@ class Constraints:
                 q -= step
                 if np.abs(step / self.unit).max(initial=0) <= 1e-9:  # the error left is its square
                     break
-            misfit = self.evaluate(q, theta)[0]
+            misfit, slopes, _ = self.evaluate(q, theta)
         open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * self.size)
-        return q, open_
-
-    def _sign(self, q: Floats, theta: Floats) -> Floats:
-        """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
-        with np.errstate(all="ignore"):
-            return np.asarray(np.linalg.slogdet(self.evaluate(q, theta)[1])[0])
+        return q, slopes, open_
 
     def _followed(self, theta: Floats) -> tuple[Floats, Floats]:
         """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
         determinant's sign that is to be found there, 0 where it changes."""
         guess, signs = np.full((theta.size, self.width), np.nan), np.zeros(theta.size)
-        origin, lost = self._newton(self.start[None], np.zeros(1))
+        origin, slopes, lost = self._newton(self.start[None], np.zeros(1))
         if lost[0]:
             return guess, signs
         for sign in (1, -1):
@@ -314,17 +309,17 @@ class Constraints:
                 continue
             far = float(np.abs(theta[mine]).max())
             step = 2 * np.pi / FOLLOWED
-            here, q, sign_here = 0.0, origin, float(self._sign(origin, np.zeros(1))[0])
+            here, q, sign_here = 0.0, origin, float(_sign(slopes)[0])
             passed = False
-            rows = [(0.0, q, *self.derivatives(q, np.zeros(1)))]
+            rows = [(0.0, q, *self._derivatives(q, np.zeros(1), slopes))]
             while abs(here) < far and step > LEAST_STEP:
                 to = np.array([here + sign * step])
                 _, at, first, second = rows[-1]
                 h = sign * step
                 aim = at + h * (first + 0.5 * h * second)
-                new, lost = self._newton(aim, to)
-                turned = self._sign(new, to)[0] != sign_here
-                v, a = self.derivatives(new, to)
+                new, steep, lost = self._newton(aim, to)
+                turned = _sign(steep)[0] != sign_here
+                v, a = self._derivatives(new, to, steep)
                 back = new - h * (v - 0.5 * h * a) - at
                 away = np.abs(np.concatenate([new - aim, back]) / self.unit).max()
                 if lost[0] or not away < NEAR or (turned and step > PASSES):
@@ -415,6 +410,12 @@ class Constraints:
         return {GROUND: ground} | {
             body: Pose(q[:, k] + 1j * q[:, k + 1], q[:, k + 2]) for body, k in self.column.items() if k >= 0
         }
+
+
+def _sign(slopes: Floats) -> Floats:
+    """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
+    with np.errstate(all="ignore"):
+        return np.asarray(np.linalg.slogdet(slopes)[0])
 
 
 def _forest(machine: Machine) -> set[str]:
