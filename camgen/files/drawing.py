@@ -215,7 +215,9 @@ class _Layout:
         away = hole.radius / 2 if self.scale * hole.radius > 8 else hole.radius + 2.8 / self.scale
         ring = np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
         places = hole.middle + np.concatenate([(away + more / self.scale) * ring for more in (0, 2.5, 5)])
-        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), 2.2 / self.scale)  # enough is enough
+        away_of_axes = np.minimum(np.abs(places.real), np.abs(places.imag))
+        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), away_of_axes)
+        room = np.minimum(room, 2.2 / self.scale)  # enough is enough
         return complex(places[np.argmax(np.round(room, 3))])
 
     def _beside_its_own(self, k: int, place: complex) -> bool:
