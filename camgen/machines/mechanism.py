@@ -287,6 +287,10 @@ class Mechanism(Spec, ABC):
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
         return ""
 
+    def remarks(self) -> Sequence[str]:
+        """What a build prints beside its findings."""
+        return ()
+
     def texts(self) -> Mapping[str, str]:
         """Further text files of the folder, by what follows the spec's name in theirs."""
         return {}

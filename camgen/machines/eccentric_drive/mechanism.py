@@ -32,7 +32,7 @@ from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.spec import Length, Record, Rpm, turning
@@ -69,6 +69,7 @@ class Parts(Record):
     rod_thickness: Length = 3.0
     flange: Length = 1.0
     pin_diameter: Length = 3.0
+    pins: Literal["printed", "steel"] = "printed"
     slider_width: Length = 8.0
     slider_thickness: Length = 4.0
     wire_diameter: Length = 1.5
@@ -338,8 +339,9 @@ class EccentricDrive(Mechanism):
     def _pin(self) -> Part:
         """Pin with a head, put in from above."""
         p, note = self.making, "press into the slider through the rod"
+        made = TURNED if p.pins == "steel" else "printed"
         shank = p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness
-        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, notes=(note,))
+        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, 1, (note,), made)
 
     @cached_property
     def rail(self) -> tuple[float, float, float]:

@@ -35,6 +35,8 @@ class Assessment:
 
 def assess(mechanism: Mechanism) -> Assessment:
     """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for."""
+    if not mechanism.model.drives:
+        return Assessment()
     found = weighed(mechanism)
     machine, motor = found.machine, mechanism.drives
     held: list[Finding] = []

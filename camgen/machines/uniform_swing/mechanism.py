@@ -44,7 +44,7 @@ from camgen.machines.uniform_swing.study import blend_study, canvas_study, force
 from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.catalogue import TURNED, Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
 from camgen.parts.springs import Mounted, wound
@@ -82,6 +82,7 @@ class Parts(Record):
     key_depth: Length = 1.0
     flat_depth: Length = 0.5
     pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
+    pins: Literal["printed", "steel"] = "printed"
     windows: Annotated[int, Field(ge=0, le=24)] = 5
     wall: Length = 3.0
     mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
@@ -194,6 +195,7 @@ class UniformSwing(Mechanism):
             cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
             p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
             self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
+            TURNED if p.pins == "steel" else "printed",
         )  # fmt: skip
 
     def stand_ins(self) -> Sequence[StandIn]:
