@@ -30,6 +30,7 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, PinEyes, StandIn
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
+from camgen.machines.loads.applied import applied
 from camgen.machines.loads.assess import drives_of
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
@@ -75,8 +76,11 @@ class Mechanism(Spec, ABC):
 
     @cached_property
     def model(self) -> Machine:
-        """The same, made once."""
-        return self.machine()
+        """The same with the loads that the spec applies, made once."""
+        machine = self.machine()
+        if self.load is None or not self.load.on:
+            return machine
+        return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
