@@ -36,6 +36,7 @@ from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
@@ -178,6 +179,11 @@ class Mechanism(Spec, ABC):
     def motor_frame(self) -> str:
         """The motor's frame, such as "nema-17"; "" where it has none."""
         return ""
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The hub that a set screw holds on the shaft that drives."""
+        return None
 
     @property
     def roller_bearing(self) -> Bearing | None:

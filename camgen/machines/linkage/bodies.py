@@ -43,6 +43,7 @@ from camgen.machine.features import (
     SlotFaces,
     StandIn,
 )
+from camgen.machines.linkage.collars import collar
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
 from camgen.machines.linkage.seats import seated
@@ -54,6 +55,7 @@ from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.set_screws import SetScrewHub
 
 _MM = 1e-3
 _HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
@@ -114,7 +116,13 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        return self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        return top if self.collar is None else top + self.collar.height
+
+    @property
+    def collar(self) -> SetScrewHub | None:
+        """What holds the driven link on a motor's shaft, if it is asked for."""
+        return collar(self.layout, self.layout.shaft_of(self.layout.driven))
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
@@ -131,6 +139,7 @@ class Bodies:
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
         covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
+        screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws]
 
     def stand_ins(self) -> list[StandIn]:
@@ -222,13 +231,15 @@ class Bodies:
         if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
             ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
-            collar = Part(
+            lowest = Part(
                 "collar", "Collar of a shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
                 notes=("pressed and glued on the shaft under the plate",),
             )  # fmt: skip
-            yield collar, Mount("collar", body, at, z=-play - s.thickness)
+            yield lowest, Mount("collar", body, at, z=-play - s.thickness)
         elif not bought:
             yield from pin(layout, point)
+        elif self.collar is not None:
+            yield self.collar.collar(), Mount("shaft-collar", body, at, z=top)
         yield from bearings(layout, point)
         for (_, under), (high, _) in pairwise(held):
             height = layout.floor(high) - under - 2 * play
@@ -422,5 +433,5 @@ class Bodies:
 
 def part_name(link: str) -> str:
     """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
-    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar")
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar", "shaft-collar")
     return f"link-{link}" if taken else link

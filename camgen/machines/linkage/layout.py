@@ -18,6 +18,7 @@ from functools import cached_property
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
+from camgen.machines.linkage.collars import collar, levels_over
 from camgen.machines.linkage.covers import Cover, cover
 from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.tables import Gear, Parts
@@ -237,13 +238,14 @@ class Layout:
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
         found = self.spacer_diameter(point) / 2
-        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        screw, held = self.sizes.shoulder if self.kind(point) == "shoulder" else None, collar(self, point)
+        found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
         if point in self.shafts:
-            return 0, 0
+            return levels_over(self, point, self._least), 0
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least
             step = least + self.fits.slide_clearance

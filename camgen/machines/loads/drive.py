@@ -15,7 +15,9 @@ from camgen.machine.run import Run
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Drives
 from camgen.numerics import Floats
+from camgen.parts import materials
 from camgen.parts.motors import SHAFTS, STEPPERS, Motor
+from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Plot
 
 _NOTHING = 1e-12  # N m
@@ -94,6 +96,25 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
     where = f"drive, {math.degrees(float(theta[worst])):.1f} deg"
     borne.findings.append(at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said))
     return borne, []
+
+
+def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
+    """HUB_SLIP of a hub on a round shaft: what its set screw holds against the drive's peak torque, N m; where the shaft has a
+    flat that turns the hub, by how much it is held along the shaft alone."""
+    borne = Borne()
+    if hub is None:
+        return borne
+    bears = materials.of(plastic).bears
+    force = hub.force(bears)
+    seat = TURNED * force * hub.screw.nominal * MM
+    holds = HOLDS * force * hub.bore / 2 * MM
+    borne.numbers |= {"set_screw_tightened_n_m": seat, "set_screw_holds_along_shaft_n": HOLDS * force}
+    if not hub.flat:
+        borne.numbers["set_screw_holds_n_m"] = holds
+        said = f"{hub.thread} tightened with {seat:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears " \
+            f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"  # fmt: skip
+        borne.findings.append(at_most("HUB_SLIP", torque, holds, "N m", f"set screw, shaft of {hub.bore:g} mm", said))
+    return borne
 
 
 def _on_shaft(run: Run, drives: Mapping[str, Floats]) -> Floats:
