@@ -46,10 +46,10 @@ def close(system: Constraints, theta: Floats, guess: Floats | None = None, order
     theta = np.asarray(theta, float)
     if guess is None:
         guess, signs = _followed(system, theta)
-        q, open_, slopes = _newton(system, guess, theta)
+        q, slopes, open_ = _newton(system, guess, theta)
         open_ |= signs * _sign(slopes) < 0
     else:
-        q, open_, slopes = _newton(system, guess, theta)
+        q, slopes, open_ = _newton(system, guess, theta)
     q[open_] = 0
     first, second = _derivatives(system, q, theta, slopes, order)
     for rows in (q, first, second):
@@ -58,7 +58,7 @@ def close(system: Constraints, theta: Floats, guess: Floats | None = None, order
 
 
 def _derivatives(system: Constraints, q: Floats, theta: Floats, slopes: Floats, order: int = 2) -> tuple[Floats, Floats]:
-    """q', q'' to theta at closed poses with these slopes; of order 1 the latter is nan."""
+    """q', q'' to theta at closed poses with their slopes; of order 1 the latter is nan."""
     with np.errstate(all="ignore"):
         first = solved(slopes, -system.drift(theta), system.holds)
         if order < 2:
@@ -67,8 +67,8 @@ def _derivatives(system: Constraints, q: Floats, theta: Floats, slopes: Floats, 
         return first, solved(slopes, -bends, system.holds)
 
 
-def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, NDArray[np.bool_], Floats]:
-    """Poses, which of them do not close, and the conditions' slopes there."""
+def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Closed poses, the slopes there, and which stay open."""
     q = guess.copy()
     open_ = ~np.isfinite(q).all(axis=1)
     q[open_] = system.start
@@ -83,7 +83,7 @@ def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, 
                 break
         misfit, slopes, _ = system.evaluate(q, theta)
     open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * system.size)
-    return q, open_, slopes
+    return q, slopes, open_
 
 
 def _sign(slopes: Floats) -> Floats:
@@ -96,7 +96,7 @@ def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
     """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
     determinant's sign that is to be found there, 0 where it changes."""
     guess, signs = np.full((theta.size, system.width), np.nan), np.zeros(theta.size)
-    origin, lost, slopes = _newton(system, system.start[None], np.zeros(1))
+    origin, slopes, lost = _newton(system, system.start[None], np.zeros(1))
     if lost[0]:
         return guess, signs
     for sign in (1, -1):
@@ -113,7 +113,7 @@ def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
             _, at, first, second = rows[-1]
             h = sign * step
             aim = at + h * (first + 0.5 * h * second)
-            new, lost, steep = _newton(system, aim, to)
+            new, steep, lost = _newton(system, aim, to)
             turned = _sign(steep)[0] != sign_here
             v, a = _derivatives(system, new, to, steep)
             back = new - h * (v - 0.5 * h * a) - at

@@ -30,10 +30,12 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, PinEyes, StandIn
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
+from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
@@ -75,8 +77,11 @@ class Mechanism(Spec, ABC):
 
     @cached_property
     def model(self) -> Machine:
-        """The same, made once."""
-        return self.machine()
+        """The same with the loads that the spec applies, made once."""
+        machine = self.machine()
+        if self.load is None or not self.load.on:
+            return machine
+        return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
@@ -175,6 +180,11 @@ class Mechanism(Spec, ABC):
     def motor_frame(self) -> str:
         """The motor's frame, such as "nema-17"; "" where it has none."""
         return ""
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The hub that a set screw holds on the shaft that drives."""
+        return None
 
     @property
     def roller_bearing(self) -> Bearing | None:
@@ -300,6 +310,10 @@ class Mechanism(Spec, ABC):
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
         return ""
+
+    def remarks(self) -> Sequence[str]:
+        """What a build prints beside its findings."""
+        return ()
 
     def texts(self) -> Mapping[str, str]:
         """Further text files of the folder, by what follows the spec's name in theirs."""

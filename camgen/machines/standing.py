@@ -18,7 +18,9 @@ from camgen.machines.linkage.sizes import Parts
 from camgen.machines.loads.journals import Post
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought
+from camgen.parts.disc_cams import Parts as DiscParts
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
 from camgen.study import Table
 
@@ -141,7 +143,28 @@ class StandingCams(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
-        return self.bench.bought() if self.standing else ()
+        if self.standing:
+            return self.bench.bought()
+        made, hub = getattr(self, "making", None), self.hub
+        return hub.bought(made.hub_diameter / 2) if hub is not None and isinstance(made, DiscParts) else ()
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """Of a machine the collar on its motor's shaft, of a cam alone its own."""
+        if self.standing:
+            return self.bench.bodies.collar
+        made, allowed = getattr(self, "making", None), getattr(self, "allowed", None)
+        return made.hub(allowed.min_wall) if isinstance(made, DiscParts) and allowed is not None else None
+
+    @property
+    def shaft_needed(self) -> float | None:
+        """Of the motor under the plate."""
+        return self.bench.bodies.shaft_reach if self.standing and self.sizes.face is not None else super().shaft_needed
+
+    @property
+    def motor_frame(self) -> str:
+        """Its frame."""
+        return self.sizes.motor if self.standing and self.sizes.face is not None else super().motor_frame
 
     @property
     def return_spring(self) -> Mounted | None:

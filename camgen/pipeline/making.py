@@ -18,6 +18,7 @@ from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.fits import Compensation, compensated
+from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.study import Plate, Table
 
@@ -106,7 +107,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
 
-        write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
+        write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
     return None if mesh is None or sent is None else (mesh, sent)
 
 

@@ -46,6 +46,7 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.machines.linkage import plates
+from camgen.machines.linkage.collars import collar
 from camgen.machines.linkage.joined import GROUND
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
@@ -54,12 +55,13 @@ from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, in_upper, stubs
 from camgen.machines.linkage.troughs import covers, rails
 from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, Bought, nut, screw_for
+from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.set_screws import SetScrewHub
 
 _MM = 1e-3
 _ABOUT = {
@@ -120,7 +122,13 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        return self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        return top if self.collar is None else top + self.collar.height
+
+    @property
+    def collar(self) -> SetScrewHub | None:
+        """What holds the driven link on a motor's shaft, if it is asked for."""
+        return collar(self.layout, self.layout.shaft_of(self.layout.driven))
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
@@ -137,6 +145,7 @@ class Bodies:
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
         covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
+        screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws, *plates.bought(self.layout)]
 
     def stand_ins(self) -> list[StandIn]:
@@ -203,11 +212,13 @@ class Bodies:
                 name, bore = "collar", self._profile(self.fits.press_clearance)
                 if layout.clutch(point):
                     name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
-                collar = Part(
+                lowest = Part(
                     name, "Collar of a shaft", (Layer(Region(circle(0j, self._collar), (bore,)), 0.0, s.thickness),),
                     centres=(0j,), min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
                 )  # fmt: skip
-                yield collar, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
+                yield lowest, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
+            elif self.collar is not None:
+                yield self.collar.collar(), Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1])
         yield from bearings(layout, point)
         for (_, under), (high, _) in (pair for stub in stubs(layout, point) for pair in pairwise(stub.held)):
             height, step = high - under - 2 * play, s.thickness + play
@@ -273,7 +284,8 @@ class Bodies:
             return
         for part in parts:
             yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
+            how = TURNED if s.pin == "dowel" else "printed"
+            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
     def _gear(self, wheel: Toothed) -> Placed:
@@ -450,5 +462,5 @@ class Bodies:
 
 def part_name(link: str) -> str:
     """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
-    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar")
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar", "shaft-collar")
     return f"link-{link}" if taken else link

@@ -131,7 +131,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
     if linkage.lacking() is not None:
         return Study()
-    machine, label = linkage.machine(), f"{linkage.angle_name}, deg"
+    machine, label = linkage.model, f"{linkage.angle_name}, deg"
     found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}

@@ -14,6 +14,7 @@ from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
+from camgen.machines.linkage.collars import collar, levels_over
 from camgen.machines.linkage.covers import Cover, cover
 from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.joined import GROUND, Joined, Stretched
@@ -67,7 +68,8 @@ class Layout(Joined):
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
         found = self.spacer_diameter(point) / 2
-        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        screw, held = self.sizes.shoulder if self.kind(point) == "shoulder" else None, collar(self, point)
+        found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
     @cached_property
@@ -90,7 +92,9 @@ class Layout(Joined):
 
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
-        if point in self.shafts or sum(link in self.webs for link in self.pivots[point]) > 1:
+        if point in self.shafts:
+            return levels_over(self, point, self._least), 0
+        if sum(link in self.webs for link in self.pivots[point]) > 1:
             return 0, 0
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least

@@ -46,6 +46,7 @@ from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
 from camgen.study import Study, together
 
@@ -219,6 +220,11 @@ class Linkage(Mechanism):
     def shaft_needed(self) -> float | None:
         """Of the motor under the plate."""
         return None if self.making.face is None else self.bodies.shaft_reach
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The collar on the motor's shaft."""
+        return None if self.making.face is None else self.bodies.collar
 
     @property
     def motor_frame(self) -> str:

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, ConfigDict, Field
 
 from camgen.errors import Fault
 from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
@@ -63,6 +64,9 @@ class Parts(Record):
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
     )
+    set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
+        "none", description="of a collar at the upper end of a motor's shaft, so that nothing walks off it"
+    )
     hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
         0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
     )
@@ -107,6 +111,12 @@ class Parts(Record):
         """Of the motor under the plate."""
         return MOTOR_FACES.get(self.motor)
 
+    def collar(self, press: float, min_wall: float) -> SetScrewHub | None:
+        """What holds on a motor's shaft; None where no set screw is asked for."""
+        if self.set_screw == "none":
+            return None
+        return SetScrewHub(self.set_screw, self.shaft_diameter + press, self.shaft_flat, min_wall, self.wall)
+
     @property
     def pocket(self) -> float:
         """Depth of the pockets for the heads of its screws, mm."""
@@ -135,6 +145,9 @@ class Parts(Record):
         if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
             right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
             found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if self.set_screw != "none" and self.face is None:
+            said = "nothing here: parts.motor, on whose shaft its collar sits"
+            found.append(Fault("parts.set_screw", repr(self.set_screw), said))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
                 right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"

@@ -37,7 +37,7 @@ from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
 from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
-from camgen.parts.catalogue import Bought, screw_for, turning_text
+from camgen.parts.catalogue import TURNED, Bought, screw_for, turning_text
 from camgen.parts.hardware import headed
 from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
 from camgen.spec import validate
@@ -191,7 +191,7 @@ class ThreadTakeUp(Mechanism):
         ]  # fmt: skip
         collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
         length = p.shaft_length + 2 * level + p.thickness
-        made = "printed" if p.pins == "printed" else "turned of steel"
+        made, thin = ("printed" if p.pins in printed else TURNED for printed in (("printed",), ("printed", "steel")))
         return (
             *flat,
             Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
@@ -202,9 +202,9 @@ class ThreadTakeUp(Mechanism):
             ),
             self._pin("pin-a", "Pin A", p.pin_diameter, 2 * level, made=made),
             self._pin("pin-b", "Pin B", p.pin_diameter, 3 * level, made=made),
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,)),
-            self._pin("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height),
-            self._pin("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2),
+            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,), thin),
+            self._pin("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height, made=thin),
+            self._pin("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2, thin),
         )  # fmt: skip
 
     def _shaft(self, fit: float) -> Contour:

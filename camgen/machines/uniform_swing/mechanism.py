@@ -54,7 +54,7 @@ from camgen.machines.uniform_swing.tables import (
 )
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.catalogue import TURNED, Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.parts.springs import Mounted, wound
@@ -148,6 +148,7 @@ class UniformSwing(Mechanism):
             cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
             p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
             self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
+            TURNED if p.pins == "steel" else "printed",
         )  # fmt: skip
 
     def stand_ins(self) -> Sequence[StandIn]:
