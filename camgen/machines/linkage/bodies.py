@@ -76,7 +76,8 @@ class _Disc(Disc):
 class Bodies:
     """What is made of a machine that is laid out."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None) -> None:
+        self.weight = weight  # on the driven link's shaft, with its pins and their places
         self.layout, self.sizes, self.fits, self.min_wall = layout, layout.sizes, layout.fits, layout.min_wall
 
     @cached_property
@@ -89,7 +90,7 @@ class Bodies:
         names: dict[Part, str] = {}
         for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
-                            *hand_crank(layout)]:  # fmt: skip
+                            *hand_crank(layout), *self._counterweight()]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -174,7 +175,7 @@ class Bodies:
         hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
         hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
         screw = self.sizes.mount_diameter / 2
-        under = self._collar + self.sizes.mount_diameter  # a screw's head beside the collar
+        under = self.collar + self.sizes.mount_diameter  # a screw's head beside the collar
         face, motor = self.sizes.face, points[layout.shaft_of(layout.driven)]
         beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts)]
         pockets = {}
@@ -205,13 +206,27 @@ class Bodies:
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
     @property
-    def _collar(self) -> float:
+    def collar(self) -> float:
         """Radius of a shaft's collar, mm."""
         return self.sizes.shaft_diameter / 2 + self.sizes.head + self.sizes.wall
 
     def _profile(self, fit: float) -> Contour:
         """Outline of a shaft, a circle with a flat, or of its hole."""
         return d_bore(self.sizes.shaft_diameter + fit, self.sizes.shaft_flat)
+
+    @property
+    def bore(self) -> Contour:
+        """Of what is pressed on a shaft."""
+        return self._profile(self.fits.press_clearance)
+
+    def _counterweight(self) -> Iterator[Placed]:
+        """The counterweight and its pins."""
+        if self.weight is None:
+            return
+        link, (part, pins) = self.layout.driven, self.weight
+        at, z = self.layout.at(link, self.layout.shaft_of(link)), self.layout.floor(self.layout.level[part.name])
+        yield part, Mount(part.name, link, at, z=z)
+        yield from ((pin, Mount(pin.name, link, at + place, z=z)) for pin, place in pins)
 
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
@@ -221,7 +236,7 @@ class Bodies:
         bought = layout.on_motor(point, GROUND)  # the motor's own shaft
         if point in layout.shafts and not bought:
             yield self._shaft(body, top, at)
-            ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
+            ring = Region(circle(0j, self.collar), (self.bore,))
             collar = Part(
                 "collar", "Collar of a shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
                 notes=("pressed and glued on the shaft under the plate",),
@@ -352,12 +367,12 @@ class Bodies:
                     rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
                     found.append(PinEyes(joint.name, self._eye(point, a), self._eye(point, b), pin, rings))
         for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
-            turns = self._pivot(one.link), self._pivot(other.link)
+            turns = self.pivot_of(one.link), self.pivot_of(other.link)
             found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
         found += [outline for tip in layout.tips for outline in self._outlines(tip)]
         return [*found, *(Mark(self._eye(point, link)) for point, link in layout.pens.items())]
 
-    def _pivot(self, link: str) -> str:
+    def pivot_of(self, link: str) -> str:
         """Name of the pin on which a link turns on the ground."""
         joints = self.layout.machine.joints
         return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
@@ -378,8 +393,8 @@ class Bodies:
         """What a roller runs on, first what drives; the hole of its pin is what holds it."""
         joint, name = tip.joint, f"cam-{tip.name}"
         driving = CamOutline(
-            joint.name, f"{name}-inner" if tip.grooved else name, self._pivot(joint.cam),
-            self._pivot(joint.follower) if joint.slide is None else None,
+            joint.name, f"{name}-inner" if tip.grooved else name, self.pivot_of(joint.cam),
+            self.pivot_of(joint.follower) if joint.slide is None else None,
             self._tip(tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
         )  # fmt: skip
         yield driving

@@ -47,7 +47,7 @@ class Layout:
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link.
+    the plate, where they turn, and are pressed into their highest link; weights: counterweights on shafts.
     """
 
     drawn: m.Machine
@@ -62,6 +62,7 @@ class Layout:
     stems: Mapping[str, str] = field(default_factory=dict)
     sunk: bool = False
     springs: Mapping[str, Stretched] = field(default_factory=dict)
+    weights: Sequence[Wheel] = ()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -117,8 +118,8 @@ class Layout:
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs and gears' wheels."""
-        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed)]
+        """Cam discs, gears' wheels, counterweights."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
@@ -451,7 +452,7 @@ class Layout:
         links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
-        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
         names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
         springs = {name for name in self.riders.get(point, ()) if name in self.springs}
@@ -476,7 +477,7 @@ class Layout:
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
         links = [body.name for body in self.machine.moving if body.name not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
-        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}
