@@ -13,7 +13,7 @@ class Plot:
     """A figure of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
     A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
-    points, not a line.
+    points, not a line; points: places with names, (name, x, y).
     """
 
     title: str
@@ -23,6 +23,7 @@ class Plot:
     marks: Sequence[tuple[str, float]] = ()
     equal: bool = False
     dots: Sequence[str] = ()
+    points: Sequence[tuple[str, float, float]] = ()
 
 
 @dataclass(frozen=True)
