@@ -298,7 +298,8 @@ class ThreadTakeUp(Mechanism):
         rpm = None if self.motor is None else self.motor.speed_rpm
         found = study(self.take_up, rpm, self.masses, self.consumption)
         path = self.take_up.path(np.linspace(0, math.tau, 721))
-        return Study(found.numbers, found.plots, found.tables, (Sketch("eye path", (path,)),), found.notes)
+        drawn = Sketch("eye path", (path,)), Sketch("thread", course=self.take_up.thread)
+        return Study(found.numbers, found.plots, found.tables, drawn, found.notes)
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 
