@@ -26,7 +26,7 @@ from camgen.machines.chain_stitch_looper.stitch import Design, thread_per_stitch
 from camgen.study import Plot, Sketch, Table
 
 _OVER = 6.0  # mm, by which what is drawn of a thread ends over its eye's highest place
-_STITCHES = 3  # of the seam that is drawn
+STITCHES = 3  # of the seam that is drawn
 _HALF = math.pi
 _ROUND = np.linspace(0, math.tau, 7201)
 
@@ -107,7 +107,7 @@ def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
 
 def seam(d: Design, stitch: float) -> Plot:
     """Figure 1, e: the finished seam from below: thread on top along the feed, loops from hole to hole under the fabric."""
-    (one, two), rows = needles_at(d), np.arange(_STITCHES + 1) * stitch
+    (one, two), rows = needles_at(d), np.arange(STITCHES + 1) * stitch
     gap = complex(math.nan, math.nan)
 
     def under(a: float, b: float, aside: float) -> list[complex]:
