@@ -59,7 +59,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Accuracy(Record):
@@ -109,6 +110,11 @@ class Output(Record):
     step: bool | None = None
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
+
+    @property
+    def machining(self) -> bool:
+        """Whether tables for machine tools are asked for."""
+        return self.profile_step_deg is not None or self.cutter_radius is not None
 
 
 class Drawing(Record):

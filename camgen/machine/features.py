@@ -16,11 +16,13 @@ import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from camgen.machine.model import Law, Output, Pose
-from camgen.machine.targets import Advance, Target
 from camgen.numerics import Floats
+
+if TYPE_CHECKING:
+    from camgen.machine.targets import Advance, Target
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,6 @@ from camgen.machine.features import (
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.applied import applied
-from camgen.machines.loads.assess import drives_of
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
@@ -182,7 +181,8 @@ class Mechanism(Spec, ABC):
     @property
     def drives(self) -> Drives | None:
         """What the motor can give, as the spec says it."""
-        return drives_of(self)
+        motor = getattr(self, "motor", None)
+        return motor if isinstance(motor, Drives) else None
 
     @property
     def shaft_needed(self) -> float | None:

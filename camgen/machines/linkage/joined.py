@@ -13,7 +13,8 @@ from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.machine import model as m
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.catalogue import Bearing

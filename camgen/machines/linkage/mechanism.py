@@ -39,6 +39,7 @@ from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
+from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -104,8 +105,8 @@ class Linkage(Mechanism):
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
     counterweight: Counterweight | None = None
-    masses: dict[t.Name, t.Masses] = {}
-    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
+    masses: dict[Name, t.Masses] = {}
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 

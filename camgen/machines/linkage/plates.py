@@ -17,7 +17,7 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, circle
 from camgen.machine.features import Mount
 from camgen.machines.linkage.layout import GROUND, Layout
-from camgen.machines.linkage.tables import SUNK, Parts
+from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import Bought
 from camgen.parts.hardware import plate, spacer

@@ -25,7 +25,8 @@ from camgen.machine.cams.limits import Allowed, cam_limits, steepest
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
