@@ -25,7 +25,8 @@ from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Pose, Spr
 from camgen.machine.run import Run, solve
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Scaled
-from camgen.machines.linkage.layout import Layout, Stretched
+from camgen.machines.linkage.joined import Stretched
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.parts.catalogue import Bearing, Bought, turning_text

@@ -30,11 +30,14 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, PinEyes, StandIn
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
+from camgen.machines.loads.applied import applied
 from camgen.machines.loads.assess import drives_of
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
@@ -75,8 +78,11 @@ class Mechanism(Spec, ABC):
 
     @cached_property
     def model(self) -> Machine:
-        """The same, made once."""
-        return self.machine()
+        """The same with the loads that the spec applies, made once."""
+        machine = self.machine()
+        if self.load is None or not self.load.on:
+            return machine
+        return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
@@ -176,6 +182,11 @@ class Mechanism(Spec, ABC):
         return ""
 
     @property
+    def hub(self) -> SetScrewHub | None:
+        """The hub that a set screw holds on the shaft that drives."""
+        return None
+
+    @property
     def roller_bearing(self) -> Bearing | None:
         """The ball bearing that is a follower's tip."""
         return None
@@ -260,8 +271,12 @@ class Mechanism(Spec, ABC):
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def printed(self) -> Sequence[Part]:
-        """Parts that are laid out on plates."""
-        return [part for part in self.parts() if part.made == "printed"]
+        """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+        return [part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)]
+
+    def cut_of_sheet(self, part: Part) -> bool:
+        """Whether a part is cut of the laser's sheet."""
+        return self.laser is not None and not why_not(part, self.laser.thickness)
 
     def steps(self) -> Table:
         """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
@@ -295,6 +310,10 @@ class Mechanism(Spec, ABC):
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
         return ""
+
+    def remarks(self) -> Sequence[str]:
+        """What a build prints beside its findings."""
+        return ()
 
     def texts(self) -> Mapping[str, str]:
         """Further text files of the folder, by what follows the spec's name in theirs."""

@@ -389,7 +389,11 @@ class ChainStitchLooper(Mechanism):
             return ()
         data = self.model_dump(by_alias=True, exclude_none=True)
         pairs = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, self.timing.distortion])
-        return [validate(type(self), data | {"timing": data["timing"] | {"distortion": pair}}) for pair in pairs]
+        others = {
+            pair: validate(type(self), data | {"timing": data["timing"] | {"distortion": pair}})
+            for pair in pairs if pair != self.timing.distortion
+        }  # fmt: skip
+        return [others.get(pair, self) for pair in pairs]
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -30,62 +30,15 @@ from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
-from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
-Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
 _FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
-
-
-class Geometry(Record):
-    """Lengths of the mechanism."""
-
-    eccentricity: Length
-    rod: Length
-    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    eccentric_diameter: Length
-    shaft_diameter: Length
-
-
-class Motor(Drives):
-    """What drives the disc; boss_diameter: of the collar by which it sits in the body, diameter, length: of its can."""
-
-    speed_rpm: Annotated[Rpm, turning(0.001)]
-    boss_diameter: Length = 6.0
-    diameter: Length = 21.0
-    length: Length = 25.0
-
-
-class Parts(Record):
-    """The bodies of the parts."""
-
-    strap_wall: Length = 2.0
-    rod_thickness: Length = 3.0
-    flange: Length = 1.0
-    pin_diameter: Length = 3.0
-    slider_width: Length = 8.0
-    slider_thickness: Length = 4.0
-    wire_diameter: Length = 1.5
-    rail_width: Length = 6.0
-    cover_length: Length = 10.0
-    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = "M2"
-    body_thickness: Length = 5.0
-
-
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it."""
-
-    transmission_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 1.0
-    stroke: Band | None = None
-    strokes_per_s: Band | None = None
-    min_wall: Length = 0.8
 
 
 class EccentricDrive(Mechanism):
@@ -338,8 +291,9 @@ class EccentricDrive(Mechanism):
     def _pin(self) -> Part:
         """Pin with a head, put in from above."""
         p, note = self.making, "press into the slider through the rod"
+        made = TURNED if p.pins == "steel" else "printed"
         shank = p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness
-        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, notes=(note,))
+        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, 1, (note,), made)
 
     @cached_property
     def rail(self) -> tuple[float, float, float]:

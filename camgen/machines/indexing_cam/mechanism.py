@@ -52,7 +52,7 @@ from camgen.machines.indexing_cam.unloader import (
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
-from camgen.motion.segments import MATCHED, backwards, law_of, turning_rows
+from camgen.motion.segments import law_of
 from camgen.motion.spring_law import characteristic, trade_off
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
@@ -108,21 +108,7 @@ class IndexingCam(StandingCams):
             if self.standing and between < wall:
                 right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
                 found.append(Fault("driver.offset", f"{self.driver.offset:g}", right + "; or a longer driver.crank"))
-        return [*found, *p.misfits(), *self.size_faults("follower", LINK), *self._law_faults()]
-
-    def _law_faults(self) -> Sequence[Fault]:
-        choice = self.geometry.law
-        if choice.name == MATCHED:
-            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
-        try:
-            law = law_of(choice)
-        except SpecError as error:
-            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
-        turning = turning_rows(choice)
-        if turning:
-            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
-        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
-        return [] if fault is None else [fault]
+        return [*found, *p.misfits(), *self.size_faults("follower", LINK), *g.law_faults()]
 
     def designed(self) -> Self:
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,

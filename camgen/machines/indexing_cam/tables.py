@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machines.loads.tables import Bears, Drives, Weight
-from camgen.motion.segments import NamedLaw
+from camgen.motion.program import Segment
+from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
 from camgen.motion.spring_law import characteristic
 from camgen.parts.disc_cams import ShaftHole, Thickness
 from camgen.spec import Length, Record, Rpm, turning
@@ -38,6 +40,21 @@ class Geometry(Record):
     index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
     gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
     closure: Literal["conjugate", "force"] = "conjugate"
+
+    def law_faults(self) -> Sequence[Fault]:
+        """What is wrong with the law, which runs between dwells there and back."""
+        choice = self.law
+        if choice.name == MATCHED:
+            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
+        try:
+            law = law_of(choice)
+        except SpecError as error:
+            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        turning = turning_rows(choice)
+        if turning:
+            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
+        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
+        return [] if fault is None else [fault]
 
 
 class Motor(Drives):

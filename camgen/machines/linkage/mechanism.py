@@ -15,11 +15,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
@@ -31,11 +31,12 @@ from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, wheels
+from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
+from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.stacking import lacking, laid
@@ -44,6 +45,7 @@ from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
 from camgen.study import Study, together
 
@@ -103,20 +105,36 @@ class Linkage(Mechanism):
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
+    @model_validator(mode="before")
+    @classmethod
+    def _of_sheet(cls, data: Any) -> Any:
+        return sheets.filled(data, "parts")
+
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
-        found = self._drawing.faults()
+        found = drawing_faults(self._drawing)
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
-        lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
+        found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
+        if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
+            found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
+
+    @property
+    def _webs(self) -> list[str]:
+        """Names of the further webs of an interrupted shaft."""
+        if self.making.shaft == "through" or self.drive.link not in self.links or m.GROUND not in self.links:
+            return []
+        thrown = webs.throws(self.links, self.drive.link, [slot.pin for slot in self.slots])
+        return [webs.web_name(self.drive.link, k) for k in range(1, len(thrown) + self.making.plates - 1)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -201,6 +219,11 @@ class Linkage(Mechanism):
     def shaft_needed(self) -> float | None:
         """Of the motor under the plate."""
         return None if self.making.face is None else self.bodies.shaft_reach
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The collar on the motor's shaft."""
+        return None if self.making.face is None else self.bodies.collar
 
     @property
     def motor_frame(self) -> str:
@@ -340,10 +363,6 @@ class Linkage(Mechanism):
             lash = _LASH * stroke(course) if given is None else given
             found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
         return tuple(found)
-
-    def printed(self) -> Sequence[Part]:
-        """All that are printed."""
-        return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws, springs."""

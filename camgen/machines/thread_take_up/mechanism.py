@@ -20,7 +20,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field
@@ -31,82 +31,24 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
 from camgen.machine.features import Asked, Feature, Mount
 from camgen.machine.model import Floats, Machine, Points
-from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
+from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
-from camgen.parts.catalogue import Bought, screw_for, turning_text
+from camgen.parts.catalogue import TURNED, Bought, screw_for, turning_text
 from camgen.parts.hardware import headed
 from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
-from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.spec import validate
 from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 Disc = tuple[complex, float]
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-Point = tuple[Coordinate, Coordinate]
 
 _GLUED = "pressed and glued in"
 _HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
-
-
-class Geometry(Record):
-    """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
-
-    input_crank: Length
-    coupler: Length
-    output_crank: Length
-    frame: Length
-    eye_distance: Length
-    eye_angle_deg: Annotated[float, Field(gt=-180, le=180)]
-    branch: Literal[1, -1]
-    guides: tuple[Point, Point]
-    frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-
-
-class Motor(Drives):
-    """What drives the input crank."""
-
-    speed_rpm: Annotated[Rpm, turning(0.001)]
-
-
-class Wanted(Record):
-    """What `camgen design` searches for and a build checks; each wish may be left out."""
-
-    feed_range: Length | None = None
-    let_down_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
-    dwell_deg: Annotated[float, Field(gt=0, lt=360)] | None = None
-    dwell_radius: Length = 1.0
-    tolerance: Annotated[float, Field(ge=1e-6, le=0.5)] = 0.01
-
-
-class Parts(Record):
-    """The links as bodies."""
-
-    thickness: Length = 4.0
-    wall: Length = 1.2
-    shaft_diameter: Length = 6.0
-    shaft_length: Length = 12.0
-    shaft_flat: Length = 0.5
-    pin_diameter: Length = 3.5
-    pins: Literal["printed", "steel"] = "printed"
-    mount_diameter: Length = 2.5
-    finger_diameter: Length = 2.0
-    guide_diameter: Length = 2.0
-    thread_height: Length = 6.0
-
-
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it."""
-
-    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
-    gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
-    excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    min_wall: Length = 0.8
 
 
 class ThreadTakeUp(Mechanism):
@@ -249,7 +191,7 @@ class ThreadTakeUp(Mechanism):
         ]  # fmt: skip
         collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
         length = p.shaft_length + 2 * level + p.thickness
-        made = "printed" if p.pins == "printed" else "turned of steel"
+        made, thin = ("printed" if p.pins in printed else TURNED for printed in (("printed",), ("printed", "steel")))
         return (
             *flat,
             Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
@@ -260,9 +202,9 @@ class ThreadTakeUp(Mechanism):
             ),
             self._pin("pin-a", "Pin A", p.pin_diameter, 2 * level, made=made),
             self._pin("pin-b", "Pin B", p.pin_diameter, 3 * level, made=made),
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,)),
-            self._pin("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height),
-            self._pin("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2),
+            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,), thin),
+            self._pin("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height, made=thin),
+            self._pin("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2, thin),
         )  # fmt: skip
 
     def _shaft(self, fit: float) -> Contour:
