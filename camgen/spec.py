@@ -17,12 +17,13 @@ import stat
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import deepcopy
+from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import UNKNOWN, Fault, FileError, SpecError
@@ -86,6 +87,7 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
@@ -107,6 +109,31 @@ class Output(Record):
     step: bool | None = None
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
+
+
+class Drawing(Record):
+    """What the dimensioned drawings say in their title blocks, and the step of the table of a cam's radii on them."""
+
+    tolerance: Annotated[
+        str,
+        Field(
+            pattern=r"^ISO 2768-[fmcv][HKL]?$",
+            description='general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+        ),
+    ] = "ISO 2768-m"
+    number: (
+        Annotated[str, Field(pattern=r"^[!-~]([ -~]{0,28}[!-~])?$", description="a text of up to 30 letters, digits and signs")]
+        | None
+    ) = None
+    date: (
+        Annotated[
+            str,
+            Field(pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$", description='a date such as "2026-05-31"'),
+            BeforeValidator(lambda value: value.isoformat() if type(value) is date else value),  # as TOML has them
+        ]
+        | None
+    ) = None
+    profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
 
 
 class Laser(Record):
@@ -142,6 +169,7 @@ class Spec(Checked):
     material: Material = Material()
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
+    drawing: Drawing = Drawing()
     laser: Laser | None = None
 
 

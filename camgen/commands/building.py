@@ -11,9 +11,12 @@ import click
 
 from camgen.commands.options import ANY_KIND, EXIT_CODES, jobs_option, json_option, kinds_of, quiet_option, verbose_option
 from camgen.commands.running import each, refuse_one_name_twice
+from camgen.errors import Fault, SpecError
 
 if TYPE_CHECKING:
     from camgen.commands.running import Work
+    from camgen.pipeline.jobs import Progress
+    from camgen.report.report import Report
 
 
 @click.command(epilog=EXIT_CODES)
@@ -42,16 +45,34 @@ def build(
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--gcode", multiple=True, type=click.Path(path_type=Path), help="Judge this in place of the folder's files.")
+@click.option("--line-width", type=click.FloatRange(0.01, 10), help="Of G-code that does not say it (CuraEngine), mm.")
 @jobs_option
 @json_option
 @quiet_option
 @verbose_option
-def check(folders: Sequence[Path], jobs: int, **shown: bool) -> None:
-    """Judge the files of earlier builds again, from the files alone and the spec.toml beside them."""
+def check(
+    folders: Sequence[Path], gcode: Sequence[Path], line_width: float | None, jobs: int, **shown: bool
+) -> None:  # fmt: skip
+    """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
+
+    With --gcode, once for each plate: what a printer lays down of it (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
+    """
+    if gcode and len(folders) > 1:
+        raise SpecError([Fault("--gcode", f"with {len(folders)} folders", "one folder, whose plates they are")], "command line")
 
     def work() -> Work:
+        if gcode:
+            return partial(_sliced, plates=gcode, line_width=line_width)
         from camgen.pipeline import build as pipeline
 
         return pipeline.check
 
     each(folders, work, jobs, **shown)
+
+
+def _sliced(folder: Path, plates: Sequence[Path], line_width: float | None, progress: Progress, jobs: int) -> Report:
+    """A folder judged by the G-code of its plates; its own steps take one core."""
+    from camgen.pipeline.sliced import check_gcode
+
+    return check_gcode(folder, plates, line_width, progress)

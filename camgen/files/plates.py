@@ -291,15 +291,15 @@ COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
 
 def parts_list(
     parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None,
-    sides: Mapping[str, Side] = MappingProxyType({}),
+    sides: Mapping[str, Side] = MappingProxyType({}), layer: float | None = None,
 ) -> list[Row]:  # fmt: skip
     """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
 
-    The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY
+    The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for a plastic not in DENSITY
     unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
     """
     density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
-    layer = LAYER_SHARE * nozzle
+    layer = layer or LAYER_SHARE * nozzle
     flow = nozzle * layer * PRINT_SPEED
     rows = []
     for part in parts:

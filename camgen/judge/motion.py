@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from camgen import tolerances
-from camgen.files.formats import FORMATS
+from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.judge.cams import judge_cams, named
 from camgen.judge.joints import Closable, Fit, Outline, assembled
 from camgen.judge.measured import Sections, read
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
-from camgen.machine.model import Cam, Machine, Output, bodies_of, unit_of
+from camgen.machine.model import Cam, Clutch, Machine, Output, bodies_of, unit_of
 from camgen.numerics import Floats
 from camgen.study import Table
 
@@ -55,7 +55,7 @@ def judge_machine(
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
-    kind: of FORMATS; where: said in findings; files: sections (shapes at each height) of each part's file of this
+    kind: of READABLE; where: said in findings; files: sections (shapes at each height) of each part's file of this
     kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
 
@@ -63,7 +63,7 @@ def judge_machine(
     limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
-    form = FORMATS[kind]
+    form = READABLE[kind]
     found = read(features, files, form.holds == "drawing")
     every = named(where, parts_of(features))
     if found.lost:
@@ -102,7 +102,7 @@ def judge_machine(
 
 
 def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]) -> tuple[NotJudged, ...]:
-    """Joints of parts that are made which no file shows."""
+    """Joints of parts that are made which no file shows; not clutches, which are bought."""
     made, told = {mount.body for mount in mounts}, {getattr(feature, "joint", "") for feature in features}
     for feature in features:
         if isinstance(feature, CamOutline):
@@ -111,7 +111,7 @@ def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mou
     return tuple(
         NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
         for joint in machine.joints
-        if joint.name not in told and made & set(bodies_of(joint))
+        if joint.name not in told and made & set(bodies_of(joint)) and not isinstance(joint, Clutch)
     )
 
 

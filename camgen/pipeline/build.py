@@ -63,7 +63,7 @@ def build(
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
-    remarks = [f"{said} {name}" for name in staged.kept]
+    remarks = [*mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from os import PathLike
@@ -16,6 +17,7 @@ from types import TracebackType
 from typing import Any, Protocol, TypeVar
 
 from camgen import spec as specs
+from camgen.errors import DesignError
 from camgen.machines import MECHANISMS, load
 from camgen.machines.included import opened
 from camgen.machines.mechanism import Mechanism
@@ -64,7 +66,11 @@ def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str
     for override in overrides:
         data = specs.override(data, override)
     data = with_tables(data, folder)
-    return specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
+    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
+    if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later
+        with suppress(DesignError):
+            made.model  # noqa: B018
+    return made
 
 
 @dataclass(frozen=True)

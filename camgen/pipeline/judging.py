@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
+from camgen.files.formats import DRAWN, EXACT, FORMATS, READABLE, SOLID
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
@@ -45,6 +45,7 @@ from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.machining import judge_tables, table_files
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.pipeline.scope import ANY, Stage, not_judged, reading, unheard
+from camgen.pipeline.whole_layers import between
 from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
 
@@ -71,6 +72,7 @@ class Outcome:
     tables: Sequence[Table] = ()
     columns: Mapping[str, Floats] = field(default_factory=dict)
     not_judged: Sequence[NotJudged] = ()
+    warnings: Sequence[str] = ()
 
 
 Read = dict[str, "Sections"]  # what was read from one part's files, by kind: the pieces at each height
@@ -123,7 +125,7 @@ def judge(
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
         (*not_judged(asked, files, findings, lacks), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
-        unheard(mechanism, files),
+        (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
     )  # fmt: skip
     return report, columns
 
@@ -201,7 +203,7 @@ def judge_motion(
     features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
     if not features or parts_of(features) & lost:
         return None
-    fit = compensation(mechanism) if FORMATS[kind].solid else None
+    fit = compensation(mechanism) if READABLE[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
         kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
@@ -291,6 +293,11 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
+    if mechanism.balance is not None:
+        stages.append(Stage(("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank))
+    if mechanism.strands():
+        codes = ("THREAD_HELD", "THREAD_CLEAR")
+        stages.append(Stage(codes, "threads between their posts in the assembly", ("3mf",), judge_threads))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
@@ -374,6 +381,21 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(findings, tables=[table] if nearest else [])
 
 
+def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
+    """BALANCE of the crank that carries a counterweight."""
+    from camgen.judge.balance import judge_balance
+
+    balance = case.mechanism.balance
+    return Outcome([] if balance is None else [judge_balance(case.file("assembly", "3mf"), case.mechanism.moved(), balance)])
+
+
+def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Threads in the grooves of their posts, and what they pass over the turn."""
+    from camgen.judge.strands import judge_strands
+
+    return Outcome(judge_strands(case.file("assembly", "3mf"), case.mechanism.moved(), case.mechanism.strands()))
+
+
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
     from camgen.files.plates import bed_fit, within
@@ -401,7 +423,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.plates import bed_fit, within
 
     findings, bed = [], case.mechanism.print
-    for part in case.parts.values():
+    for part in case.mechanism.printed():
         rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
         corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
         findings.append(bed_fit(part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height)[1])
@@ -409,11 +431,18 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The list of parts, with mass and print time of all that is printed, and the steps of assembly."""
-    table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
+    """The list of parts, with mass and print time of all that is printed, what of it needs supports, faces between layers, and
+    the steps of assembly."""
+    mechanism = case.mechanism
+    sides = lying_sides(mechanism, _written(case) if "3mf" in kinds else {})
+    table = parts_table(mechanism, sides)
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table, case.mechanism.steps()])
+    numbers = {"mass_g": mass, "print_time_h": minutes / 60}
+    if sides:
+        numbers["supports_mm2"] = sum(part.count * sides[part.name].overhang for part in mechanism.printed())
+    layers, said = between(mechanism, sides)
+    return Outcome(numbers=numbers, tables=[table, mechanism.steps(), *([layers] if layers.rows else [])], warnings=said)
 
 
 def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -20,6 +20,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought
 from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
+from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.laser import make_sheets
 from camgen.pipeline.machining import make_tables
@@ -78,7 +79,7 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
     from camgen.files.plates import lying_side, side
 
     drawn = mechanism.print.elephant_foot > 0
-    printed = [part.name for part in mechanism.parts() if part.made == "printed" and part.name in meshes]
+    printed = [part.name for part in mechanism.printed() if part.name in meshes]
     down = np.array([0.0, 0.0, -1.0])
     return {name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed}
 
@@ -103,7 +104,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
 
-        write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
+        write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
     return None if mesh is None or sent is None else (mesh, sent)
 
 
@@ -147,7 +148,7 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
 
 
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
-    """The list of parts: what is printed, with material, mass and time of all copies, then what is turned or bought.
+    """The list of parts: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
 
     sides: on which printed parts lie on the bed, where their solids are known.
     """
@@ -156,16 +157,17 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     material = mechanism.material
     density = (material.density or DENSITY[material.name]) * material.infill
     parts = mechanism.parts()
-    printed = [part for part in parts if part.made == "printed"]
+    printed = mechanism.printed()
     rows: list[tuple[object, ...]] = [
         ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
-        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides)
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer)
     ]
     blank: tuple[object, ...] = ("",) * 5
     for part in (part for part in parts if part not in printed):  # what is bought has a size, what is turned a volume
         bought = part.made == "bought"
         what, volume = (": ".join([part.title, *part.notes[:1]]), "") if bought else (part.title, part.count * part.volume)
-        rows.append((part.made, part.name, what, part.count, volume, *blank))
+        made = "cut of sheet" if mechanism.cut_of_sheet(part) else part.made
+        rows.append((made, part.name, what, part.count, volume, *blank))
     things = list(mechanism.bought())
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {thing.name for thing in things}:
         things.append(Bought("glue", "", "for all that is glued", 1))

@@ -11,7 +11,7 @@ from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
-from camgen.pipeline.laser import why_not
+from camgen.parts.sheets import why_not
 
 if TYPE_CHECKING:
     from camgen.pipeline.jobs import Case
@@ -98,10 +98,13 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     if mechanism.laser is not None and "dxf" in kinds:
         kerf = mechanism.laser.kerf
         found.append(f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn")
-        if all(why_not(part, mechanism.laser) for part in mechanism.parts()):
+        if all(why_not(part, mechanism.laser.thickness) for part in mechanism.parts()):
             found.append(f"laser.thickness = {mechanism.laser.thickness:g}: no part is flat and as thick, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
+    idle = mechanism.idle()
+    if idle:
+        found.append(f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]')
     curves = mechanism.output.curves
     if curves != "bulge" and any(kind in kinds for kind in SOLID) and not any(kind in kinds for kind in DRAWN):
         found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')

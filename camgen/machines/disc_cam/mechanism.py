@@ -94,7 +94,7 @@ class DiscCamDrive(StandingCams):
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
-        found += self.size_faults("follower")
+        found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))

@@ -17,7 +17,8 @@ from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, Tim
 from camgen.machines.loads.tables import Bears
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
+from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, Rpm, turning, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
@@ -219,6 +220,7 @@ class Parts(Record):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
+    make: Literal["printed", "laser"] = Field("printed", description="laser: of layers of the sheet of [laser], pins of steel")
     thickness: Length = Field(4.0, description="mm, of a link")
     pin: PinKind = Field(
         "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
@@ -230,9 +232,16 @@ class Parts(Record):
     base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft: Literal["through", "interrupted"] = Field(
+        "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
+    )
+    plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
+    )
+    set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
+        "none", description="of a collar at the upper end of a motor's shaft, so that nothing walks off it"
     )
     hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
         0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
@@ -244,14 +253,29 @@ class Parts(Record):
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
     )
 
+    @property
+    def shapes(self) -> dict[str, Shape]:
+        """What is special to links, by their names."""
+        return self.__pydantic_extra__ or {}
+
     def shape(self, link: str) -> Shape:
         """What is special to a link."""
-        return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
+        return self.shapes.get(link, Shape.model_validate({}))
+
+    @property
+    def of_sheet(self) -> bool:
+        """Whether all is cut of one sheet."""
+        return self.make == "laser"
 
     @property
     def shoulder(self) -> ShoulderScrew:
         """The thinnest shoulder screw that is as thick as a pin."""
         return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def post_screw(self) -> Screw | None:
+        """Of the posts of a second plate, whose core hole is that of the plate's other screws; None where no thread has it."""
+        return next((SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == self.mount_diameter), None)
 
     @property
     def least_crank(self) -> float:
@@ -263,6 +287,12 @@ class Parts(Record):
         """Of the motor under the plate."""
         return MOTOR_FACES.get(self.motor)
 
+    def collar(self, press: float, min_wall: float) -> SetScrewHub | None:
+        """What holds on a motor's shaft; None where no set screw is asked for."""
+        if self.set_screw == "none":
+            return None
+        return SetScrewHub(self.set_screw, self.shaft_diameter + press, self.shaft_flat, min_wall, self.wall)
+
     @property
     def pocket(self) -> float:
         """Depth of the pockets for the heads of its screws, mm."""
@@ -271,7 +301,7 @@ class Parts(Record):
     def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
         known = [*type(self).model_fields, *links]
-        found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
+        found = [unknown(f"parts.{name}", None, known) for name in self.shapes if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
         for link in links:
             thickness = self.shape(link).thickness
@@ -291,6 +321,9 @@ class Parts(Record):
         if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
             right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
             found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if self.set_screw != "none" and self.face is None:
+            said = "nothing here: parts.motor, on whose shaft its collar sits"
+            found.append(Fault("parts.set_screw", repr(self.set_screw), said))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
                 right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"
@@ -302,6 +335,13 @@ class Parts(Record):
             if self.face.screw_length(grip) < grip + screw.nominal / 2:
                 right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+        held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
+        if self.plates > 1 and held is None:
+            right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
+            found.append(Fault("parts.mount_diameter", f"{self.mount_diameter:g}", right))
+        if held is not None and self.base_thickness < held.height + floor:
+            right = f"at least {held.height + floor:g} mm: the sunk heads of the posts' screws, and a floor"
+            found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
             found.append(Fault("parts.head", f"{self.head:g}", right))
