@@ -27,7 +27,20 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, PinEyes, StandIn
+from camgen.machine.features import (
+    Apart,
+    Asked,
+    Balance,
+    CamOutline,
+    Eye,
+    Feature,
+    Mount,
+    Moved,
+    PartPose,
+    PinEyes,
+    StandIn,
+    Strand,
+)
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.applied import applied
@@ -195,6 +208,15 @@ class Mechanism(Spec, ABC):
     def return_spring(self) -> Mounted | None:
         """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
         return None
+
+    @property
+    def balance(self) -> Balance | None:
+        """What the solids of a crank with a counterweight are held to; None of a machine without one."""
+        return None
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads that run from post to post."""
+        return ()
 
     def journals(self) -> Mapping[str, Journal]:
         """The plain bearings of its pins, by joint."""

@@ -127,6 +127,11 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
+    if mechanism.balance is not None:
+        stages.append(Stage(("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank))
+    if mechanism.strands():
+        codes = ("THREAD_HELD", "THREAD_CLEAR")
+        stages.append(Stage(codes, "threads between their posts in the assembly", ("3mf",), judge_threads))
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
@@ -214,6 +219,21 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     findings, nearest = sweep(case.file("assembly", "3mf"), case.mechanism.moved())
     table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
     return Outcome(findings, tables=[table] if nearest else [])
+
+
+def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
+    """BALANCE of the crank that carries a counterweight."""
+    from camgen.judge.balance import judge_balance
+
+    balance = case.mechanism.balance
+    return Outcome([] if balance is None else [judge_balance(case.file("assembly", "3mf"), case.mechanism.moved(), balance)])
+
+
+def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Threads in the grooves of their posts, and what they pass over the turn."""
+    from camgen.judge.strands import judge_strands
+
+    return Outcome(judge_strands(case.file("assembly", "3mf"), case.mechanism.moved(), case.mechanism.strands()))
 
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:

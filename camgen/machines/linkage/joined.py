@@ -52,7 +52,7 @@ class Joined:
     the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
     link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
     on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
-    second: the plate over all, once levels are found.
+    second: the plate over all, once levels are found; weights: counterweights on shafts.
     """
 
     drawn: m.Machine
@@ -73,6 +73,7 @@ class Joined:
     feet: Sequence[tuple[complex, float]] = ()
     hangs: bool = False
     second: Second | None = None
+    weights: Sequence[Wheel] = ()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -141,8 +142,8 @@ class Joined:
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs and gears' wheels."""
-        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed)]
+        """Cam discs, gears' wheels, counterweights."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:

@@ -340,7 +340,7 @@ class Layout(Joined):
         links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
-        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
         names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
         springs = {name for name in self.riders.get(point, ()) if name in self.springs}
@@ -365,7 +365,7 @@ class Layout(Joined):
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
         links = [link for link in self.moving if link not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
-        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}

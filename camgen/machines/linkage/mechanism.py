@@ -25,7 +25,7 @@ from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn
 from camgen.machine.joining import joined
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
@@ -41,10 +41,13 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
+from camgen.machines.linkage.weights import counterbalanced, weight_faults
+from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.journals import Post
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
@@ -101,6 +104,7 @@ class Linkage(Mechanism):
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
+    counterweight: Counterweight | None = None
     masses: dict[Name, t.Masses] = {}
     making: Annotated[Parts, Field(alias="parts")] = Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
@@ -118,6 +122,9 @@ class Linkage(Mechanism):
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
         lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        if self.counterweight is not None:
+            found += weight_faults(self.counterweight, self.drive, self.masses, lying)
+            lying.append(NAME)
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
         found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
@@ -164,7 +171,11 @@ class Linkage(Mechanism):
 
     @cached_property
     def _fitted(self) -> m.Machine:
-        machine = self.bodies.weighed(self.density, self.masses)
+        return self._weighed(self.bodies)
+
+    def _weighed(self, bodies: Bodies) -> m.Machine:
+        """The machine of some bodies with their masses and springs."""
+        machine = bodies.weighed(self.density, self.masses)
         return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
 
     @cached_property
@@ -299,7 +310,24 @@ class Linkage(Mechanism):
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
-        return Bodies(laid(self._layout, self.run(self.course(_SAMPLES), 0)))
+        return self._balanced[0]
+
+    @cached_property
+    def _balanced(self) -> tuple[Bodies, complex]:
+        """The bodies, and the moment that all that turns with a balanced crank is to have, complex g mm."""
+        run = self.run(self.course(_SAMPLES), 0)
+        if self.counterweight is None:
+            return Bodies(laid(self._layout, run)), 0j
+        return counterbalanced(self.counterweight, self._layout, run, self.density, self._weighed)
+
+    @property
+    def balance(self) -> Balance | None:
+        """That of the driven link with its counterweight."""
+        if self.counterweight is None or self.lacking() is not None:
+            return None
+        link, made, whole = self.drive.link, self.bodies, self._balanced[1]
+        at, asked = made.layout.at(link, made.layout.shaft_of(link)), whole - self.counterweight.other
+        return balance_of(link, made.pivot_of(link), at, asked, made.parts, made.mounts, self.density)
 
     @property
     def _layout(self) -> Layout:
@@ -317,13 +345,15 @@ class Linkage(Mechanism):
     def found(self) -> Mapping[str, object]:
         """Levels, the included specs and where they stand, and what every mechanism fills in."""
         levels = {f"layers.{link}": level for link, level in self.bodies.layout.given.items()}
+        weight = {} if self.counterweight is None else found_moment(self._balanced[1])
         tables = [each.tables() for each in self.modules]
-        return {**super().found(), **levels, **({"include": tables} if tables else {})}
+        return {**super().found(), **levels, **weight, **({"include": tables} if tables else {})}
 
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
         found = super().resolved()
-        same = vars(self).keys() & {"chain", "bodies", "modules", "sprung"}  # cached: nothing that they depend on was filled in
+        # cached: nothing that they depend on was filled in
+        same = vars(self).keys() & {"chain", "bodies", "_balanced", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 

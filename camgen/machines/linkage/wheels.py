@@ -58,12 +58,16 @@ class Ridden(Protocol):
 
 @dataclass(frozen=True)
 class Wheel:
-    """A disc on a link's shaft: its level, the link, the greatest radius, mm, and what touches it, for messages."""
+    """A disc on a link's shaft: its level, the link, the greatest radius, mm, and what touches it, for messages.
+
+    high: its thickness, mm, where it is not that of the link's wheels.
+    """
 
     level: str
     link: str
     radius: float
     about: str
+    high: float | None = None
 
 
 @dataclass(frozen=True)
