@@ -20,7 +20,8 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
-from camgen.spec import Length, Record, Spec, choose, dump, override, read, schema, unknown, validate
+from camgen.settings import override
+from camgen.spec import Length, Record, Spec, choose, dump, read, schema, unknown, validate
 
 
 def even(teeth: int) -> int:

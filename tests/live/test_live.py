@@ -23,6 +23,7 @@ from camgen.live.numbers import numbers, overrides
 from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
 from camgen.pipeline.edits import edited
+from camgen.settings import override
 from camgen.starters import described, examples, folder
 
 HOME = "http://127.0.0.1:8000"
@@ -60,7 +61,7 @@ def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(pat
     assert edited(text, []) == text
     settings = [f"{number.key}={number.value!r}" for number in listed if not number.choices]
     assert edited(text, settings) == text
-    assert tomllib.loads(edited(text, [f"{settings[0].partition('=')[0]}=123.5"])) == specs.override(
+    assert tomllib.loads(edited(text, [f"{settings[0].partition('=')[0]}=123.5"])) == override(
         tomllib.loads(text), f"{settings[0].partition('=')[0]}=123.5"
     )
 
