@@ -152,7 +152,7 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
 
         text = spec_text(read_chain(source), spec_name(file or source), source.name)
     text = f"#:schema ./{starters.schema_name(kind)}\n{text}"
-    hand_over(text, file)
+    hand_over(lambda: text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
         return
@@ -177,7 +177,7 @@ def design(spec: Path, file: Path | None, settings: Sequence[str]) -> None:
     if found is None:
         expected = "a mechanism with a search of its own, such as thread-take-up"
         raise SpecError([Fault("mechanism", mechanism.mechanism, expected)], str(spec))
-    hand_over(dump(found()), file)
+    hand_over(lambda: dump(found()), file)
 
 
 @cli.command(epilog=_SWEEP_CODES)
