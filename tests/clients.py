@@ -363,6 +363,23 @@ def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(built: list[Path], tmp
     assert off["classic"] < 0.002 < off["arachne"] < 0.03
 
 
+def test_the_plate_of_a_linkage_sliced(built: list[Path], tmp_path: Path) -> None:
+    """All parts are found where the slicer puts them; classic walls bear every finding, variable ones make holes tight."""
+    needed(prusa_slicer)
+    from camgen.pipeline.sliced import check_gcode
+
+    folder = next(folder for folder in built if folder.name == "linkage")
+    path = tmp_path / "plate.gcode"
+    for generator, wrong in (("classic", set()), ("arachne", {"PIN_GAP", "MOTION_ERROR"})):
+        said("prusa-slicer", "--export-gcode", "--layer-height", 0.2, "--nozzle-diameter", 0.4, "--perimeter-generator",
+             generator, *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
+             "-o", path, folder / "linkage-plate.3mf")
+        report = check_gcode(folder, [path])
+        assert {finding.code for finding in report.findings if not finding.ok} == wrong
+        found = {row[0] for row in report.tables[0].rows}
+        assert {"ground", "crank", "coupler", "rocker", "collar", "pin-1", "pin-2"} <= found
+
+
 # ---- each client is seen to fail -------------------------------------------------------------------------------------
 
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

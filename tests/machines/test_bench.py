@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.machines.disc_cam import DiscCamDrive
+from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
 from camgen.pipeline.build import build, check

@@ -31,7 +31,7 @@ from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.closed_form import slider_travel
 from camgen.machine.features import CamOutline
-from camgen.machines.disc_cam import DiscCamDrive
+from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.pipeline import build as pipeline
 from camgen.report.page import to_html
 from camgen.report.report import Report

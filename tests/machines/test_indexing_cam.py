@@ -318,9 +318,9 @@ def test_the_law_for_a_spring_becomes_a_spec() -> None:
         found = start.designed()
         assert found.unloader.torque == "table" and found.geometry.law.name == "fourier"
         a = np.linspace(0, 1, 200)
-        assert start._spring is not None and found._spring is not None
-        size = float(np.max(np.abs(start._spring(a))))
-        assert found._spring(a) == pytest.approx(start._spring(a), abs=1e-3 * size)
+        assert start.unloading is not None and found.unloading is not None
+        size = float(np.max(np.abs(start.unloading(a))))
+        assert found.unloading(a) == pytest.approx(start.unloading(a), abs=1e-3 * size)
         peaks.append(found.law.c_a)
         table = next(t for t in start.study().tables if t.title.startswith("Laws for this spring"))
         assert found.law.c_a == pytest.approx(table.rows[-1][1], rel=1e-6)

@@ -16,6 +16,7 @@ from camgen.machine.landmarks import double_points
 from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
+from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
 from camgen.study import Plot, Sketch, Study, Table
@@ -84,7 +85,8 @@ def study(linkage: Linkage) -> Study:
     if linkage.springs:
         notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
                      "pins; they are not in the sweep.")  # fmt: skip
-    notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage)] if linkage.lacking() is None else []
+    if linkage.lacking() is None:
+        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *steps(linkage.bodies.layout)]
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
@@ -129,7 +131,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
     if linkage.lacking() is not None:
         return Study()
-    machine, label = linkage.machine(), f"{linkage.angle_name}, deg"
+    machine, label = linkage.model, f"{linkage.angle_name}, deg"
     found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}

@@ -13,6 +13,7 @@ from camgen.machine.balancing import crank_weight
 from camgen.machine.cams.dynamics import Elastic, residual
 from camgen.machine.constraints import Constraints, solved
 from camgen.machine.forces import Forces
+from camgen.machine.friction import smooth
 from camgen.machine.model import MM, Cam, Machine, Turning
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.bearing import Borne
@@ -70,8 +71,8 @@ def elastic(run: Run, load: Weight | None) -> Borne:
 
 
 def _slow(run: Run) -> Machine:
-    """The same so slow that inertia does nothing."""
-    return replace(run.machine, speed=1e-6 * run.machine.speed)
+    """The same so slow that inertia does nothing, and without friction in its joints."""
+    return replace(smooth(run.machine), speed=1e-6 * run.machine.speed)
 
 
 def effective_inertia(run: Run, cam: Cam) -> float:
