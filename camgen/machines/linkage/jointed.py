@@ -41,13 +41,35 @@ class Second:
 
 
 @dataclass(frozen=True)
+class Sleeve:
+    """What joins the upper end of the shaft to another one over it: diameter and flat of that, how far its flat is turned from
+    this one's, rad, and how far the sleeve reaches up on it, mm."""
+
+    diameter: float
+    flat: float
+    turn: float
+    up: float
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Another machine's frame that stands on the second plate: posts under its screw holes, up to a height, mm."""
+
+    name: str
+    places: tuple[complex, ...]
+    high: float
+    sleeve: Sleeve | None = None
+
+
+@dataclass(frozen=True)
 class Jointed:
     """A machine and the sizes of its parts.
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link; second: the plate over all, once levels are found.
+    the plate, where they turn, and are pressed into their highest link; second: the plate over all, once levels are found;
+    stands: what else stands on it.
     """
 
     drawn: m.Machine
@@ -63,6 +85,7 @@ class Jointed:
     sunk: bool = False
     springs: Mapping[str, Stretched] = field(default_factory=dict)
     second: Second | None = None
+    stands: tuple[Stand, ...] = ()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 

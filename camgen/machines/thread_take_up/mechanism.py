@@ -225,6 +225,11 @@ class ThreadTakeUp(Mechanism):
             "bell-crank": (hubs(*bell), bell),
         }
 
+    def fixings(self) -> Sequence[Disc]:
+        """The frame's holes for screws from behind."""
+        pivot = self.geometry.frame * cmath.exp(1j * self.take_up.tilt)
+        return [(z, self.making.mount_diameter) for z in self._mounts(pivot, self.take_up.guides)]
+
     def _mounts(self, pivot: complex, guides: Sequence[complex]) -> tuple[complex, ...]:
         """Where the frame is screwed on: beyond each guide, and beyond the pivot on the side away from both."""
         p = self.making
