@@ -249,7 +249,9 @@ class Bodies:
         driven, below = link == self.layout.driven, self.sizes.thickness + 2 * self.fits.slide_clearance
         below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
         name = "shaft" if driven else f"shaft-{link}"
-        layer = Layer(Region(self._profile(0.0)), 0.0, below + stub.held[-1][1])
+        sleeved = link in (self.layout.driven, self.layout.upper_web) and any(stand.sleeve for stand in self.layout.stands)
+        top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
+        layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         made = "turned" if self.sizes.of_sheet else "printed"
         said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
