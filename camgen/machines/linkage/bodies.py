@@ -54,7 +54,7 @@ from camgen.machines.linkage.plates import SECOND, ground_plate, second
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, in_upper, stubs
 from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot, touched
 from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
@@ -453,6 +453,8 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = self._point_of(joint)
                 joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
+            elif isinstance(joint, m.Cam):
+                joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 
