@@ -25,7 +25,7 @@ from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import joined
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
@@ -397,6 +397,10 @@ class Linkage(Mechanism):
     def stand_ins(self) -> Sequence[StandIn]:
         """What is in the way and not made: a motor, and what included machines have."""
         return [*self.bodies.stand_ins(), *(thing for each in self.modules for thing in each.stand_ins())]
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads of included machines."""
+        return [strand for each in self.modules for strand in each.strands()]
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
