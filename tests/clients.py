@@ -380,6 +380,52 @@ def test_the_plate_of_a_linkage_sliced(built: list[Path], tmp_path: Path) -> Non
         assert {"ground", "crank", "coupler", "rocker", "collar", "pin-1", "pin-2"} <= found
 
 
+# ---- sheets for a laser ----------------------------------------------------------------------------------------------
+
+# Areas, mm^2, within all shapes of an SVG as the browser lays them out, 96 pixels to the inch, and how many stand out of it.
+SHAPES = """[...document.querySelectorAll("circle,path")].map(shape => {
+  const long = shape.getTotalLength(), at = shape.getScreenCTM(), count = 1440, points = [];
+  for (let k = 0; k < count; k++) points.push(shape.getPointAtLength(long * k / count).matrixTransform(at));
+  return points.reduce((sum, a, k) => { const b = points[(k + 1) % count]; return sum + a.x * b.y - a.y * b.x }, 0) / 2;
+}).map(area => Math.abs(area) * (25.4 / 96) ** 2)"""
+
+
+def sheet_svg(path: Path) -> Problem:
+    """A sheet's SVG in a browser against its DXF in GDAL: contour by contour the same area, in millimetres."""
+    import pyogrio
+    import shapely
+    from browser import tab
+
+    pyogrio.set_gdal_config_options({"OGR_ARC_STEPSIZE": "0.1"})
+    shapes = [shapely.from_wkb(shape) for shape in pyogrio.raw.read(path.with_suffix(".dxf"))[2]]
+    with tab() as page:
+        page.show(path, 1200)
+        seen = np.sort(page.run(SHAPES))
+    wanted = np.sort([shapely.Polygon(shape).area for shape in shapes])
+    if len(seen) != len(wanted):
+        return f"{len(seen)} shapes, the DXF has {len(wanted)}"
+    off = float(np.max(np.abs(seen / wanted - 1)))
+    return "" if off < 2e-3 else f"an area is {off:.2%} off"
+
+
+def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
+    """Inkscape's 99 MB and more are not needed for it: a browser draws the SVG, GDAL reads the DXF; damage is seen."""
+    for client in (chromium, gdal):
+        needed(client)
+    spec = ROOT / "specs" / "linkage.toml"
+    said(sys.executable, "-m", "camgen", "build", spec, "-o", tmp_path, "--only", "dxf", "--set", "laser.thickness=4", limit=600)
+    path = tmp_path / "linkage" / "linkage-sheet-1.svg"
+    assert sheet_svg(path) == ""
+    text = path.read_text(encoding="utf-8")
+    damages = {
+        'viewBox="0 0 600 400"': 'viewBox="0 0 610 400"', 'width="600mm"': 'width="600"',
+        re.search("<circle.*/>\n", text)[0]: "", " 0 0 0 ": " 0 0 1 ",  # type: ignore[index]
+    }  # fmt: skip
+    for whole, broken in damages.items():
+        path.write_text(text.replace(whole, broken, 1), encoding="utf-8")
+        assert sheet_svg(path), whole
+
+
 # ---- each client is seen to fail -------------------------------------------------------------------------------------
 
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

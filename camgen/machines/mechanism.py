@@ -264,6 +264,10 @@ class Mechanism(Spec, ABC):
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
 
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Core holes in the underside of its frame, at z = 0, by which it is screwed on: place on the ground and diameter, mm."""
+        return ()
+
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""
         found = []

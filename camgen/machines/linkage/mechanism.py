@@ -25,7 +25,7 @@ from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import joined
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
@@ -131,6 +131,9 @@ class Linkage(Mechanism):
         if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
             found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
+        if self.making.plates < 2:
+            right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
+            found += [Fault(f"include.{k}.mounted", "true", right) for k, each in enumerate(self.includes) if each.mounted]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
@@ -163,10 +166,11 @@ class Linkage(Mechanism):
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
-        host = self.model_dump(by_alias=True, exclude_none=True)
-        top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
-        inc.distinct(found, self.bodies.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        host, bare = self.model_dump(by_alias=True, exclude_none=True), self._bare
+        top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
+        play = self.print.slide_clearance
+        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, play, self._line)
+        inc.distinct(found, bare.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
         return found
 
     @cached_property
@@ -304,9 +308,29 @@ class Linkage(Mechanism):
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
+    @property
+    def _line(self) -> inc.Line | None:
+        """The upper end of the shaft that drives, for what stands on the second plate."""
+        layout = self._bare.layout
+        if layout.second is None:
+            return None
+        point = layout.shaft_of(self.drive.link)
+        axis = layout.at(m.GROUND, point) if layout.in_second(point) else None
+        return inc.Line(axis, layout.line[1], self.chain.start[self.drive.link].angle, self.making.mount_diameter)
+
     @cached_property
     def bodies(self) -> Bodies:
-        """What is made of it; levels that [layers] leaves open are found."""
+        """What is made of it, and what holds machines that stand on it."""
+        stands = tuple(each.stand for each in self.modules if each.mounted)
+        return Bodies(replace(self._bare.layout, stands=stands), self._bare.weight) if stands else self._bare
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Of the ground plate, for screws from behind."""
+        return [(z, self.making.mount_diameter) for z in self.bodies.parts[0].centres[-2:]]
+
+    @cached_property
+    def _bare(self) -> Bodies:
+        """What is made of it alone; levels that [layers] leaves open are found."""
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
@@ -353,7 +377,7 @@ class Linkage(Mechanism):
         """The same with its levels, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
-        same = vars(self).keys() & {"chain", "bodies", "_balanced", "modules", "sprung"}
+        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -373,6 +397,10 @@ class Linkage(Mechanism):
     def stand_ins(self) -> Sequence[StandIn]:
         """What is in the way and not made: a motor, and what included machines have."""
         return [*self.bodies.stand_ins(), *(thing for each in self.modules for thing in each.stand_ins())]
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads of included machines."""
+        return [strand for each in self.modules for strand in each.strands()]
 
     @cached_property
     def _features(self) -> Sequence[Feature]:

@@ -134,6 +134,11 @@ class ThreadTakeUp(Mechanism):
         """What its parts are."""
         return Bodies(self)
 
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """The frame's holes for screws from behind."""
+        t = self.take_up
+        return [(z, self.making.mount_diameter) for z in self.bodies.mount_holes(t.pivot, t.guides)]
+
     def parts(self) -> Sequence[Part]:
         """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides."""
         return self.bodies.parts
