@@ -94,6 +94,14 @@ def test_what_no_sheet_can_be(name, sizes, said):
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize("name", ["uniform-swing", "disc-cam", "indexing-cam"])
+def test_where_else_sheet_is_had(name):
+    spec = tomllib.loads((SPECS / f"{name}.toml").read_text(encoding="utf-8"))
+    spec["parts"]["make"] = "laser"
+    with pytest.raises(SpecError, match='parts.make: .*bodies.make = "laser" makes the bench'):
+        camgen.load(spec)
+
+
 def test_without_a_sheet_or_dowels():
     spec = laser("linkage")
     del spec["laser"]
