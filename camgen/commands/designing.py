@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from camgen.commands.options import EXIT_CODES
-from camgen.commands.running import hand_over
+from camgen.commands.running import hand_over, refuse_taken
 from camgen.errors import Fault, FileError, SpecError, printable
 
 
@@ -26,14 +26,12 @@ def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path |
     """
     from camgen.design import run
 
-    def work() -> str:
-        text, found = run.design(spec, settings, jobs or os.cpu_count() or 1, lambda said: click.echo(printable(said), err=True))
-        if front is not None:
-            if found is None:
-                raise SpecError([Fault("--front", str(front), "a search for a path: it alone has a front")], "command line")
-            found.write(front)
-        return text
-
+    refuse_taken(file)
     if front is not None and front.exists():
         raise FileError(front, "exists already and is left as it is; choose another folder")
-    hand_over(work, file)
+    text, found = run.design(spec, settings, jobs or os.cpu_count() or 1, lambda said: click.echo(printable(said), err=True))
+    if front is not None:
+        if found is None:
+            raise SpecError([Fault("--front", str(front), "a search for a path: it alone has a front")], "command line")
+        found.write(front)
+    hand_over(text, file)

@@ -46,20 +46,26 @@ def show(markdown: str) -> None:
     console.print(Markdown(markdown, code_theme="ansi_dark"), width=min(console.width, 100))
 
 
-def hand_over(text: Callable[[], str], file: Path | None) -> None:
-    """Print the text, or write it to a new file, which is looked for before the text is made: that may take long."""
+def hand_over(text: str, file: Path | None) -> None:
+    """Print the text, or write it to a new file."""
     if file is None:
-        click.echo(printable(text(), keep="\n"), nl=False)
+        click.echo(printable(text, keep="\n"), nl=False)
         return
-    taken = FileError(file, "exists already and is left as it is; choose another name")
-    if file.exists():
-        raise taken
-    made = text()
     try:
         with open(file, "x", encoding="utf-8") as stream:
-            stream.write(made)
+            stream.write(text)
     except FileExistsError:
-        raise taken from None
+        raise _taken(file) from None
+
+
+def refuse_taken(file: Path | None) -> None:
+    """FileError where the file that is to be written exists: asked before a search."""
+    if file is not None and file.exists():
+        raise _taken(file)
+
+
+def _taken(file: Path) -> FileError:
+    return FileError(file, "exists already and is left as it is; choose another name")
 
 
 def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:

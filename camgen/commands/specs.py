@@ -37,7 +37,7 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
 
         text = spec_text(read_chain(source), spec_name(file or source), source.name)
     text = f"#:schema ./{starters.schema_name(kind)}\n{text}"
-    hand_over(lambda: text, file)
+    hand_over(text, file)
     if file is None:
         click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
         return

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen.errors import SpecError
+from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.judge.assembly import sweep
+from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import GearTeeth, PinEyes
 from camgen.machine.model import Clutch
@@ -67,7 +68,7 @@ def test_the_link_turns_on_by_half_a_turn_and_stands(sense: int) -> None:
 def test_the_judges_route_and_the_makers_agree(made: IndexingCam) -> None:
     """All joints closed at once, from the drawn position, against the chain of closed forms; and rates by differences."""
     theta = np.radians(np.arange(0.5, 360.0, 3.0))
-    closed = Constraints(made.model).close(theta)
+    closed = close(Constraints(made.model), theta)
     run = made.solve(theta, 1)
     assert closed.q == pytest.approx(run.poses(), abs=1e-8)
     rate = run.derivatives("link")[1]
@@ -221,6 +222,11 @@ def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
             data[name].pop(key, None)
     with pytest.raises(SpecError, match=said):
         validate(IndexingCam, data)
+
+
+def test_a_plate_thinner_than_its_clutch_is_told_with_the_benchs_key() -> None:
+    with pytest.raises(DesignError, match="bodies.base_thickness is 8 mm.*limit 15 mm"):
+        design("machine", bodies={"base_thickness": 8.0}).parts()
 
 
 def test_the_clutch_is_a_joint_of_two_bodies(made: IndexingCam) -> None:
