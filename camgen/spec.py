@@ -15,7 +15,7 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from datetime import date
 from difflib import get_close_matches
@@ -31,6 +31,7 @@ from camgen.schemas import in_words, keys_of, members_of, one_of, shortened, sho
 
 Data = dict[str, Any]
 
+_WIDE = 110  # characters of a line of TOML
 _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
 _DEEPEST = 32  # tables and lists in one another; no spec needs ten
 _SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
@@ -59,7 +60,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Accuracy(Record):
@@ -109,6 +111,11 @@ class Output(Record):
     step: bool | None = None
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
+
+    @property
+    def machining(self) -> bool:
+        """Whether tables for machine tools are asked for."""
+        return self.profile_step_deg is not None or self.cutter_radius is not None
 
 
 class Drawing(Record):
@@ -451,10 +458,23 @@ def _at(data: Any, path: Iterable[str | int]) -> Any:
 
 
 def dump(record: Spec) -> str:
-    """The spec as TOML with every default filled in; read again it gives an equal record and the same text."""
+    """The spec as TOML with every default filled in; read again it gives an equal record and the same text.
+
+    Arrays that fit stand on one line.
+    """
     import tomli_w
 
-    return tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True))
+    lines = iter(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)).splitlines())
+    return "".join(f"{line if line[-1:] != '[' else _array(line, lines)}\n" for line in lines)
+
+
+def _array(opened: str, lines: Iterator[str]) -> str:
+    """An array that tomli_w spreads over lines, of which the first is read: on one line where it fits, and whole in any case."""
+    items, ends = [], ("]", "],")
+    while (line := next(lines)).strip() not in ends:
+        items.append(line if line[-1] != "[" else _array(line, lines))
+    short = opened + ", ".join(item.strip().removesuffix(",") for item in items) + line.strip()
+    return short if len(short) <= _WIDE and "\n" not in short else "\n".join([opened, *items, line])
 
 
 def schema(cls: type[Spec], mechanism: str | None = None) -> Data:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 @click.option("--dpi", type=float, help="Dots per inch of a scan.  [default: as its file says]")
 @click.option("--second-scan", "others", multiple=True, type=click.Path(path_type=Path), help="The part again, turned by 90 deg.")
 @click.option("--across", type=click.FloatRange(0.1), help="Greatest width of a scanned part by a caliper, mm.")
+@click.option("--probe", type=click.FloatRange(0, 1000), default=0.0, help="Radius of the ball whose centres points are, mm.")
 @click.option("--against", type=click.Path(path_type=Path), help="SPEC of the cam: lay the outline on it, compare the motion.")
 @click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
 @click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 def motion(
     file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
     line_width: float | None, dpi: float | None, others: Sequence[Path], across: float | None, against: Path | None,
-    harmonics: int, out: Path, **shown: bool,
+    probe: float, harmonics: int, out: Path, **shown: bool,
 ) -> None:  # fmt: skip
     """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan, points) and report its motion.
 
@@ -80,7 +81,7 @@ def motion(
         from camgen.pipeline import outline_motion
 
         scanning = Scanning(dpi, tuple(others), across)
-        asked = (follower, second_follower, second, height, layer, harmonics, line_width, scanning, against)
+        asked = (follower, second_follower, second, height, layer, harmonics, line_width, scanning, against, probe)
         request = outline_motion.Request(*asked)
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 

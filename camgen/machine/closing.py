@@ -18,7 +18,7 @@ STEPS = 20
 # Largest misfit of a closed chain, by the size of its links and of the ground under them.
 CLOSED = 1e-12
 # Angles a turn that are closed one after another from the drawn position.
-FOLLOWED = 72
+FOLLOWED = 36
 # A step of theta below which the chain ends, rad.
 LEAST_STEP = 1e-6
 # A step of theta at which the determinant's sign may change: a larger one has jumped to another branch, rad.

@@ -28,8 +28,10 @@ from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Scaled
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.stacking import lacking, laid
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.tables import Gear
+from camgen.machines.linkage.troughs import open_rails
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
@@ -165,6 +167,11 @@ class Bench:
             Spring(each.title, place(*each.a), place(*each.b), each.wire.rate, each.wire.free - pin)
             for each in self.strung.values()
         ]
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of its rails."""
+        return open_rails(self.bodies.layout)
 
     @cached_property
     def bodies(self) -> Bodies:

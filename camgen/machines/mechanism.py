@@ -27,11 +27,23 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, PinEyes, StandIn
+from camgen.machine.features import (
+    Apart,
+    Asked,
+    Balance,
+    CamOutline,
+    Eye,
+    Feature,
+    Mount,
+    Moved,
+    PartPose,
+    PinEyes,
+    StandIn,
+    Strand,
+)
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.applied import applied
-from camgen.machines.loads.assess import drives_of
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
@@ -169,7 +181,8 @@ class Mechanism(Spec, ABC):
     @property
     def drives(self) -> Drives | None:
         """What the motor can give, as the spec says it."""
-        return drives_of(self)
+        motor = getattr(self, "motor", None)
+        return motor if isinstance(motor, Drives) else None
 
     @property
     def shaft_needed(self) -> float | None:
@@ -195,6 +208,15 @@ class Mechanism(Spec, ABC):
     def return_spring(self) -> Mounted | None:
         """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
         return None
+
+    @property
+    def balance(self) -> Balance | None:
+        """What the solids of a crank with a counterweight are held to; None of a machine without one."""
+        return None
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads that run from post to post."""
+        return ()
 
     def journals(self) -> Mapping[str, Journal]:
         """The plain bearings of its pins, by joint."""
@@ -241,6 +263,10 @@ class Mechanism(Spec, ABC):
             *tables, last = key.split(".")
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Core holes in the underside of its frame, at z = 0, by which it is screwed on: place on the ground and diameter, mm."""
+        return ()
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""

@@ -6,17 +6,15 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
-from camgen.machines.bench import Bench
 from camgen.machines.linkage import sheets
-from camgen.machines.linkage.posts import posts
-from camgen.machines.linkage.tables import Parts
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.loads.journals import Post
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought
@@ -25,6 +23,9 @@ from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
 from camgen.study import Table
+
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
 
 
 class Sizes(Parts):
@@ -175,6 +176,8 @@ class StandingCams(Mechanism):
         """Of a machine the pins of its springs and its roller."""
         if not self.standing:
             return ()
+        from camgen.machines.linkage.posts import posts
+
         bench, pulls = self.bench, {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()}
         pulls |= {} if bench.spring is None else {"spring": bench.spring.force(bench.way[1])}
         return tuple(posts(bench.bodies.layout, pulls, self.material.name))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
+from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.sheets import why_not
+from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
     from camgen.pipeline.jobs import Case
@@ -21,6 +23,19 @@ READ = (*ANY, *EXACT)  # part by part
 
 # Keys of [print] that change what is sent to a printer.
 _FITS = ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one stage found, for the report."""
+
+    findings: Sequence[Finding] = ()
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    plots: Sequence[Plot] = ()
+    tables: Sequence[Table] = ()
+    columns: Mapping[str, Floats] = field(default_factory=dict)
+    not_judged: Sequence[NotJudged] = ()
+    warnings: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,8 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         bodies.append(Body(part.name, poses[part.name], rings))
     for s in mechanism.study().sketches if sketches is None else sketches:
         body = courses[s.body]
-        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles))
+        course = None if s.course is None else s.course(theta)
+        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course))
     if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]

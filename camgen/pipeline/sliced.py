@@ -28,8 +28,8 @@ from camgen.parts.fits import Compensation
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import facetted
 from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
-from camgen.pipeline.judging import Read, judge_motion, judge_part
 from camgen.pipeline.making import compensation
+from camgen.pipeline.reading import Read, judge_motion, judge_part
 from camgen.report.report import Report
 from camgen.study import Table
 
@@ -285,6 +285,12 @@ def _costs(value: str) -> bool:
 def _remarks(laid: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]) -> list[str]:
     """What a person should read beside the findings."""
     found = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
+    rows = [[float(str(cell)) for cell in row[4:8]] for one in laid.values() for row in one.rows if row[6] != ""]
+    if rows:
+        outside, holes = (max((row[k] for row in rows), key=abs) for k in (2, 3))
+        lowest = ", ".join(f"{max((row[k] for row in rows), key=abs):+.3f} mm" for k in (0, 1))
+        said = f"outlines lie {outside:+.3f} mm out of what is meant and walls come {holes:+.3f} mm into holes, by mean"
+        found.append(f"{said}; in the first layer, against what was sent, {lowest}")
     high = {str(row[0]): (float(str(row[2])), float(str(row[3]))) for one in laid.values() for row in one.rows}
     off = [f"{part} {top:g} for {meant:g}" for part, (top, meant) in high.items() if abs(top - meant) > _HIGH]
     if off:

@@ -44,6 +44,10 @@ const camgen = (() => {
   });
   function draw() {
     const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    Object.entries(data.courses).forEach(([k, rows]) => {
+      const line = rows[i].map((value, n) => between(value, rows[j][n], j ? share : 0).toFixed(2));  // a turn may begin anew
+      document.querySelector("#body-" + k + " path").setAttribute("d", "M" + line.join(" "));
+    });
     copies.forEach((copy, k) => {
       const states = data.poses[k], a = states[i % states.length], b = states[j % states.length];
       copy.toggleAttribute("display", false);

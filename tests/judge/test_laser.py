@@ -182,6 +182,9 @@ def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root
 def test_which_parts_a_sheet_can_be(root):
     mechanism = read_mechanism(root / "specs" / "thread-take-up.toml", ("laser.thickness=4",)).resolved()
     assert {part.name for part in sheet_parts(mechanism)} == {"frame", "output-crank", "input-crank", "bell-crank", "collar"}
+    assert {part.name for part in mechanism.printed()} == {p.name for p in mechanism.parts() if p.made == "printed"} - {
+        part.name for part in sheet_parts(mechanism)
+    }  # what is cut lies on no print plate
     said = {part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.parts()}
     assert said["shaft"] == "turned of steel" and said["guide"].startswith("stepped")
     assert said["dowel"] == "8.2 mm thick, the sheet is 4"

@@ -19,9 +19,10 @@ from camgen import spec as specs
 from camgen.cli import main
 from camgen.errors import SpecError
 from camgen.live import run as live
-from camgen.live.numbers import edited, numbers, overrides
+from camgen.live.numbers import numbers, overrides
 from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
+from camgen.pipeline.edits import edited
 from camgen.starters import described, examples, folder
 
 HOME = "http://127.0.0.1:8000"

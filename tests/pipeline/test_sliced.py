@@ -124,7 +124,7 @@ def test_holes_that_are_lost_and_outlines_that_grow(folder):
 
 
 def test_the_first_layer_is_told_by_itself(folder):
-    """It is squeezed out by 0.2 mm: no finding, but a figure; with a solid that is drawn in against it already one that fails."""
+    """It is squeezed out by 0.2 mm: no finding, but a figure; with a solid drawn in against it already one that fails."""
     squeezed = laid(folder, ["collar"], lambda name, k, flat: flat.buffer(0.2 * (k == 0)))
     report = check_gcode(folder, [squeezed])
     assert not failing(report)
@@ -136,6 +136,15 @@ def test_the_first_layer_is_told_by_itself(folder):
         assert not failing(check_gcode(folder, [laid(folder, ["collar"])]))
     finally:
         (folder / "spec.toml").write_text(spec, encoding="utf-8")
+
+
+def test_what_is_sent_otherwise_than_it_prints(tmp_path):
+    """Holes sent larger, outlines smaller, all against shrinkage, a chamfer at the foot: it prints as designed."""
+    spec = tomllib.loads(SPEC.read_text(encoding="utf-8")) | {"name": "bars"}
+    more = {"hole_compensation": 0.1, "profile_compensation": 0.06, "shrinkage": 0.003, "elephant_foot": 0.2}
+    camgen.build(spec | {"print": spec["print"] | more}, tmp_path, only="stl")
+    report = check_gcode(tmp_path / "bars", [laid(tmp_path / "bars", MOVING)])
+    assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
 
 
 def test_what_lies_there_besides(folder):

@@ -17,7 +17,7 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -31,13 +31,11 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machine.targets import Advance, advance
-from camgen.machines.bench import Bench
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
 from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, stepping, stood
 from camgen.machines.indexing_cam.standing_driver import room
-from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
 from camgen.machines.indexing_cam.stepping import FORWARDS, Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import (
@@ -59,6 +57,10 @@ from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
 from camgen.study import Plot, Sketch, Study
+
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
+    from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
 
 _EVEN = "angle of the even drive", "even drive, once a turn of the cam"
 _NOT_MADE = 'The unloader is not made, and the driven link goes without it: unloader.torque = "crank" is one that can be made.'
@@ -272,6 +274,8 @@ class IndexingCam(StandingCams):
         """The unloader of a machine that is made; None where its spring is none that can be."""
         if not isinstance(self.unloading, CrankSpring):
             return None
+        from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
+
         f, ratio = self.geometry.follower, self.geometry.gear_ratio
         wheel = (self.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
         return StandingUnloader(

@@ -26,8 +26,8 @@ from camgen.machine.run import Run, solve
 from camgen.machines.indexing_cam.driver import ARM, CRANK
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.stacking import laid
-from camgen.machines.linkage.tables import Parts
 from camgen.parts.catalogue import SCREWS, Bought, turning_text
 from camgen.parts.hardware import spacer
 from camgen.parts.part import Part

@@ -26,8 +26,8 @@ from camgen.machine.model import GROUND, Body, Gear, Machine, Pin, Place
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Strung
 from camgen.machines.indexing_cam.unloader import CrankSpring
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear as GearTable
-from camgen.machines.linkage.tables import Parts
 from camgen.parts.levels import hull_corners
 from camgen.parts.springs import extension_spring
 

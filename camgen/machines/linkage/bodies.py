@@ -54,7 +54,7 @@ from camgen.machines.linkage.plates import SECOND, ground_plate, second
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, in_upper, stubs
 from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot, touched
 from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
@@ -83,21 +83,22 @@ class _Disc(Disc):
 class Bodies:
     """What is made of a machine that is laid out."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None) -> None:
+        self.weight = weight  # on the driven link's shaft, with its pins and their places
         self.layout, self.sizes, self.fits, self.min_wall = layout, layout.sizes, layout.fits, layout.min_wall
 
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
         layout = self.layout
         moving = [link for link in layout.moving if link not in layout.alone]
-        base = ground_plate(layout, part_name(GROUND), self._collar, self._pressed(GROUND))
+        base = ground_plate(layout, part_name(GROUND), self.collar_radius, self._pressed(GROUND))
         parts = [base, *(self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
         for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
-                            *hand_crank(layout), *second(layout)]:  # fmt: skip
+                            *hand_crank(layout), *second(layout), *self._counterweight()]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -188,13 +189,27 @@ class Bodies:
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
     @property
-    def _collar(self) -> float:
-        """Radius of a shaft's collar, mm."""
+    def collar_radius(self) -> float:
+        """Of a shaft's collar, mm."""
         return self.sizes.shaft_diameter / 2 + self.sizes.head + self.sizes.wall
 
     def _profile(self, fit: float) -> Contour:
         """Outline of a shaft, a circle with a flat, or of its hole."""
         return d_bore(self.sizes.shaft_diameter + fit, self.sizes.shaft_flat)
+
+    @property
+    def bore(self) -> Contour:
+        """Of what is pressed on a shaft."""
+        return self._profile(self.fits.press_clearance)
+
+    def _counterweight(self) -> Iterator[Placed]:
+        """The counterweight and its pins."""
+        if self.weight is None:
+            return
+        link, (part, pins) = self.layout.driven, self.weight
+        at, z = self.layout.at(link, self.layout.shaft_of(link)), self.layout.floor(self.layout.level[part.name])
+        yield part, Mount(part.name, link, at, z=z)
+        yield from ((pin, Mount(pin.name, link, at + place, z=z)) for pin, place in pins)
 
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
@@ -213,7 +228,7 @@ class Bodies:
                 if layout.clutch(point):
                     name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
                 lowest = Part(
-                    name, "Collar of a shaft", (Layer(Region(circle(0j, self._collar), (bore,)), 0.0, s.thickness),),
+                    name, "Collar of a shaft", (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
                     centres=(0j,), min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
                 )  # fmt: skip
                 yield lowest, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
@@ -234,7 +249,9 @@ class Bodies:
         driven, below = link == self.layout.driven, self.sizes.thickness + 2 * self.fits.slide_clearance
         below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
         name = "shaft" if driven else f"shaft-{link}"
-        layer = Layer(Region(self._profile(0.0)), 0.0, below + stub.held[-1][1])
+        sleeved = link in (self.layout.driven, self.layout.upper_web) and any(stand.sleeve for stand in self.layout.stands)
+        top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
+        layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         made = "turned" if self.sizes.of_sheet else "printed"
         said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
@@ -364,7 +381,7 @@ class Bodies:
                     rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
                     found.append(PinEyes(joint.name, self._eye(point, a, b), self._eye(point, b, a), pin, rings))
         for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
-            turns = self._pivot(one.link), self._pivot(other.link)
+            turns = self.pivot_of(one.link), self.pivot_of(other.link)
             found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
         found += [outline for tip in layout.tips for outline in self._outlines(tip)]
         found += [*self._keyed(), *self._steady()]
@@ -398,7 +415,7 @@ class Bodies:
             ends = (self._eye(point, layout.driven), self._eye(point, web)) if hangs else None
             yield Steady(joint, self._eye(point, GROUND), far, Eye(part, 0j, layout.turning(point), True), ends)
 
-    def _pivot(self, link: str) -> str:
+    def pivot_of(self, link: str) -> str:
         """Name of the pin on which a link turns on the ground."""
         joints = self.layout.machine.joints
         return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
@@ -419,8 +436,8 @@ class Bodies:
         """What a roller runs on, first what drives; the hole of its pin is what holds it."""
         joint, name = tip.joint, f"cam-{tip.name}"
         driving = CamOutline(
-            joint.name, f"{name}-inner" if tip.grooved else name, self._pivot(joint.cam),
-            self._pivot(joint.follower) if joint.slide is None else None,
+            joint.name, f"{name}-inner" if tip.grooved else name, self.pivot_of(joint.cam),
+            self.pivot_of(joint.follower) if joint.slide is None else None,
             self._tip(tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
         )  # fmt: skip
         yield driving
@@ -436,6 +453,8 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = self._point_of(joint)
                 joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
+            elif isinstance(joint, m.Cam):
+                joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 

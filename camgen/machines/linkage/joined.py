@@ -13,7 +13,8 @@ from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.machine import model as m
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.catalogue import Bearing
@@ -42,6 +43,27 @@ class Second:
 
 
 @dataclass(frozen=True)
+class Sleeve:
+    """What joins the upper end of the shaft to another one over it: diameter and flat of that, how far its flat is turned from
+    this one's, rad, and how far the sleeve reaches up on it, mm."""
+
+    diameter: float
+    flat: float
+    turn: float
+    up: float
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Another machine's frame that stands on the second plate: posts under its screw holes, up to a height, mm."""
+
+    name: str
+    places: tuple[complex, ...]
+    high: float
+    sleeve: Sleeve | None = None
+
+
+@dataclass(frozen=True)
 class Joined:
     """A machine and the sizes of its parts.
 
@@ -51,7 +73,8 @@ class Joined:
     the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
     link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
     on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
-    second: the plate over all, once levels are found.
+    second: the plate over all, once levels are found; weights: counterweights on shafts;
+    stands: what else stands on it.
     """
 
     drawn: m.Machine
@@ -72,6 +95,8 @@ class Joined:
     feet: Sequence[tuple[complex, float]] = ()
     hangs: bool = False
     second: Second | None = None
+    weights: Sequence[Wheel] = ()
+    stands: tuple[Stand, ...] = ()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -140,8 +165,8 @@ class Joined:
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs and gears' wheels."""
-        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed)]
+        """Cam discs, gears' wheels, counterweights."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:

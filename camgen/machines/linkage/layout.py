@@ -25,6 +25,7 @@ from camgen.parts.part import d_bore, hull, with_bar
 
 __all__ = ["GROUND", "Layout", "Stretched"]
 
+SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
@@ -340,7 +341,7 @@ class Layout(Joined):
         links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
-        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
         names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
         springs = {name for name in self.riders.get(point, ()) if name in self.springs}
@@ -365,7 +366,7 @@ class Layout(Joined):
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
         links = [link for link in self.moving if link not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
-        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}
@@ -383,6 +384,12 @@ class Layout(Joined):
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""
         return self.floor(level) + self._heights[level]
+
+    @property
+    def line(self) -> tuple[float, float]:
+        """Where a sleeve on the shaft that drives begins, over the second plate, and where that shaft ends in it, mm."""
+        low = self.ceiling + self.sizes.base_thickness + self.fits.slide_clearance
+        return low, low + SLEEVE * self.sizes.shaft_diameter
 
     @property
     def ceiling(self) -> float:

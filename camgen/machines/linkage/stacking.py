@@ -118,9 +118,10 @@ def things(layout: Layout, run: Run) -> Things:
         # under a groove's roller there is the back plate, under one that hangs the head of its pin
         bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
         over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
-    for wheel in (each.wheel for each in layout.toothed):
+    for wheel in (*(each.wheel for each in layout.toothed), *layout.weights):
         at = layout.at(GROUND, layout.shaft_of(wheel.link))
-        smaller = f"a smaller {wheel.about} (shafts nearer to each other)"
+        how = 'counterweight.made = "steel", or a greater thickness' if wheel in layout.weights else "shafts nearer to each other"
+        smaller = f"a smaller {wheel.about} ({how})"
         elsewhere = f"points.{layout.shaft_of(wheel.link)} elsewhere"
         bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level, smaller, elsewhere))
     for name, spring in layout.springs.items():

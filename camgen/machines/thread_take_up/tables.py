@@ -57,6 +57,7 @@ class Parts(Record):
     finger_diameter: Length = 2.0
     guide_diameter: Length = 2.0
     thread_height: Length = 6.0
+    groove: Annotated[float, Field(ge=0, le=1e6)] = 2.0
 
 
 class Limits(Bears):

@@ -36,6 +36,7 @@ from camgen.machines.cam_loads import unweighed
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
@@ -392,7 +393,10 @@ class UniformSwing(Mechanism):
         )
         return Study(
             numbers | dict(loaded.numbers),
-            plots=(*loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)])),
+            plots=(
+                *loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)]),
+                *pictures(Model(g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), cam)),
+            ),
             tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),
