@@ -12,10 +12,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machines.linkage.tables import Gear, Parts
 from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
+from camgen.parts.part import Layer
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -52,6 +54,17 @@ class Sleeve:
 
 
 @dataclass(frozen=True)
+class Merged:
+    """Another machine on the second plate, as the plate takes it: discs of its frame's outline, its holes, what stands on it
+    (heights over the plate's upper side) and how far the shaft reaches over that side, mm; places on the ground."""
+
+    discs: tuple[tuple[complex, float], ...]
+    holes: tuple[Contour, ...]
+    above: tuple[Layer, ...]
+    shaft: float
+
+
+@dataclass(frozen=True)
 class Stand:
     """Another machine's frame that stands on the second plate: posts under its screw holes, up to a height, mm."""
 
@@ -59,6 +72,7 @@ class Stand:
     places: tuple[complex, ...]
     high: float
     sleeve: Sleeve | None = None
+    merged: Merged | None = None
 
 
 @dataclass(frozen=True)
@@ -69,7 +83,7 @@ class Jointed:
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
     the plate, where they turn, and are pressed into their highest link; second: the plate over all, once levels are found;
-    stands: what else stands on it.
+    stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm.
     """
 
     drawn: m.Machine
@@ -86,6 +100,7 @@ class Jointed:
     springs: Mapping[str, Stretched] = field(default_factory=dict)
     second: Second | None = None
     stands: tuple[Stand, ...] = ()
+    kept: tuple[tuple[complex, float], ...] = ()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
