@@ -13,6 +13,7 @@ from camgen import spec as specs
 from camgen.errors import Fault, SpecError, file_errors
 from camgen.motion.laws import LAWS
 from camgen.schemas import Data, members_of, step_below
+from camgen.settings import override
 
 _MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points
 _AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
@@ -106,7 +107,7 @@ def edited(text: str, settings: Sequence[str]) -> str:
     document = tomlkit.parse(text)
     data: Data = document.unwrap()
     for setting in settings:
-        data = specs.override(data, setting)
+        data = override(data, setting)
         holder: Any = document
         value: Any = data
         *tables, last = setting.partition("=")[0].split(".")

@@ -277,7 +277,7 @@ class Constraints:
 
     def _square(self) -> None:
         if self.height != self.width:
-            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 freedoms each")
+            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 degrees of freedom each")
 
     def _newton(self, guess: Floats, theta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         q = guess.copy()

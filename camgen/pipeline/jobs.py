@@ -21,6 +21,7 @@ from camgen.machines.included import opened
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
 from camgen.parts.part import Part
+from camgen.settings import override
 
 T = TypeVar("T")
 
@@ -61,8 +62,8 @@ def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
 
 def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str] = ()) -> Mechanism:
     """The mechanism of some tables with some keys set anew."""
-    for override in overrides:
-        data = specs.override(data, override)
+    for setting in overrides:
+        data = override(data, setting)
     data = with_tables(data, folder)
     return specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
 

@@ -28,7 +28,7 @@ from camgen.study import Sketch
 CRANK, ARM = "crank", "arm"
 CHAIN = (
     "A crank that turns evenly, twice while the cam turns once, drives the cam through an arm in whose slot its pin runs "
-    "(Whitworth's turning block) and a belt or an idler, 2 to 1. The chain is not made: its axle stands inside the way of the "
+    "(Whitworth's turning block) and a belt or an idler, 2 to 1. The chain is not made: its axle stands inside the path of the "
     "crank, so that crank and arm want bearings from either side. Angles of the report grow evenly with the time; those of the "
     "outlines and of the pressure angle are the cam's own."
 )
@@ -141,6 +141,6 @@ def driver_faults(driver: Driver, spans: Sequence[float], standing: bool) -> lis
     if abs(rise - back) > 1e-9:
         found.append(Fault("geometry.return_deg", f"{back:g}", f"rise_deg, {rise:g}, with [driver]"))
     if standing:
-        right = '"cams" with [driver]: its axle stands inside the way of the crank, and wants a bearing from the other side'
+        right = '"cams" with [driver]: its axle stands inside the path of the crank, and wants a bearing from the other side'
         found.append(Fault("parts.make", "machine", right))
     return found
