@@ -13,7 +13,7 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from datetime import date
 from difflib import get_close_matches
@@ -29,6 +29,7 @@ from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling
 
 Data = dict[str, Any]
 
+_WIDE = 110  # characters of a line of TOML
 _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
 DEEPEST = 32  # tables and lists in one another; no spec needs ten
 SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
@@ -57,7 +58,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Accuracy(Record):
@@ -85,6 +87,7 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
@@ -106,6 +109,11 @@ class Output(Record):
     step: bool | None = None
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
+
+    @property
+    def machining(self) -> bool:
+        """Whether tables for machine tools are asked for."""
+        return self.profile_step_deg is not None or self.cutter_radius is not None
 
 
 class Drawing(Record):
@@ -142,7 +150,22 @@ class Laser(Record):
     gap: Annotated[float, Field(ge=0, le=100)] = 2.0
 
 
-class Spec(Record):
+class Checked(Record):
+    """A record that `validate` makes: its keys are judged one by one, then together."""
+
+    _hints: tuple[str, ...] = PrivateAttr(())
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """What to tell of keys that were read in another spelling."""
+        return self._hints
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
+        return ()
+
+
+class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
     mechanism: str
@@ -160,19 +183,8 @@ class Spec(Record):
     output: Output = Output()
     drawing: Drawing = Drawing()
     laser: Laser | None = None
-    _hints: tuple[str, ...] = PrivateAttr(())
 
-    @property
-    def hints(self) -> tuple[str, ...]:
-        """What to tell of keys that were read in another spelling."""
-        return self._hints
-
-    def faults(self) -> Sequence[Fault]:
-        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
-        return ()
-
-
-S = TypeVar("S", bound=Spec)
+S = TypeVar("S", bound=Checked)
 
 # ---- reading ---------------------------------------------------------------------------------------------------------
 
@@ -298,7 +310,7 @@ def validate(cls: type[S], data: Data, source: str = "spec", hints: tuple[str, .
     return record
 
 
-def _respell(cls: type[Spec], data: Data, error: ValidationError) -> list[str]:
+def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:
     """Rename what is unknown in one spelling and known in the other; what to tell of it."""
     root, told = _json_schema(cls), list[str]()
     for item in error.errors(include_url=False):
@@ -319,12 +331,12 @@ def _tuples(value: Any) -> Any:
 
 
 @lru_cache
-def _json_schema(cls: type[Spec]) -> Data:
+def _json_schema(cls: type[Checked]) -> Data:
     """The class's schema, to look things up in."""
     return cls.model_json_schema()
 
 
-def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
+def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Fault]:
     """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
     root = _json_schema(cls)
     found: dict[str, Fault] = {}
@@ -393,10 +405,23 @@ def _at(data: Any, path: Iterable[str | int]) -> Any:
 
 
 def dump(record: Spec) -> str:
-    """The spec as TOML with every default filled in; read again it gives an equal record and the same text."""
+    """The spec as TOML with every default filled in; read again it gives an equal record and the same text.
+
+    Arrays that fit stand on one line.
+    """
     import tomli_w
 
-    return tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True))
+    lines = iter(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)).splitlines())
+    return "".join(f"{line if line[-1:] != '[' else _array(line, lines)}\n" for line in lines)
+
+
+def _array(opened: str, lines: Iterator[str]) -> str:
+    """An array that tomli_w spreads over lines, of which the first is read: on one line where it fits, and whole in any case."""
+    items, ends = [], ("]", "],")
+    while (line := next(lines)).strip() not in ends:
+        items.append(line if line[-1] != "[" else _array(line, lines))
+    short = opened + ", ".join(item.strip().removesuffix(",") for item in items) + line.strip()
+    return short if len(short) <= _WIDE and "\n" not in short else "\n".join([opened, *items, line])
 
 
 def schema(cls: type[Spec], mechanism: str | None = None) -> Data:

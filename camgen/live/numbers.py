@@ -13,7 +13,6 @@ from camgen import spec as specs
 from camgen.errors import Fault, SpecError, file_errors
 from camgen.motion.laws import LAWS
 from camgen.schemas import Data, members_of, step_below
-from camgen.settings import override
 
 _MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points
 _AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
@@ -98,30 +97,6 @@ def overrides(settings: object, known: Sequence[Number]) -> list[str]:
     if faults:
         raise SpecError(faults, "page")
     return [f"{key}={text}" for key, text in settings.items()]
-
-
-def edited(text: str, settings: Sequence[str]) -> str:
-    """The text of a spec with some keys set anew: comments, order and layout stay."""
-    import tomlkit
-
-    document = tomlkit.parse(text)
-    data: Data = document.unwrap()
-    for setting in settings:
-        data = override(data, setting)
-        holder: Any = document
-        value: Any = data
-        *tables, last = setting.partition("=")[0].split(".")
-        for step in tables:
-            at = int(step) if isinstance(holder, list) else step
-            holder, value = holder[at], value[at]
-        at = int(last) if isinstance(holder, list) else last
-        if holder[at] != value[at]:
-            before = holder[at]
-            holder[at] = value[at]
-            trivia, longer = holder[at].trivia, len(holder[at].as_string()) - len(before.as_string())
-            if trivia.comment:  # stays in its column
-                trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
-    return tomlkit.dumps(document)
 
 
 def write(path: Path, text: str) -> None:
