@@ -84,7 +84,7 @@ class Signal:
 def _one_drive(value: object) -> object:
     """A list of drives is told for what it is."""
     if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
     return value
 
 
