@@ -15,14 +15,15 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import UNKNOWN, Fault, FileError, SpecError
@@ -30,6 +31,7 @@ from camgen.schemas import in_words, keys_of, members_of, one_of, shortened, sho
 
 Data = dict[str, Any]
 
+_WIDE = 110  # characters of a line of TOML
 _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
 _DEEPEST = 32  # tables and lists in one another; no spec needs ten
 _SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
@@ -58,7 +60,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Accuracy(Record):
@@ -86,6 +89,7 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
@@ -108,6 +112,36 @@ class Output(Record):
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
 
+    @property
+    def machining(self) -> bool:
+        """Whether tables for machine tools are asked for."""
+        return self.profile_step_deg is not None or self.cutter_radius is not None
+
+
+class Drawing(Record):
+    """What the dimensioned drawings say in their title blocks, and the step of the table of a cam's radii on them."""
+
+    tolerance: Annotated[
+        str,
+        Field(
+            pattern=r"^ISO 2768-[fmcv][HKL]?$",
+            description='general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+        ),
+    ] = "ISO 2768-m"
+    number: (
+        Annotated[str, Field(pattern=r"^[!-~]([ -~]{0,28}[!-~])?$", description="a text of up to 30 letters, digits and signs")]
+        | None
+    ) = None
+    date: (
+        Annotated[
+            str,
+            Field(pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$", description='a date such as "2026-05-31"'),
+            BeforeValidator(lambda value: value.isoformat() if type(value) is date else value),  # as TOML has them
+        ]
+        | None
+    ) = None
+    profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
+
 
 class Laser(Record):
     """What cuts flat parts of sheet, mm: kerf of its beam; sheet: width, height; gap between neighbours, half to the edge."""
@@ -118,7 +152,15 @@ class Laser(Record):
     gap: Annotated[float, Field(ge=0, le=100)] = 2.0
 
 
-class Spec(Record):
+class Checked(Record):
+    """A record that `validate` makes: its keys are judged one by one, then together."""
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
+        return ()
+
+
+class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
     mechanism: str
@@ -134,14 +176,11 @@ class Spec(Record):
     material: Material = Material()
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
+    drawing: Drawing = Drawing()
     laser: Laser | None = None
 
-    def faults(self) -> Sequence[Fault]:
-        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
-        return ()
 
-
-S = TypeVar("S", bound=Spec)
+S = TypeVar("S", bound=Checked)
 
 # ---- reading ---------------------------------------------------------------------------------------------------------
 
@@ -345,12 +384,12 @@ def _tuples(value: Any) -> Any:
 
 
 @lru_cache
-def _json_schema(cls: type[Spec]) -> Data:
+def _json_schema(cls: type[Checked]) -> Data:
     """The class's schema, to look things up in."""
     return cls.model_json_schema()
 
 
-def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
+def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Fault]:
     """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
     root = _json_schema(cls)
     found: dict[str, Fault] = {}
@@ -419,10 +458,23 @@ def _at(data: Any, path: Iterable[str | int]) -> Any:
 
 
 def dump(record: Spec) -> str:
-    """The spec as TOML with every default filled in; read again it gives an equal record and the same text."""
+    """The spec as TOML with every default filled in; read again it gives an equal record and the same text.
+
+    Arrays that fit stand on one line.
+    """
     import tomli_w
 
-    return tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True))
+    lines = iter(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)).splitlines())
+    return "".join(f"{line if line[-1:] != '[' else _array(line, lines)}\n" for line in lines)
+
+
+def _array(opened: str, lines: Iterator[str]) -> str:
+    """An array that tomli_w spreads over lines, of which the first is read: on one line where it fits, and whole in any case."""
+    items, ends = [], ("]", "],")
+    while (line := next(lines)).strip() not in ends:
+        items.append(line if line[-1] != "[" else _array(line, lines))
+    short = opened + ", ".join(item.strip().removesuffix(",") for item in items) + line.strip()
+    return short if len(short) <= _WIDE and "\n" not in short else "\n".join([opened, *items, line])
 
 
 def schema(cls: type[Spec], mechanism: str | None = None) -> Data:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pytest
+import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import AfterValidator, Field, model_validator
@@ -322,6 +323,23 @@ def test_dump_reads_back_equal_and_dumps_the_same(width: Any, lid: Any, lifts: l
 
 def test_whole_numbers_and_floats_end_equal() -> None:
     assert dump(validate(Box, box(width=60, height=60))) == dump(validate(Box, box(width=60.0, height=60.0)))
+
+
+def test_short_arrays_stand_on_one_line_and_long_ones_on_many(root: Path) -> None:
+    """Of an example with points, links, nested pairs and tables in arrays: what is read is the same as what tomli_w writes."""
+    data = read(root / "specs" / "thread-take-up.toml")
+    data["geometry"]["guides"] = [[float(k), 1.5] for k in range(2)]
+    record = validate(load("thread-take-up"), data)
+    text = dump(record)
+    assert "guides = [[0.0, 1.5], [1.0, 1.5]]\n" in text and "bed = [220.0, 220.0]\n" in text
+    assert tomllib.loads(text) == tomllib.loads(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)))
+    cam = read(root / "specs" / "disc-cam.toml")
+    rows = [[float(k), k / 7] for k in range(60)]
+    odd = 'a "[" b, ]'
+    cam["segment"][0]["law"] = {"name": "table", "points": rows, "source": odd}
+    text = dump(validate(load("disc-cam"), cam))
+    assert max(map(len, text.splitlines())) < 400 and tomllib.loads(text)["segment"][0]["law"]["points"] == rows
+    assert tomllib.loads(text)["segment"][0]["law"]["source"] == odd
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)

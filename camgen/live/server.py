@@ -29,10 +29,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
-from camgen.live.numbers import Number, edited, numbers, overrides, write
+from camgen.live.numbers import Number, numbers, overrides, write
 from camgen.live.preview import preview, told
 from camgen.machines import MECHANISMS, load
 from camgen.pipeline.build import KINDS, build
+from camgen.pipeline.edits import edited
 from camgen.pipeline.jobs import changed, read_tables
 from camgen.starters import described
 

@@ -28,6 +28,7 @@ from camgen.machine.model import (
     MM,
     Angle,
     Cam,
+    Clutch,
     Effort,
     Force,
     Gear,
@@ -51,7 +52,7 @@ class Forces:
     reactions: of each pin, complex N, the force of b on a.
     normals: of each slide and slot, N, on the runner, to the left of the line.
     moments: of each slide, N m, on the runner.
-    gears: torque on b, N m.
+    gears: torque on b, N m; of a clutch that by which it turns b, or holds it.
     contacts: of each cam along s, on the follower: N m where it swings, N where it slides.
     pressing: of each cam that says how it is touched, N, between the two surfaces: below 0 it would have to pull, inf where
     friction jams it.
@@ -128,7 +129,7 @@ def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, 
         {j.name: of(j.name) + 1j * of(j.name, 1) for j in joints if isinstance(j, Pin)},
         {j.name: of(j.name) for j in joints if isinstance(j, Slide | Slot)},
         {j.name: of(j.name, 1) * MM for j in joints if isinstance(j, Slide)},
-        {j.name: of(j.name) * MM for j in joints if isinstance(j, Gear)},
+        {j.name: of(j.name) * MM for j in joints if isinstance(j, Gear | Clutch)},
         {j.name: of(j.name) * (1.0 if j.slide else MM) for j in joints if isinstance(j, Cam)},
         pressing, drives, power_in, given, energy, power, shaking, rubs, drives_smooth, locks,
     )  # fmt: skip

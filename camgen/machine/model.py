@@ -3,7 +3,7 @@
     body      a rigid link; its frame is its own, its points complex mm in it; the body "ground" stands still
     place     a point of a body, in the body's frame
     pose      where a body's frame is on the ground: ground = place + exp(i angle) * own
-    joint     holds two bodies together: Pin, Slide, Slot, Gear, Cam
+    joint     holds two bodies together: Pin, Slide, Slot, Gear, Cam, Clutch
     drive     says a body's angle, or a place along a slide, as a function of theta
     theta     the machine's independent variable, rad; it grows at the machine's speed, rad/s of either sign
     law       a callable (theta, order) -> (n,): value and derivatives to theta, order 0..2, for theta (n,) rad
@@ -143,7 +143,23 @@ class Cam:
     friction: float = 0.0
 
 
-Joint = Pin | Slide | Slot | Gear | Cam
+@dataclass(frozen=True)
+class Clutch:
+    """Two freewheels on one shaft: b turns with a while a turns forwards, and is held on the ground while it does not.
+
+    law: the angle of b, rad, over theta, which grows from turn to turn; apart(theta): angle of b less that of a while they
+    turn together, (n,) rad, nan while b is held.
+    """
+
+    name: str
+    a: str
+    b: str
+    law: Law
+    apart: Callable[[Floats], Floats]
+    clearance: float = 0.0
+
+
+Joint = Pin | Slide | Slot | Gear | Cam | Clutch
 
 
 @dataclass(frozen=True)
@@ -315,6 +331,8 @@ def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
             return each.a, each.b, each.carrier
         case Cam():
             return each.cam, each.follower
+        case Clutch():
+            return each.a, each.b
         case Drive():
             return (each.body,)
         case Force():

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
 MECHANISMS = {
-    "disc-cam": "camgen.machines.disc_cam:DiscCamDrive",
+    "disc-cam": "camgen.machines.disc_cam.mechanism:DiscCamDrive",
     "uniform-swing": "camgen.machines.uniform_swing.mechanism:UniformSwing",
     "thread-take-up": "camgen.machines.thread_take_up.mechanism:ThreadTakeUp",
     "eccentric-drive": "camgen.machines.eccentric_drive.mechanism:EccentricDrive",

@@ -11,7 +11,7 @@ from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.machines.disc_cam_tables import LoadTable, SpringTable
+from camgen.machines.disc_cam.tables import LoadTable, SpringTable
 from camgen.motion.polydyne import NEEDED, rough
 from camgen.motion.program import Program
 from camgen.study import Plot, Study

@@ -177,6 +177,13 @@ BEARINGS = {
     )
 }
 
+# Drawn cup roller clutches with bearings at both ends, on hardened shafts: by bore, the clutch and its torque, N m (INA, HFL).
+CLUTCHES = {
+    6.0: (Bearing("HFL0615", 6, 10, 15, ""), 1.76),
+    8.0: (Bearing("HFL0822", 8, 12, 22, ""), 3.15),
+    10.0: (Bearing("HFL1022", 10, 14, 22, ""), 5.3),
+}
+
 SHOULDER_LENGTHS = (10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0)  # mm, of the shoulder
 SHOULDER_SCREWS = (
     ShoulderScrew(6.5, "M5", 9.5, 10.0, 4.5, 8.0, 4.7),

@@ -19,9 +19,10 @@ from camgen import spec as specs
 from camgen.cli import main
 from camgen.errors import SpecError
 from camgen.live import run as live
-from camgen.live.numbers import edited, numbers, overrides
+from camgen.live.numbers import numbers, overrides
 from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
+from camgen.pipeline.edits import edited
 from camgen.starters import described, examples, folder
 
 HOME = "http://127.0.0.1:8000"
@@ -258,14 +259,14 @@ def test_without_the_extra_its_name_is_told(
     real = builtins.__import__
 
     def without(name: str, *rest: Any) -> Any:
-        if name == "tomlkit":
-            raise ImportError(name="tomlkit")
+        if name == "uvicorn":
+            raise ImportError(name="uvicorn")
         return real(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(SystemExit) as done:
         main([command, str(spec)])
-    assert done.value.code == 4 and "needs tomlkit: pip install 'camgen[live]'" in capsys.readouterr().err
+    assert done.value.code == 4 and "needs uvicorn: pip install 'camgen[live]'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["watch", "explore"])

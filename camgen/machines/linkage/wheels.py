@@ -26,7 +26,8 @@ from camgen.machine.cams.machine import OuterWallTouch, PlacedTouch, ProfileTouc
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
@@ -58,12 +59,16 @@ class Ridden(Protocol):
 
 @dataclass(frozen=True)
 class Wheel:
-    """A disc on a link's shaft: its level, the link, the greatest radius, mm, and what touches it, for messages."""
+    """A disc on a link's shaft: its level, the link, the greatest radius, mm, and what touches it, for messages.
+
+    high: its thickness, mm, where it is not that of the link's wheels.
+    """
 
     level: str
     link: str
     radius: float
     about: str
+    high: float | None = None
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ import numpy as np
 from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
-from camgen.machines.loads import bearing, drive, follower
+from camgen.machines.loads import bearing, counterweights, drive, follower
 from camgen.machines.loads.rubbing import rough
-from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
 
@@ -80,7 +79,8 @@ def assess(mechanism: Mechanism) -> Assessment:
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
-    return Assessment(held, together([Study(kept, plots, tables)]), (*left, *more))
+    balanced = counterweights.study(mechanism, machine)
+    return Assessment(held, together([Study(kept, plots, tables), balanced]), (*left, *more))
 
 
 def _masses(found: Weighed) -> Table:
@@ -90,9 +90,3 @@ def _masses(found: Weighed) -> Table:
         for body in found.machine.moving
     ]  # fmt: skip
     return Table("Masses", ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"), rows)
-
-
-def drives_of(mechanism: Mechanism) -> Drives | None:
-    """The table [motor], where there is one."""
-    motor = getattr(mechanism, "motor", None)
-    return motor if isinstance(motor, Drives) else None
