@@ -11,6 +11,7 @@ from camgen.machine.model import Output, unit_of
 from camgen.numerics import Floats
 from camgen.pipeline.jobs import Progress, Source, read_mechanism, silent
 from camgen.pipeline.tolerance import Copies, Spread, copies_of, drawn_again, rolled, spread_of
+from camgen.pipeline.tolerance_targets import MOST, Kept, Loop, loops, targets
 from camgen.report.report import Report
 from camgen.study import Plot, Table
 
@@ -52,6 +53,8 @@ def tolerance(
     numbers: dict[str, float] = {}
     tables, plots = [spread.budget(), _quantiles(spread, copies, numbers)], list[Plot]()
     tables += _yields(spread, copies, numbers)
+    few = drawn_again(spread, seed, range(min(samples, MOST)))
+    tables += _kept(targets(spread, few), numbers) + _loops(loops(spread, few, seed), numbers)
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
@@ -114,6 +117,27 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
         heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
         told.append(Table("Clearance at both tips, mm, with which no pair jams: their radius smaller by so much", heads, shares))
     return told
+
+
+def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
+    """Share of copies that keep what is wanted of the outputs by value."""
+    rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds))) for each in found]
+    if found:
+        numbers["targets_yield_percent"] = 100 * float(np.mean(np.all([each.holds for each in found], axis=0)))
+        rows.append(("all", "", "", "", numbers["targets_yield_percent"]))  # type: ignore[arg-type]
+    title = f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies" if found else ""
+    return [Table(title, ("finding", "output", "limit", "unit", "copies that hold, %"), rows)] if found else []
+
+
+def _loops(found: Sequence[Loop], numbers: dict[str, float]) -> list[Table]:
+    """Share of copies in which the smallest loop of a path is left."""
+    for each in found:
+        shares = {"printed": each.printed, "loose": each.loose}
+        numbers |= {f"{each.output.replace(' ', '_')}_loop_{how}_percent": 100 * share for how, share in shares.items()}
+    rows = [(each.output, float(np.degrees(each.begins)), float(np.degrees(each.ends)), each.extent, 100 * each.printed,
+             100 * each.loose) for each in found]  # fmt: skip
+    heads = ("path", "from, deg", "to, deg", "extent, mm", "left in copies, %", "and with the play of their pins, %")
+    return [Table("Smallest loops of paths", heads, rows)] if found else []
 
 
 def _worst(
