@@ -26,8 +26,8 @@ def _no_laser(make: object) -> object:
     """What is asked of sheet is told where it is had."""
     if make == "laser":
         raise ValueError(
-            '"machine" or "cams": [laser] cuts cams as thick as its sheet, without a hub; bodies.make = "laser" makes the bench of '
-            "a disc cam or an indexing cam of sheet; tapered collet, headed axles and posts of a uniform swing are no sheets"
+            '"machine" or "cams": [laser] cuts cams as thick as its sheet, without a hub; bodies.make = "laser" makes the bench '
+            "of a disc cam or an indexing cam of sheet; tapered collet, headed axles and posts of a uniform swing are no sheets"
         )
     return make
 
