@@ -54,8 +54,6 @@ def tables_of(node: Data | None, root: Data) -> list[Data]:
 
 def in_words(node: Data | None, root: Data) -> str:
     """What a schema asks for, in plain words: "a number > 0 and <= 1000000"."""
-    if node and "pattern" in node and "description" in node:
-        return str(node["description"])
     return " or ".join(dict.fromkeys(_simple_words(member, root) for member in members_of(node or {}, root))) or "a value"
 
 
@@ -63,6 +61,8 @@ _COUNTS = {"minItems": "at least", "maxItems": "at most"}
 
 
 def _simple_words(node: Data, root: Data) -> str:
+    if "pattern" in node and "description" in node:
+        return str(node["description"])
     if "const" in node or "enum" in node:
         return one_of(node.get("enum") or [node["const"]])
     kind = node.get("type")

@@ -17,12 +17,13 @@ import stat
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import UNKNOWN, Fault, FileError, SpecError
@@ -59,7 +60,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Accuracy(Record):
@@ -110,6 +112,36 @@ class Output(Record):
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
 
+    @property
+    def machining(self) -> bool:
+        """Whether tables for machine tools are asked for."""
+        return self.profile_step_deg is not None or self.cutter_radius is not None
+
+
+class Drawing(Record):
+    """What the dimensioned drawings say in their title blocks, and the step of the table of a cam's radii on them."""
+
+    tolerance: Annotated[
+        str,
+        Field(
+            pattern=r"^ISO 2768-[fmcv][HKL]?$",
+            description='general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+        ),
+    ] = "ISO 2768-m"
+    number: (
+        Annotated[str, Field(pattern=r"^[!-~]([ -~]{0,28}[!-~])?$", description="a text of up to 30 letters, digits and signs")]
+        | None
+    ) = None
+    date: (
+        Annotated[
+            str,
+            Field(pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$", description='a date such as "2026-05-31"'),
+            BeforeValidator(lambda value: value.isoformat() if type(value) is date else value),  # as TOML has them
+        ]
+        | None
+    ) = None
+    profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
+
 
 class Laser(Record):
     """What cuts flat parts of sheet, mm: kerf of its beam; sheet: width, height; gap between neighbours, half to the edge."""
@@ -144,6 +176,7 @@ class Spec(Checked):
     material: Material = Material()
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
+    drawing: Drawing = Drawing()
     laser: Laser | None = None
 
 

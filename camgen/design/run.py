@@ -123,7 +123,7 @@ def _for_path(
 
 def _hub(tables: specs.Data) -> float:
     """Diameter of a pin's hub, mm, by [parts]; two of them pass each other."""
-    from camgen.machines.linkage.tables import Parts
+    from camgen.machines.linkage.sizes import Parts
 
     given = tables.get("parts")
     known = given if isinstance(given, dict) else {}

@@ -18,7 +18,7 @@ from camgen.judge.joints import Closable, Fit, Outline, assembled
 from camgen.judge.measured import Sections, read
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
-from camgen.machine.model import Cam, Machine, Output, bodies_of, unit_of
+from camgen.machine.model import Cam, Clutch, Machine, Output, bodies_of, unit_of
 from camgen.numerics import Floats
 from camgen.study import Table
 
@@ -102,7 +102,7 @@ def judge_machine(
 
 
 def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]) -> tuple[NotJudged, ...]:
-    """Joints of parts that are made which no file shows."""
+    """Joints of parts that are made which no file shows; not clutches, which are bought."""
     made, told = {mount.body for mount in mounts}, {getattr(feature, "joint", "") for feature in features}
     for feature in features:
         if isinstance(feature, CamOutline):
@@ -111,7 +111,7 @@ def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mou
     return tuple(
         NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
         for joint in machine.joints
-        if joint.name not in told and made & set(bodies_of(joint))
+        if joint.name not in told and made & set(bodies_of(joint)) and not isinstance(joint, Clutch)
     )
 
 

@@ -18,8 +18,6 @@ import numpy as np
 from camgen import tolerances
 from camgen.errors import counted
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
-from camgen.files.step import read_step
-from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
@@ -202,6 +200,8 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
 
     places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
     """
+    from camgen.files.threemf import read_3mf
+
     package, where = read_3mf(path), path.name
     remarks = package.remarks
     strange = sorted(set(package.meshes) - set(originals))
@@ -231,6 +231,8 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[t
 
     files: of each part; places: the wanted part and (3, 4) transform of each copy, in any order.
     """
+    from camgen.files.step import read_step
+
     bodies, copies, remarks = read_step(path)
     where = path.name
     if sorted(bodies) != sorted(files) or len(copies) != len(places):

@@ -25,6 +25,7 @@ from camgen.machine.model import (
     Angle,
     Body,
     Cam,
+    Clutch,
     Drive,
     Force,
     Function,
@@ -50,7 +51,7 @@ from camgen.machine.model import (
 from camgen.machine.run import Play, Run, solve
 
 __all__ = [
-    "GROUND", "Along", "Angle", "Body", "Cam", "Drive", "Force", "Forces", "Function", "Gear", "Gravity", "Joint", "Law",
-    "Load", "Machine", "Output", "Path", "Pin", "Place", "Play", "Pose", "Resistance", "Run", "Slide", "Slot", "Spring", "Torque",
-    "TorsionSpring", "Turning", "solve", "thread_length",
+    "GROUND", "Along", "Angle", "Body", "Cam", "Clutch", "Drive", "Force", "Forces", "Function", "Gear", "Gravity", "Joint",
+    "Law", "Load", "Machine", "Output", "Path", "Pin", "Place", "Play", "Pose", "Resistance", "Run", "Slide", "Slot", "Spring",
+    "Torque", "TorsionSpring", "Turning", "solve", "thread_length",
 ]  # fmt: skip

@@ -18,7 +18,7 @@ STEPS = 20
 # Largest misfit of a closed chain, by the size of its links and of the ground under them.
 CLOSED = 1e-12
 # Angles a turn that are closed one after another from the drawn position.
-FOLLOWED = 72
+FOLLOWED = 36
 # A step of theta below which the chain ends, rad.
 LEAST_STEP = 1e-6
 # A step of theta at which the determinant's sign may change: a larger one has jumped to another branch, rad.
@@ -46,21 +46,20 @@ def close(system: Constraints, theta: Floats, guess: Floats | None = None, order
     theta = np.asarray(theta, float)
     if guess is None:
         guess, signs = _followed(system, theta)
-        q, open_ = _newton(system, guess, theta)
-        open_ |= signs * _sign(system, q, theta) < 0
+        q, slopes, open_ = _newton(system, guess, theta)
+        open_ |= signs * _sign(slopes) < 0
     else:
-        q, open_ = _newton(system, guess, theta)
+        q, slopes, open_ = _newton(system, guess, theta)
     q[open_] = 0
-    first, second = _derivatives(system, q, theta, order)
+    first, second = _derivatives(system, q, theta, slopes, order)
     for rows in (q, first, second):
         rows[open_] = np.nan
     return Closed(theta, q, first, second)
 
 
-def _derivatives(system: Constraints, q: Floats, theta: Floats, order: int = 2) -> tuple[Floats, Floats]:
-    """q', q'' to theta at closed poses; of order 1 the latter is nan."""
+def _derivatives(system: Constraints, q: Floats, theta: Floats, slopes: Floats, order: int = 2) -> tuple[Floats, Floats]:
+    """q', q'' to theta at closed poses with their slopes; of order 1 the latter is nan."""
     with np.errstate(all="ignore"):
-        slopes = system.evaluate(q, theta)[1]
         first = solved(slopes, -system.drift(theta), system.holds)
         if order < 2:
             return first, np.full(first.shape, np.nan)
@@ -68,7 +67,8 @@ def _derivatives(system: Constraints, q: Floats, theta: Floats, order: int = 2) 
         return first, solved(slopes, -bends, system.holds)
 
 
-def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Closed poses, the slopes there, and which stay open."""
     q = guess.copy()
     open_ = ~np.isfinite(q).all(axis=1)
     q[open_] = system.start
@@ -81,22 +81,22 @@ def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, 
             q -= step
             if np.abs(step / system.unit).max(initial=0) <= 1e-9:  # the error left is its square
                 break
-        misfit = system.evaluate(q, theta)[0]
+        misfit, slopes, _ = system.evaluate(q, theta)
     open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * system.size)
-    return q, open_
+    return q, slopes, open_
 
 
-def _sign(system: Constraints, q: Floats, theta: Floats) -> Floats:
+def _sign(slopes: Floats) -> Floats:
     """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
     with np.errstate(all="ignore"):
-        return np.asarray(np.linalg.slogdet(system.evaluate(q, theta)[1])[0])
+        return np.asarray(np.linalg.slogdet(slopes)[0])
 
 
 def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
     """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
     determinant's sign that is to be found there, 0 where it changes."""
     guess, signs = np.full((theta.size, system.width), np.nan), np.zeros(theta.size)
-    origin, lost = _newton(system, system.start[None], np.zeros(1))
+    origin, slopes, lost = _newton(system, system.start[None], np.zeros(1))
     if lost[0]:
         return guess, signs
     for sign in (1, -1):
@@ -105,17 +105,17 @@ def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
             continue
         far = float(np.abs(theta[mine]).max())
         step = 2 * np.pi / FOLLOWED
-        here, q, sign_here = 0.0, origin, float(_sign(system, origin, np.zeros(1))[0])
+        here, q, sign_here = 0.0, origin, float(_sign(slopes)[0])
         passed = False
-        rows = [(0.0, q, *_derivatives(system, q, np.zeros(1)))]
+        rows = [(0.0, q, *_derivatives(system, q, np.zeros(1), slopes))]
         while abs(here) < far and step > LEAST_STEP:
             to = np.array([here + sign * step])
             _, at, first, second = rows[-1]
             h = sign * step
             aim = at + h * (first + 0.5 * h * second)
-            new, lost = _newton(system, aim, to)
-            turned = _sign(system, new, to)[0] != sign_here
-            v, a = _derivatives(system, new, to)
+            new, steep, lost = _newton(system, aim, to)
+            turned = _sign(steep)[0] != sign_here
+            v, a = _derivatives(system, new, to, steep)
             back = new - h * (v - 0.5 * h * a) - at
             away = np.abs(np.concatenate([new - aim, back]) / system.unit).max()
             if lost[0] or not away < NEAR or (turned and step > PASSES):

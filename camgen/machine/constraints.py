@@ -6,7 +6,7 @@ Jacobian of these conditions gives speeds, accelerations, how far a displacement
 transposed, the forces: those that serve a machine of the maker too (`run`, `forces`, `freedom`).
 
     q       poses, (n, 3 bodies): x mm, y mm, angle rad of each moving body in the machine's order
-    rows    of each joint and drive: Pin x, y; Slide across (mm), turn (rad); Slot across; Gear, Cam, Drive one scalar
+    rows    of each joint and drive: Pin x, y; Slide across (mm), turn (rad); Slot across; Gear, Cam, Clutch, Drive one scalar
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from camgen.machine.model import (
     Along,
     Angle,
     Cam,
+    Clutch,
     Drive,
     Function,
     Gear,
@@ -184,6 +185,12 @@ class Constraints:
             for body, share in parts:
                 value += share * self.angle(body, q)
             rows.add(value, self._turns(*parts), 0.0)
+        elif isinstance(each, Clutch):
+            apart = each.apart(theta)
+            held, turned = np.isnan(apart), self.angle(each.b, q)
+            together = turned - self.angle(each.a, q) - np.where(held, 0.0, apart)
+            value = np.where(held, turned - each.law(theta, 0), together)
+            rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(held, 0.0, -1.0))), 0.0)
         else:
             self._write_law(each, q, theta, rates, rows)
 
@@ -205,7 +212,7 @@ class Constraints:
                 bend = bend - each.law(angle, 2) * rates[:, k] ** 2
         rows.add(value - each.rest - each.law(angle, 0), slopes, bend)
 
-    def _turns(self, *parts: tuple[str, float]) -> dict[int, Any]:
+    def _turns(self, *parts: tuple[str, Any]) -> dict[int, Any]:
         """Slopes of a sum of angles."""
         slopes: dict[int, Any] = {}
         for body, share in parts:

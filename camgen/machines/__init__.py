@@ -16,6 +16,7 @@ MECHANISMS = {
     "indexing-cam": "camgen.machines.indexing_cam.mechanism:IndexingCam",
     "chain-stitch-looper": "camgen.machines.chain_stitch_looper.mechanism:ChainStitchLooper",
     "linkage": "camgen.machines.linkage.mechanism:Linkage",
+    "coupon": "camgen.machines.coupon.mechanism:Coupon",
 }
 
 

@@ -15,18 +15,16 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
-from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought
-from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
+from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.pipeline.laser import make_sheets
-from camgen.pipeline.machining import make_tables
 from camgen.study import Plate, Table
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
+    from camgen.files.threemf import Placed
     from camgen.geometry.mesh import Mesh
 
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
@@ -50,13 +48,19 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
     if "dxf" in only and mechanism.laser is not None:
+        from camgen.pipeline.laser import make_sheets
+
         make_sheets(case)
-    if "dxf" in only:
+    if "dxf" in only and mechanism.output.machining:
+        from camgen.pipeline.machining import make_tables
+
         make_tables(case)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:
         return []
+    from camgen.files.threemf import write_3mf
+
     progress("putting the assembly together", 0.4)
     write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
     if not listed:
@@ -103,13 +107,14 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
 
-        write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
+        write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
     return None if mesh is None or sent is None else (mesh, sent)
 
 
 def write_exact_assembly(case: Case) -> None:
     """Write the exact solids of all parts that have one, every copy where it is at theta = 0; nothing where none has."""
     from camgen.files.step import write_step
+    from camgen.parts.exact import exact
 
     mechanism = case.mechanism
     parts = [part for part in case.parts.values() if case.file(part.name, "step").exists()]
@@ -134,6 +139,8 @@ def compensation(mechanism: Mechanism) -> Compensation | None:
 
 def assembled(mechanism: Mechanism) -> list[Placed]:
     """Every copy of every part where it is at theta = 0."""
+    from camgen.files.threemf import Placed, placing
+
     poses = mechanism.poses(np.zeros(1))
     return [
         Placed(

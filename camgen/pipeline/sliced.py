@@ -28,8 +28,8 @@ from camgen.parts.fits import Compensation
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import facetted
 from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
-from camgen.pipeline.judging import Read, judge_motion, judge_part
 from camgen.pipeline.making import compensation
+from camgen.pipeline.reading import Read, judge_motion, judge_part
 from camgen.report.report import Report
 from camgen.study import Table
 

@@ -94,6 +94,8 @@ def spread_of(mechanism: Mechanism) -> Spread:
     outputs = judged_outputs(machine.outputs, mechanism.asked())
     exact = [joint.name for joint in machine.joints if isinstance(joint, Cam)] if mechanism.roller_bearing else []
     theta = np.linspace(*mechanism.range, _ANGLES)
+    if not machine.joints:
+        return Spread(mechanism, theta, sizes, (), outputs, {})
     modes, found = sensitivities(solve(machine, theta, 0), [each.name for each in outputs], sizes, exact)
     sound = np.ones(len(theta), bool)
     for each in found.values():

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,8 +22,10 @@ from numpy.typing import ArrayLike
 from camgen import __version__
 from camgen.errors import FileError
 from camgen.findings import Finding, NotJudged, left_out
-from camgen.report.animation import Animation
 from camgen.study import Plot, Scene, Table
+
+if TYPE_CHECKING:
+    from camgen.report.animation import Animation
 
 Path = str | PathLike[str]
 

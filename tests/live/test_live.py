@@ -19,9 +19,10 @@ from camgen import spec as specs
 from camgen.cli import main
 from camgen.errors import SpecError
 from camgen.live import run as live
-from camgen.live.numbers import edited, numbers, overrides
+from camgen.live.numbers import numbers, overrides
 from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
+from camgen.pipeline.edits import edited
 from camgen.starters import described, examples, folder
 
 HOME = "http://127.0.0.1:8000"
@@ -50,7 +51,7 @@ def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
 def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(path: Path) -> None:
     text, data = path.read_text(encoding="utf-8"), specs.read(path)
     listed = numbers(data, described(load(data["mechanism"]), data["mechanism"]))
-    assert len(listed) >= 5
+    assert len(listed) >= 3
     for number in listed:
         if number.choices:
             assert (str(number.value).lower() if isinstance(number.value, bool) else str(number.value)) in number.choices

@@ -57,7 +57,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
 
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
-    {"model", "strength", "flywheel"}, {"jets", "constraints", "targets", "balancing"},
+    {"model", "strength", "flywheel"}, {"jets", "constraints", "targets", "balancing"}, {"friction"},
     {"closing", "order", "dyads", "forces", "freedom", "features", "closed_form", "four_bars", "landmarks"},
     {"newton"}, {"loops"}, {"reach", "run"}, {"cams", "joining", "print_errors"}, {"__init__"},
 )  # fmt: skip

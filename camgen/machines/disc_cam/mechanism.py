@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -31,13 +31,12 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
-from camgen.machines.bench import Bench, Tip
-from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
+from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
-from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.standing import StandingCams
+from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
@@ -45,6 +44,9 @@ from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.parts.springs import Mounted, wound
 from camgen.study import Plot, Sketch, Study, Table
+
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
@@ -96,6 +98,8 @@ class DiscCamDrive(StandingCams):
         found += [*p.misfits(), *program_faults(self.segment)]
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
+        if not found and self.load is not None and self.load.polydyne:
+            found += polydyne_faults(self.load, program(self.segment, 1 / self._unit[1]))
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -110,6 +114,8 @@ class DiscCamDrive(StandingCams):
     def program(self) -> Program:
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
         made = program(self.segment, 1 / self._unit[1])
+        if self.load is not None and self.load.polydyne:
+            made = polydyne(made, self.load.stretch(self.speed))
         return made if self.sense > 0 else made.backwards()
 
     @cached_property
@@ -178,6 +184,8 @@ class DiscCamDrive(StandingCams):
         return self.making.make == "machine"
 
     def _stood(self) -> Bench:
+        from camgen.machines.bench import Bench, Tip
+
         f, load = self.geometry.follower, self._load or FollowerLoad()
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
@@ -345,7 +353,7 @@ class DiscCamDrive(StandingCams):
         notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
         if math.isinf(self.program.peak(2)):
             notes.append("The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out.")
-        notes += open_rails(self.bench.bodies.layout) if self.standing else []
+        notes += self.bench.notes if self.standing else []
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes

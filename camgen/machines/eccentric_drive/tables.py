@@ -38,9 +38,12 @@ class Parts(Record):
     rod_thickness: Length = 3.0
     flange: Length = 1.0
     pin_diameter: Length = 3.0
+    pins: Literal["printed", "steel"] = "printed"
     slider_width: Length = 8.0
     slider_thickness: Length = 4.0
     wire_diameter: Length = 1.5
+    wire_length: Length | None = None
+    tube_length: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     rail_width: Length = 6.0
     cover_length: Length = 10.0
     screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = "M2"

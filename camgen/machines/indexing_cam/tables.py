@@ -71,6 +71,13 @@ class Driver(Record):
     offset: Length
 
 
+class Freewheels(Record):
+    """The link turns on by a turn at a time: a freewheel takes it along as the follower swings out, a second one holds it on
+    the ground as that swings back; the follower swings so much further as is lost before a freewheel locks."""
+
+    lost_deg: Annotated[float, Field(ge=0, le=45)] = 1.0
+
+
 class LoadTable(Weight):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
@@ -82,7 +89,7 @@ class LoadTable(Weight):
     closing_n_m: NotNegative = 0.0
 
 
-_UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
+UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
     "none": ((), ()),
     "law": ((), ("balance", "design_rpm")),
     "table": (("points",), ()),
@@ -108,20 +115,25 @@ class UnloaderTable(Record):
     stretch: NotNegative | None = None
     lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
 
-    def faults(self) -> Sequence[Fault]:
-        """Keys that its kind needs and has not, or has and does not take; a table of points that is none."""
-        needed, further = _UNLOADER_KEYS[self.torque]
+    def faults(self, on: bool) -> list[Fault]:
+        """What does not go together; on: whether the link turns on."""
+        needed, further = UNLOADER_KEYS[self.torque]
         takes = ", ".join((*needed, *further)) or "nothing more"
         missing = f"missing: torque '{self.torque}' needs it"
         found = [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(self, key) is None]
-        for key in UnloaderTable.model_fields:
+        for key in type(self).model_fields:
             if key != "torque" and getattr(self, key) is not None and key not in (*needed, *further):
                 found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{self.torque}' takes {takes}"))
+        if self.crank is not None and self.guide is not None and self.guide <= self.crank:
+            found.append(Fault("unloader.guide", f"{self.guide:g}", f"more than the crank, {self.crank:g} mm"))
         if self.torque == "table" and self.points is not None:
             try:
                 characteristic(self.points)
             except SpecError as error:
                 found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        if on and self.torque not in ("none", "crank"):
+            right = '"crank" or "none" with [freewheel]: a torque that ends as far back as it begins forwards cannot go on'
+            found.append(Fault("unloader.torque", f"'{self.torque}'", right))
         return found
 
 
@@ -149,7 +161,8 @@ class Parts(ShaftHole):
 class Limits(Bears):
     """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
 
-    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
+    residual: peak torque that the unloader may leave to the cam, as a share of that without it; advance_deg: how far a turn of a
+    link that turns on may be off.
     """
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
@@ -158,4 +171,5 @@ class Limits(Bears):
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
+    advance_deg: Annotated[float, Field(gt=0, le=360)] = 0.05
     min_wall: Length = 0.8

@@ -1,4 +1,4 @@
-"""The sizes of a linkage's parts: holes and hubs, what slides between which rails, outlines of links, levels.
+"""What is where in a linkage of parts: holes and hubs, pins and shafts, slots, what slides between which rails, levels.
 
     level    a link's or a wheel's: as high as the thickest on it and one play, so that flat faces run on each other; what is
              thinner stands on its floor, and spacers on that; 0 is the plate
@@ -9,31 +9,34 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
+from camgen.machines.linkage.collars import collar, levels_over
 from camgen.machines.linkage.covers import Cover, cover
 from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.joined import GROUND, Joined, Stretched
 from camgen.machines.linkage.wheels import NOSE, Tip, pivot
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
-from camgen.parts.part import hull, with_bar
+from camgen.parts.part import d_bore, hull, with_bar
 
+__all__ = ["GROUND", "Layout", "Stretched"]
+
+SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
-@dataclass(frozen=True)
 class Layout(Joined):
-    """What meets where, with the sizes of pins, holes and links, and their levels."""
+    """A machine and the sizes of its parts, on their levels."""
 
     # ---- holes and hubs -----------------------------------------------------------------------------------------------
 
     def at(self, body: str, point: str) -> complex:
         """Place of a point in a body's axes."""
-        return complex(self.machine.body(body).points[point])
+        return complex(self.bodies[body].points[point])
 
     def turning(self, point: str) -> float:
         """Diameter of what turns at a point, mm."""
@@ -41,15 +44,18 @@ class Layout(Joined):
         return self.sizes.shaft_diameter if point in self.shafts else thin
 
     def kind(self, point: str) -> str:
-        """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it."""
+        """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it;
+        "keyed" of what joins webs."""
         if point in self.shafts:
-            return self.sizes.pins.get(point, "printed")
+            return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
+        if any(link in self.webs for link in self.pivots.get(point, ())):
+            return "keyed"
         found = self.sizes.pins.get(point, self.sizes.pin)
         return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
 
     def bearing(self, point: str) -> Bearing | None:
-        """The narrowest ball bearing on the pin of a point."""
-        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
+        """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        return (self.clutch(point) or narrowest(self.turning(point))) if self.kind(point) == "bearing" else None
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""
@@ -63,18 +69,9 @@ class Layout(Joined):
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
         found = self.spacer_diameter(point) / 2
-        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        screw, held = self.sizes.shoulder if self.kind(point) == "shoulder" else None, collar(self, point)
+        found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
-
-    def beyond(self, point: str) -> tuple[int, int]:
-        """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
-        if point in self.shafts:
-            return 0, 0
-        if self.kind(point) == "shoulder":
-            screw, least = self.sizes.shoulder, self._least
-            step = least + self.fits.slide_clearance
-            return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
-        return (0, 1) if point in self.hung else (1, 0)
 
     @cached_property
     def hung(self) -> set[str]:
@@ -94,6 +91,55 @@ class Layout(Joined):
         """How many levels a spring takes under its own."""
         return max(0, math.ceil((spring.diameter - self._least) / (self._least + self.fits.slide_clearance)))
 
+    def beyond(self, point: str) -> tuple[int, int]:
+        """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
+        if point in self.shafts:
+            return levels_over(self, point, self._least), 0
+        if sum(link in self.webs for link in self.pivots[point]) > 1:
+            return 0, 0
+        if self.kind(point) == "shoulder":
+            screw, least = self.sizes.shoulder, self._least
+            step = least + self.fits.slide_clearance
+            return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
+        return (0, 1) if point in self.hung else (1, 0)
+
+    def heads(self) -> list[Layout]:
+        """It, and where one plate holds the ground's pins, it with their heads under that."""
+        return [self] if self.sizes.plates > 1 else [self, replace(self, sunk=True)]
+
+    def between_plates(self, point: str) -> bool:
+        """Whether a second plate can hold the far end of what stands on the ground at a point."""
+        if self.sizes.plates < 2 or self.pivots[point][0] != GROUND:
+            return False
+        if point in self.shafts:
+            return self.shafts[point] in self.webs or not self.on_motor(point, GROUND)
+        return self.kind(point) in ("printed", "dowel")
+
+    def cut(self, point: str) -> int | None:
+        """The highest level of the lower stub of a point that is two, one on each plate; None of what goes through."""
+        return None if self.second is None else self.second.cuts.get(point)
+
+    def in_second(self, point: str) -> bool:
+        """Whether the second plate holds what stands on the ground at a point, or a stub of it."""
+        at = self.cut(point)
+        return self.second is not None and self.between_plates(point) and (at is None or at < self.on(point)[-1][0])
+
+    def far_hole(self, point: str) -> float:
+        """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
+        return self.turning(point) + (self.fits.slide_clearance if point in self.shafts else self.fits.press_clearance)
+
+    def profile(self, point: str, link: str) -> Contour | None:
+        """A link's hole at a point where it has a flat: that of what turns it, or of a web's crank pin; None of a round one."""
+        s, fit = self.sizes, self.fits.press_clearance
+        if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
+            return d_bore(s.shaft_diameter + fit, s.shaft_flat)
+        return d_bore(s.pin_diameter + fit, self.key_depth) if link in self.webs and self.kind(point) == "keyed" else None
+
+    @property
+    def key_depth(self) -> float:
+        """Of the flats of crank pins, mm: the shaft's, by their diameters."""
+        return self.sizes.shaft_flat * self.sizes.pin_diameter / self.sizes.shaft_diameter
+
     def head_room(self, point: str) -> float:
         """Height of the levels that are kept free over a pin's highest link, mm."""
         over, play = self.beyond(point)[0], self.fits.slide_clearance
@@ -102,7 +148,7 @@ class Layout(Joined):
     @property
     def _least(self) -> float:
         """Thickness of the thinnest link, mm."""
-        return min([self.sizes.thickness, *(self.thickness(body.name) for body in self.machine.moving)])
+        return min([self.sizes.thickness, *map(self.thickness, self.moving)])
 
     def pressed_in(self, point: str) -> str:
         """The link in which the pin or the shaft of a point is fixed."""
@@ -132,7 +178,7 @@ class Layout(Joined):
 
     def fit(self, point: str, link: str) -> float:
         """Diametral fit of a link's hole at a point, mm."""
-        fixed = link == self.pressed_in(point) or self.on_motor(point, link) or self.kind(point) == "bearing"
+        fixed = link == self.pressed_in(point) or link in self.webs or self.on_motor(point, link) or self.kind(point) == "bearing"
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
@@ -147,7 +193,7 @@ class Layout(Joined):
 
     def points_of(self, link: str) -> dict[str, complex]:
         """The points of a link that have a round hole, in its axes."""
-        points = self.machine.body(link).points.items()
+        points = self.bodies[link].points.items()
         return {name: complex(z) for name, z in points if name in self.pivots or self.pens.get(name) == link}
 
     def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
@@ -284,7 +330,7 @@ class Layout(Joined):
     @property
     def lying(self) -> list[str]:
         """What lies on a level: links, what touches on shafts, springs."""
-        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
         if not self.springs.keys().isdisjoint(found):
             raise ValueError(f"a spring is called as a link or wheel: {', '.join(self.springs.keys() & set(found))}")
@@ -295,7 +341,7 @@ class Layout(Joined):
         links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
-        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
         names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
         springs = {name for name in self.riders.get(point, ()) if name in self.springs}
@@ -318,9 +364,9 @@ class Layout(Joined):
     @cached_property
     def _heights(self) -> list[float]:
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
-        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        links = [link for link in self.moving if link not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
-        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}
@@ -338,3 +384,17 @@ class Layout(Joined):
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""
         return self.floor(level) + self._heights[level]
+
+    @property
+    def line(self) -> tuple[float, float]:
+        """Where a sleeve on the shaft that drives begins, over the second plate, and where that shaft ends in it, mm."""
+        low = self.ceiling + self.sizes.base_thickness + self.fits.slide_clearance
+        return low, low + SLEEVE * self.sizes.shaft_diameter
+
+    @property
+    def ceiling(self) -> float:
+        """Height of the underside of the second plate, a play over the highest thing, mm."""
+        assert self.second is not None, "asked for with two plates alone"
+        play, most = self.fits.slide_clearance, max(self.level.values())
+        step = max(self._least, self.sizes.head, self.sizes.thickness) + play
+        return round(self.top(most) + play + max(0, self.second.highest - most) * step, 9)

@@ -5,6 +5,7 @@
     shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
     bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
                head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring
+    keyed      a crank pin, which joins the webs of an interrupted shaft
     crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
 """
 
@@ -21,6 +22,8 @@ from camgen.machine.features import Mount
 from camgen.machines.linkage.joined import GROUND
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
+from camgen.machines.linkage.stubs import Stub
+from camgen.machines.linkage.webs import keyed_pin
 from camgen.parts.catalogue import BEARINGS, Bearing, dowel
 from camgen.parts.hardware import headed, plate, spacer
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
@@ -39,6 +42,7 @@ def refuse(layout: Layout) -> None:
             "no link turns there": len(links) < 2, "it is in a slot": kind == "bearing" and point in layout.slots,
             "a roller or a spring sits on it": kind == "bearing" and point in layout.riders and point not in layout.shafts,
             "it is the motor's shaft": layout.on_motor(point, GROUND), "a roller hangs on it": kind == "shoulder" and hangs,
+            "it joins webs of the shaft": layout.kind(point) == "keyed",
             "it is a shaft, printed or in a bearing": kind in ("shoulder", "dowel") and point in layout.shafts,
         }  # fmt: skip
         for why in (why for why, wrong in said.items() if wrong):
@@ -60,13 +64,25 @@ def refuse(layout: Layout) -> None:
                 raise DesignError(key, layout.thickness(link), least, "mm", f"pin {point}", remedy)
 
 
-def pin(layout: Layout, point: str) -> Iterator[Placed]:
-    """The pin of a point and what holds it, on the link in which it is fixed."""
-    s, play, body = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
-    held, at, hung = layout.on(point), layout.at(body, point), point in layout.hung
-    bottom = layout.floor(held[0][0])
-    grip = held[-1][1] + play - bottom
+def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
+    """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
+    s, play, link = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
+    body, at, hung = layout.carrier(link), layout.at(link, point), point in layout.hung or stub.hangs
+    bottom = stub.held[0][0]
+    grip = stub.held[-1][1] + play - bottom
+    if stub.through:
+        yield _between(layout, point, stub)
+        return
     match layout.kind(point):
+        case "keyed":
+            ends = [top - low for low, top in (stub.held[0], stub.held[-1])]
+            if layout.beyond(point)[0]:  # a head in place of the upper web
+                between, ends = grip - ends[0], [ends[0], 0.0]
+            else:
+                between = stub.held[-1][0] - stub.held[0][1]
+            head = s.pin_diameter / 2 + s.head, s.head
+            made = keyed_pin(s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head)
+            yield made, Mount("pin", body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
             yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
@@ -81,6 +97,22 @@ def pin(layout: Layout, point: str) -> Iterator[Placed]:
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=tuple(notes))
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+
+
+def _between(layout: Layout, point: str, stub: Stub) -> Placed:
+    """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
+    s, whole = layout.sizes, stub.held[-1][1]
+    mount, notes = Mount("pin", GROUND, layout.at(GROUND, point)), ("pressed and glued into both plates",)
+    if layout.kind(point) != "dowel":
+        return rod("pin", "Pin", s.pin_diameter, whole, notes=notes), mount
+    length = dowel(s.pin_diameter, whole)
+    if length < whole - s.base_thickness / 2:
+        raise DesignError(
+            "length of the dowel", length, whole - s.base_thickness / 2, "mm", f"pin {point}",
+            f'change parts.thickness or parts.base_thickness, or make parts.pins.{point} "printed"',
+        )  # fmt: skip
+    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",)
+    return replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought"), mount
 
 
 def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
@@ -141,9 +173,12 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    notes = (f"ball bearing {bearing.name}, {bearing.size}, pressed into its link",)
-    ring = spacer(bearing_name(bearing), "Ball bearing", bearing.bore, bearing.outside, bearing.width, layout.min_wall)
-    return replace(ring, notes=notes, made="bought")
+    title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
+    if bearing in [clutch for _, clutch in layout.freewheels.values()]:
+        said = "pressed in so that, seen from above, the ring can only turn counter-clockwise on its shaft"
+        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", said]
+    ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
+    return replace(ring, notes=tuple(notes), made="bought")
 
 
 def hand_crank(layout: Layout) -> Iterator[Placed]:

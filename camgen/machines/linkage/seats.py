@@ -29,7 +29,7 @@ def lip(layout: Layout) -> float:
 def seat_floor(layout: Layout, point: str, link: str) -> float:
     """Height of a bearing's lower side over that of its link, mm; 0 in the ground's plate, which its seat goes through."""
     bearing = layout.bearing_in(point, link)
-    if bearing is None or link == GROUND:
+    if bearing is None or link == GROUND or link in layout.freewheels:
         return 0.0
     return round(layout.thickness(link) - layout.fits.slide_clearance - bearing.width, 9)
 

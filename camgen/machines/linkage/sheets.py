@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from camgen.errors import Fault
-from camgen.machines.linkage.tables import Parts
+from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import DOWELS
 from camgen.spec import Laser
 

@@ -52,11 +52,12 @@ class Parts(Record):
     shaft_length: Length = 12.0
     shaft_flat: Length = 0.5
     pin_diameter: Length = 3.5
-    pins: Literal["printed", "steel"] = "printed"
+    pins: Literal["printed", "steel", "all-steel"] = "printed"
     mount_diameter: Length = 2.5
     finger_diameter: Length = 2.0
     guide_diameter: Length = 2.0
     thread_height: Length = 6.0
+    groove: Annotated[float, Field(ge=0, le=1e6)] = 2.0
 
 
 class Limits(Bears):

@@ -36,6 +36,7 @@ from camgen.machines.cam_loads import unweighed
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
@@ -54,7 +55,7 @@ from camgen.machines.uniform_swing.tables import (
 )
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.catalogue import TURNED, Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.parts.springs import Mounted, wound
@@ -148,6 +149,7 @@ class UniformSwing(Mechanism):
             cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
             p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
             self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
+            TURNED if p.pins == "steel" else "printed",
         )  # fmt: skip
 
     def stand_ins(self) -> Sequence[StandIn]:
@@ -391,7 +393,10 @@ class UniformSwing(Mechanism):
         )
         return Study(
             numbers | dict(loaded.numbers),
-            plots=(*loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)])),
+            plots=(
+                *loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)]),
+                *pictures(Model(g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), cam)),
+            ),
             tables=(undercut,) if cam.undercuts else (),
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),

@@ -38,6 +38,7 @@ class Parts(ShaftHole):
 
     thickness: Length = 6.0
     pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
+    pins: Literal["printed", "steel"] = "printed"
     windows: Annotated[int, Field(ge=0, le=24)] = 5
     wall: Length = 3.0
     mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
