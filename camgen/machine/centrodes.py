@@ -7,7 +7,7 @@ import numpy as np
 from camgen.machine.run import Run
 from camgen.numerics import Points
 
-FAR = 5.0  # of the size of the motion: where the centre is further off, the body all but translates
+FAR = 2.0  # of the size of the motion: where the centre is further off, the body all but translates
 
 
 def centrodes(run: Run, body: str, size: float) -> tuple[Points, Points]:

@@ -111,7 +111,7 @@ def test_design_command_writes_a_spec_that_builds(
     for arguments, code, words in (
         (["design", str(SHIPPED), str(file), *wish], 4, "exists already"),
         (["design", str(SHIPPED)], 2, "wanted"),
-        (["design", str(SPECS / "uniform-swing.toml")], 2, "a mechanism with a search of its own"),
+        (["design", str(SPECS / "uniform-swing.toml")], 2, "wanted - missing: a table with path"),
         (["design", str(tmp_path / "none.toml")], 4, "cannot be read"),
         (["design"], 2, "Missing argument"),
     ):
