@@ -1,6 +1,6 @@
-"""`--set KEY=VALUE`: one value of a spec's tables set anew, or removed.
+"""Settings such as "geometry.swing_deg=24", as `--set` takes them: split into keys and value, and set in a spec's tables.
 
-override  data, "geometry.swing_deg=24" -> data; "segment.1.lift=80" goes into a list, "wanted.feed_range=" removes
+"segment.1.lift=80" goes into a list, "wanted.feed_range=" removes; keys are bare or quoted, as in TOML.
 """
 
 from __future__ import annotations

@@ -14,17 +14,18 @@ import re
 import stat
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import UNKNOWN, Fault, FileError, SpecError
-from camgen.schemas import in_words, keys_of, members_of, one_of, shortened, shown, step_below
+from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling, shortened, shown, step_below
 
 Data = dict[str, Any]
 
@@ -152,6 +153,13 @@ class Laser(Record):
 class Checked(Record):
     """A record that `validate` makes: its keys are judged one by one, then together."""
 
+    _hints: tuple[str, ...] = PrivateAttr(())
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """What to tell of keys that were read in another spelling."""
+        return self._hints
+
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
         return ()
@@ -175,7 +183,6 @@ class Spec(Checked):
     output: Output = Output()
     drawing: Drawing = Drawing()
     laser: Laser | None = None
-
 
 S = TypeVar("S", bound=Checked)
 
@@ -284,16 +291,36 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     raise SpecError(faults, source)
 
 
-def validate(cls: type[S], data: Data, source: str = "spec") -> S:
-    """The tables as a record of the class; SpecError with every fault at once, each by its dotted path."""
+def validate(cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = ()) -> S:
+    """The tables as a record of the class; SpecError with every fault at once, each by its dotted path.
+
+    A key in the other of American and British spelling is taken for the one that is meant; hints: what is told of such.
+    """
     try:
         record = cls.model_validate(_tuples(data))
     except ValidationError as error:
+        told = _respell(cls, data := deepcopy(data), error)
+        if told:
+            return validate(cls, data, source, (*hints, *told))
         raise SpecError(_faults(cls, data, error), source) from None
+    record._hints = hints
     faults = record.faults()
     if faults:
         raise SpecError(faults, source)
     return record
+
+
+def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:
+    """Rename what is unknown in one spelling and known in the other; what to tell of it."""
+    root, told = _json_schema(cls), list[str]()
+    for item in error.errors(include_url=False):
+        if item["type"] == "extra_forbidden":
+            path, _, table = _locate(item["loc"], data, root)
+            holder, name = _at(data, path[:-1]), other_spelling(str(path[-1]), keys_of(table, root))
+            if name and isinstance(holder, dict) and name not in holder:
+                holder[name] = holder.pop(path[-1])
+                told.append(f"{'.'.join(map(str, path))} is read as {name}")
+    return told
 
 
 def _tuples(value: Any) -> Any:

@@ -300,18 +300,19 @@ def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
     """A folder for each spec, built by the command."""
-    out = tmp_path_factory.mktemp("parts")
+    specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
 
-    def build(spec: Path) -> str:
-        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step,report", limit=600)
+    def make(out: Path) -> None:
+        def build(spec: Path) -> str:
+            return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step,report", limit=600)
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
-        texts = list(pool.map(build, specs))
-    folders = sorted(out.iterdir())
-    assert len(folders) == len(texts) and all((folder / "report.json").exists() for folder in folders), "\n".join(texts)
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            print(*pool.map(build, specs), sep="\n")
+
+    folders = sorted(once("parts", make).iterdir())
+    assert len(folders) == len(specs) and all((folder / "report.json").exists() for folder in folders)
     return folders
 
 

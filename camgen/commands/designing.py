@@ -9,8 +9,8 @@ from pathlib import Path
 import click
 
 from camgen.commands.options import EXIT_CODES
-from camgen.commands.running import hand_over
-from camgen.errors import Fault, SpecError, printable
+from camgen.commands.running import hand_over, refuse_taken
+from camgen.errors import Fault, FileError, SpecError, printable
 
 
 @click.command(epilog=EXIT_CODES)
@@ -26,6 +26,9 @@ def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path |
     """
     from camgen.design import run
 
+    refuse_taken(file)
+    if front is not None and front.exists():
+        raise FileError(front, "exists already and is left as it is; choose another folder")
     text, found = run.design(spec, settings, jobs or os.cpu_count() or 1, lambda said: click.echo(printable(said), err=True))
     if front is not None:
         if found is None:

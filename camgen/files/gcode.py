@@ -27,7 +27,7 @@ _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers write most moves
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
 _OVERHANG = {"overhang perimeter", "overhang wall"}  # of outer and inner walls alike: one that is part of an outer loop counts
-_MOST_MOVES = 20_000_000
+_MOST_BYTES, _MOST_MOVES = 200_000_000, 20_000_000
 _MOVES = {("G", 0.0), ("G", 1.0), ("G", 2.0), ("G", 3.0)}
 _EXPONENT = re.compile(r"[XYZIJ]\s*[-+]?[\d.]+E")  # no slicer writes one: a number that is damaged
 _NARROWEST, _WIDEST = 0.01, 10.0  # mm, of a line
@@ -108,6 +108,9 @@ def read_gcode(path: Path) -> list[Wall]:
     walls: list[Wall] = []
     state, marked = _State(), False
     try:
+        if path.stat().st_size > _MOST_BYTES:
+            said = f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read"
+            raise FileError(path, f"{said}: slice fewer parts at a time")
         with open(path, "rb") as file:
             if file.read(4) == b"GCDE":
                 raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)")

@@ -11,6 +11,7 @@ have one, on the Jacobian of the judge's.
                         newton: larger blocks; jets: quantities with their derivatives; reach: how far the drive can turn
     the judge's route   constraints: the conditions of all joints, their Jacobian; closing: a machine closed on them
     on either           run: a machine over angles; forces; freedom: counts and rank, drawings closed
+                        centrodes: where instant centres run
     known beforehand    closed_form: four-bars and slider-cranks; landmarks: what stands out on a curve
     cams/               followers, the profile of a disc cam and its limits, cam and follower as a machine
 """

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -66,6 +67,18 @@ class Strung:
     b: tuple[str, str]
     wire: ExtensionSpring
     way: tuple[float, float]
+
+
+def _made(layout: Layout, run: Run) -> Bodies:
+    """The bodies of a layout; DesignError with the keys of a bench, whose sizes are in [bodies]."""
+    try:
+        return Bodies(laid(layout, run))
+    except DesignError as error:
+        of, where, remedy, said = (
+            re.sub(r"\bparts\.(?!make)", "bodies.", words)
+            for words in (error.quantity, error.where, error.remedy, str(error).removesuffix(f"; {error.remedy}"))
+        )
+        raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
 
 
 class Beneath(Protocol):
@@ -167,7 +180,7 @@ class Bench:
             return self._bare
         layout = self._layout(self._named(True))
         spring = Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside)
-        return Bodies(laid(replace(layout, springs={"spring": spring, **layout.springs}), self._run))
+        return _made(replace(layout, springs={"spring": spring, **layout.springs}), self._run)
 
     def bought(self) -> list[Bought]:
         """Drive, screws, spring."""
@@ -239,7 +252,7 @@ class Bench:
         fault = lacking(layout)
         if fault is not None:
             raise fault
-        return Bodies(laid(layout, self._run))
+        return _made(layout, self._run)
 
     def _layout(self, machine: Machine) -> Layout:
         springs = {name: Stretched(each.a, each.b, each.wire.outside) for name, each in self.strung.items()}
@@ -378,7 +391,7 @@ class Bench:
     def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way
         raise DesignError(
-            "return springs of round wire", 0, 1, "", f"{asked}, way from {shortest:.4g} to {longest:.4g} mm",
+            "return springs of round wire", 0, 1, "", f"{asked}, length from {shortest:.4g} to {longest:.4g} mm",
             "ask for another spring ([spring], load.closing_n_m), less load or speed, or another closure",
         )  # fmt: skip
 

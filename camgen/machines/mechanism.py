@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -83,6 +83,7 @@ class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
     load: Weight | None = None
+    frame_part: ClassVar[str] = ""  # name of the flat part that stands still under all others
 
     @abstractmethod
     def machine(self) -> Machine:
@@ -263,6 +264,10 @@ class Mechanism(Spec, ABC):
             *tables, last = key.split(".")
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Core holes in the underside of its frame, at z = 0, by which it is screwed on: place on the ground and diameter, mm."""
+        return ()
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""

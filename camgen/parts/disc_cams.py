@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
@@ -23,10 +23,20 @@ Thickness = Annotated[float, Field(ge=0.1, le=1000)]
 _LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 
 
+def _no_laser(make: object) -> object:
+    """What is asked of sheet is told where it is had."""
+    if make == "laser":
+        raise ValueError(
+            '"machine" or "cams": [laser] cuts cams as thick as its sheet, without a hub; bodies.make = "laser" makes the bench '
+            "of a disc cam or an indexing cam of sheet; tapered collet, headed axles and posts of a uniform swing are no sheets"
+        )
+    return make
+
+
 class ShaftHole(Record):
     """A cam's bore, and what keeps it from turning on its shaft. make: "machine" makes all of it, by the sizes of [bodies]."""
 
-    make: Literal["machine", "cams"] = "cams"
+    make: Annotated[Literal["machine", "cams"], BeforeValidator(_no_laser)] = "cams"
     thickness: Thickness = 6.0
     bore: Length = 8.0
     shaft: Literal["plain", "keyway", "d-flat"] = "plain"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from camgen.findings import Finding
@@ -21,7 +21,9 @@ def mechanism_of(folder: Path) -> Mechanism:
 
 @lru_cache(maxsize=4)
 def _read(text: str) -> Mechanism:
-    return read_mechanism(tomllib.loads(text))
+    found = read_mechanism(tomllib.loads(text))
+    found.__dict__ |= {"study": cache(found.study), "limits": cache(found.limits)}  # no file changes them
+    return found
 
 
 def judged(folder: Path, *kinds: str) -> Report:

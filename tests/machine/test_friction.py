@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import replace
 
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 from chains import CHAINS, slider_crank
 
-from camgen.machine import GROUND, Body, Drive, Force, Gravity, Machine, Pin, Place, Pose, Slide, Slot, Turning, solve
+from camgen.machine import GROUND, Body, Drive, Force, Gravity, Machine, Pin, Place, Pose, Slide, Slot, Spring, Turning, solve
+from camgen.machine.flywheel import spring_on_shaft
 from camgen.machine.friction import circle, smooth
 
 FEW = np.linspace(0.1, math.tau + 0.1, 73)
@@ -115,3 +117,18 @@ def test_power_in_is_power_out_and_heat(name: str) -> None:
         np.testing.assert_allclose(forces.smooth[drive], without.drives[drive], rtol=1e-9, atol=1e-9)
     for name_, reaction in forces.reactions.items():  # each pin's friction is that of its reaction with friction in it
         assert np.all(np.isfinite(reaction[fine])), name_
+
+
+def test_a_spring_of_no_free_length_balances_a_weight_on_an_arm() -> None:
+    """What `spring_on_shaft` says, as a spring of the model: the drive's torque is then even."""
+    bodies = (Body(GROUND), Body("arm", {}, 2.0, cmath.rect(30, 0.4), 0.01))
+    pin = Pin("O", Place("arm"), Place(GROUND))
+    machine = Machine(bodies, (pin,), (Drive("motor", "arm"),), {"arm": Pose(0j, 0.0)}, (Gravity(-10j),), speed=3.0)
+    turn = np.linspace(0, math.tau, 361)
+    torque = solve(machine, turn).forces().drives["motor"] + 0.1
+    size, place, left = spring_on_shaft(turn, torque)
+    assert size == pytest.approx(2 * 10 * 0.03) and left == pytest.approx(0.1)
+    pinned, held = 20.0, 50.0  # mm, of the spring's ends from the axis
+    spring = Spring("balance", Place("arm", pinned), Place(GROUND, cmath.rect(held, place)), size / (pinned * held * 1e-3))
+    even = solve(replace(machine, loads=(*machine.loads, spring)), turn).forces().drives["motor"] + 0.1
+    np.testing.assert_allclose(even, 0.1, atol=1e-12)

@@ -18,6 +18,7 @@ from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
 from camgen.pipeline.build import build, check
+from camgen.pipeline.scope import unheard
 from camgen.spec import read, validate
 
 Floats = np.ndarray
@@ -232,3 +233,13 @@ def test_a_motor_that_does_not_fit_is_told(sizes: dict[str, Any], said: str) -> 
 def test_the_report_names_the_spring(sound: Path) -> None:
     report = json.loads((sound / "report.json").read_text(encoding="utf-8"))
     assert report["numbers"]["least_contact_force_n"] > 0
+
+
+@pytest.mark.parametrize(("parts", "idle"), [({}, ["parts.hub_height"]), ({"rim": 9.0, "hub_height": 0.0}, ["parts.rim"])])
+def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
+    """The starter's hub of a cam alone, and one that is set; with the cams alone they all act."""
+    assert drive(parts=parts).idle() == idle
+    told = [each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each]
+    assert len(told) == 1 and all(key in told[0] for key in idle)
+    alone = read(SPECS / "disc-cam.toml")
+    assert validate(DiscCamDrive, alone).idle() == ()

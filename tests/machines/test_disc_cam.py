@@ -433,16 +433,16 @@ def offset_the_other_way(made: DiscCamDrive) -> Any:
     return other.cam.profile(np.linspace(0, 2 * math.pi, 7201)[:-1])
 
 
-@pytest.mark.parametrize("wrong, least", [(radially, 0.1), (offset_the_other_way, 0.1)])
+@pytest.mark.parametrize("drawn, least", [(radially, 0.1), (offset_the_other_way, 0.1)])
 def test_errors_that_open_cam_makers_ship(
-    sound: Callable[[str], Any], tmp_path: Path, wrong: Callable[[DiscCamDrive], Any], least: float
+    sound: Callable[[str], Any], tmp_path: Path, drawn: Callable[[DiscCamDrive], Any], least: float
 ) -> None:
     """A rim with such an error is off by tenths of a millimetre, and told."""
     shutil.copytree(sound("offset roller")[1], tmp_path / "c")
     path = tmp_path / "c" / "c-cam.dxf"
     drawing = ezdxf.readfile(path)
     rim = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
-    points = wrong(mechanism(*KINDS["offset roller"]))[::-1]
+    points = drawn(mechanism(*KINDS["offset roller"]))[::-1]
     rim.set_points([(z.real, z.imag, 0) for z in points], format="xyb")
     drawing.saveas(path)
     (found,) = [f for f in wrong(tmp_path / "c", "dxf") if f.code == "MOTION_ERROR"]

@@ -58,6 +58,13 @@ def test_all_of_a_walker_is_of_the_sheet(thickness):
                                    for level in levels)  # fmt: skip
 
 
+def test_thin_sheets_take_thin_dowels():
+    """Of 2 mm: two sheets, two plays of 0.2 and a cap leave 5.2 to 6.4 mm; dowels of 6 mm are sold up to 2.5 thick (ISO 2338)."""
+    machine = camgen.load(laser("linkage", sheet=2.0)).resolved()
+    (pin,) = [part for part in machine.parts() if part.name.startswith("pin")]
+    assert pin.thickness == 6 and machine.making.pin_diameter == 2.5 and not machine.printed()
+
+
 def test_a_cam_machine_of_sheet():
     """Cams and wheels are plates on a turned shaft."""
     spec = laser("indexing-cam", "bodies", 4.0)
@@ -87,10 +94,18 @@ def test_what_no_sheet_can_be(name, sizes, said):
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize("name", ["uniform-swing", "disc-cam", "indexing-cam"])
+def test_where_else_sheet_is_had(name):
+    spec = tomllib.loads((SPECS / f"{name}.toml").read_text(encoding="utf-8"))
+    spec["parts"]["make"] = "laser"
+    with pytest.raises(SpecError, match='parts.make: .*bodies.make = "laser" makes the bench'):
+        camgen.load(spec)
+
+
 def test_without_a_sheet_or_dowels():
     spec = laser("linkage")
     del spec["laser"]
     with pytest.raises(SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"):
         camgen.load(spec)
-    with pytest.raises(DesignError, match="length of the dowel is 0 mm.*thin dowels are sold shorter"):
+    with pytest.raises(DesignError, match="length of the dowel is 0 mm.*thin dowels are sold"):
         camgen.load(laser("linkage", pin_diameter=5.0)).parts()

@@ -10,16 +10,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen.errors import SpecError
+from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.judge.assembly import sweep
+from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import GearTeeth, PinEyes
+from camgen.machine.joining import Module
 from camgen.machine.model import Clutch
+from camgen.machine.run import solve
 from camgen.machine.targets import Advance, Course, advance
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
+from camgen.pipeline.shown import animation
 from camgen.spec import read, validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
@@ -67,7 +71,7 @@ def test_the_link_turns_on_by_half_a_turn_and_stands(sense: int) -> None:
 def test_the_judges_route_and_the_makers_agree(made: IndexingCam) -> None:
     """All joints closed at once, from the drawn position, against the chain of closed forms; and rates by differences."""
     theta = np.radians(np.arange(0.5, 360.0, 3.0))
-    closed = Constraints(made.model).close(theta)
+    closed = close(Constraints(made.model), theta)
     run = made.solve(theta, 1)
     assert closed.q == pytest.approx(run.poses(), abs=1e-8)
     rate = run.derivatives("link")[1]
@@ -223,8 +227,32 @@ def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
         validate(IndexingCam, data)
 
 
+def test_a_plate_thinner_than_its_clutch_is_told_with_the_benchs_key() -> None:
+    with pytest.raises(DesignError, match="bodies.base_thickness is 8 mm.*limit 15 mm"):
+        design("machine", bodies={"base_thickness": 8.0}).parts()
+
+
 def test_the_clutch_is_a_joint_of_two_bodies(made: IndexingCam) -> None:
     (clutch,) = [joint for joint in made.model.joints if isinstance(joint, Clutch)]
     apart = clutch.apart(np.radians([1.0, 60.0, 200.0, 420.0]))
     assert list(np.isnan(apart)) == [True, False, True, False]
     assert math.degrees(apart[3] - apart[1]) == pytest.approx(-180)
+
+
+def test_the_picture_goes_on_over_two_turns(made: IndexingCam) -> None:
+    """Frames of two turns, after which the table is where it was; of a link that goes to and fro those of one."""
+    shown = animation(made, ())
+    assert (len(shown.theta), shown.turns) == (240, 2)
+    table = next(body for body in shown.bodies if body.name == "driven-link").poses[0]
+    assert np.degrees(table.angle)[[0, 60, 119, 180, 239]] == pytest.approx([0, -180, -180, -360, -360])
+    assert made.shown_turns == 2 and validate(IndexingCam, read(SPECS / "indexing-cam.toml")).shown_turns == 1
+
+
+def test_as_a_module_it_is_so_far_ahead(made: IndexingCam) -> None:
+    """A quarter of a turn ahead on another shaft: all joints close, and the table is where it is at that angle."""
+    machine = Module("m", 0j, math.radians(90)).machine(made.model)
+    theta = np.radians(np.arange(0.5, 720.0, 31.0))
+    run = solve(machine, theta, 0)
+    assert np.abs(Constraints(machine).evaluate(run.poses(), theta)[0]).max() < 1e-9
+    table = next(body.name for body in machine.bodies if body.name.endswith("driven-link"))
+    assert run.angle(table)[0] == pytest.approx(made.solve(theta + math.radians(90), 0)["link"])

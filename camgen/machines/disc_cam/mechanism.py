@@ -31,11 +31,12 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
-from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
+from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.standing import StandingCams
+from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
@@ -97,6 +98,8 @@ class DiscCamDrive(StandingCams):
         found += [*p.misfits(), *program_faults(self.segment)]
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
+        if not found and self.load is not None and self.load.polydyne:
+            found += polydyne_faults(self.load, program(self.segment, 1 / self._unit[1]))
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -111,6 +114,8 @@ class DiscCamDrive(StandingCams):
     def program(self) -> Program:
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
         made = program(self.segment, 1 / self._unit[1])
+        if self.load is not None and self.load.polydyne:
+            made = polydyne(made, self.load.stretch(self.speed))
         return made if self.sense > 0 else made.backwards()
 
     @cached_property

@@ -44,7 +44,7 @@ from camgen.machines.linkage.plates import ground_plate, second
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, stubs
 from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, touched
 from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
@@ -239,7 +239,11 @@ class Bodies:
         driven, below = link == self.layout.driven, self.sizes.thickness + 2 * self.fits.slide_clearance
         below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
         name = "shaft" if driven else f"shaft-{link}"
-        layer = Layer(Region(self._profile(0.0)), 0.0, below + stub.held[-1][1])
+        sleeved = link in (self.layout.driven, self.layout.upper_web) and any(stand.sleeve for stand in self.layout.stands)
+        top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
+        reach = [stand.merged.shaft for stand in self.layout.stands if stand.merged is not None]
+        top += max(reach, default=0.0) if stub.far and link in (self.layout.driven, self.layout.upper_web) else 0.0
+        layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         made = "turned" if self.sizes.of_sheet else "printed"
         said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
@@ -332,6 +336,8 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = point_of(self.layout, joint)
                 joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
+            elif isinstance(joint, m.Cam):
+                joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 

@@ -25,6 +25,7 @@ from camgen.parts.part import d_bore, hull, with_bar
 
 __all__ = ["GROUND", "Layout", "Stretched"]
 
+SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
@@ -332,7 +333,7 @@ class Layout(Joined):
         links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
         if not self.springs.keys().isdisjoint(found):
-            raise ValueError(f"a spring is called as a link or wheel: {', '.join(self.springs.keys() & set(found))}")
+            raise ValueError(f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}")
         return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float]]:
@@ -383,6 +384,12 @@ class Layout(Joined):
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""
         return self.floor(level) + self._heights[level]
+
+    @property
+    def line(self) -> tuple[float, float]:
+        """Where a sleeve on the shaft that drives begins, over the second plate, and where that shaft ends in it, mm."""
+        low = self.ceiling + self.sizes.base_thickness + self.fits.slide_clearance
+        return low, low + SLEEVE * self.sizes.shaft_diameter
 
     @property
     def ceiling(self) -> float:

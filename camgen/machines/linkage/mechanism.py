@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,21 +25,23 @@ from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import joined
-from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
+from camgen.machine.reach import folds, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.joints import pivot_of
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
+from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
@@ -60,37 +62,17 @@ _LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
-@dataclass(frozen=True)
-class Signal:
-    """One number of an output: column's name without its unit, unit for people ("deg" or "mm").
-
-    of: the output's name; turned: unit complex that the output is divided by before its real part is taken.
-    """
-
-    name: str
-    unit: str
-    of: str
-    turned: complex = 1.0
-
-    @property
-    def scale(self) -> float:
-        """How many of the unit one rad or mm is."""
-        return math.degrees(1) if self.unit == "deg" else 1.0
-
-    def rows(self, run: Run) -> Floats:
-        """It with its derivatives to theta, (order + 1, n) rad or mm."""
-        return np.asarray(np.real(run.derivatives(self.of) / self.turned))
-
-
 def _one_drive(value: object) -> object:
     """A list of drives is told for what it is."""
     if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
     return value
 
 
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
+
+    frame_part: ClassVar[str] = m.GROUND
 
     points: t.Points
     links: t.Links
@@ -132,6 +114,9 @@ class Linkage(Mechanism):
         if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
             found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
+        if self.making.plates < 2:
+            right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
+            found += [Fault(f"include.{k}.mounted", "true", right) for k, each in enumerate(self.includes) if each.mounted]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
@@ -164,10 +149,11 @@ class Linkage(Mechanism):
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
-        host = self.model_dump(by_alias=True, exclude_none=True)
-        top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
-        inc.distinct(found, self.bodies.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        host, bare = self.model_dump(by_alias=True, exclude_none=True), self._bare
+        top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
+        play = self.print.slide_clearance
+        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, play, self._line)
+        inc.distinct(found, bare.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
         return found
 
     @cached_property
@@ -206,22 +192,9 @@ class Linkage(Mechanism):
         if reach is None:
             refuse_partial(chain)
         else:
-            self._refuse_range(chain, *reach)
+            refuse_range(chain, self.drive, *reach)
         refuse_folds(chain, *(reach or (0.0, math.tau)))
         return chain if law is None else replace(chain, drives=(replace(chain.drives[0], law=law),))
-
-    def _refuse_range(self, machine: m.Machine, least: float, most: float) -> None:
-        """Raise DesignError where the range asked for, rad, is more than the chain has."""
-        can, key = reach(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
-        low, high = math.degrees(can.low), math.degrees(can.high)
-        asked, said = (math.degrees(least), math.degrees(most)), f"it closes from {low:.6g} to {high:.6g} deg"
-        for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
-                                             can.ends[1])):  # fmt: skip
-            if not can.full and beyond:
-                where = listed("joint", joints)
-                raise DesignError(key, value, limit, "deg", where, "ask for a range within it",
-                                  f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
-                                  f"opens at {where}")  # fmt: skip
 
     @property
     def speed(self) -> float:
@@ -288,15 +261,7 @@ class Linkage(Mechanism):
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
         """What the outputs give, as single numbers."""
-
-        found = []
-        for output in self.chain.outputs:
-            if isinstance(output.of, m.Path):
-                found += [Signal(f"{output.name}_x", "mm", output.name), Signal(f"{output.name}_y", "mm", output.name, 1j)]
-            else:
-                unit = "deg" if isinstance(output.of, m.Angle) else "mm"
-                found.append(Signal(output.name, unit, output.name))
-        return tuple(found)
+        return signals_of(self.chain)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
@@ -305,9 +270,36 @@ class Linkage(Mechanism):
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
+    @property
+    def _line(self) -> inc.Line | None:
+        """The upper end of the shaft that drives, for what stands on the second plate."""
+        layout = self._bare.layout
+        if layout.second is None:
+            return None
+        point = layout.shaft_of(self.drive.link)
+        axis = layout.at(m.GROUND, point) if layout.in_second(point) else None
+        shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
+        return inc.Line(axis, layout.line[1], self.chain.start[self.drive.link].angle, self.making, shaft, layout.ceiling)
+
+    @cached_property
+    def _kept(self) -> tuple[tuple[complex, float], ...]:
+        """Holes of what stands on the second plate, of which its posts keep clear."""
+        host = self.model_dump(by_alias=True, exclude_none=True) if any(each.mounted for each in self.includes) else {}
+        return inc.kept(self.includes, host, self.drive.speed_rpm) if host else ()
+
     @cached_property
     def bodies(self) -> Bodies:
-        """What is made of it; levels that [layers] leaves open are found."""
+        """What is made of it, and what holds machines that stand on it."""
+        stands = tuple(each.stand for each in self.modules if each.mounted)
+        return Bodies(replace(self._bare.layout, stands=stands), self._bare.weight) if stands else self._bare
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Of the ground plate, for screws from behind."""
+        return [(z, self.making.mount_diameter) for z in self.bodies.parts[0].centres[-2:]]
+
+    @cached_property
+    def _bare(self) -> Bodies:
+        """What is made of it alone; levels that [layers] leaves open are found."""
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
@@ -336,7 +328,7 @@ class Linkage(Mechanism):
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
-            springs={each.name: each.stretched for each in self.sprung},
+            springs={each.name: each.stretched for each in self.sprung}, kept=self._kept,
         )  # fmt: skip
 
     def lacking(self) -> DesignError | None:
@@ -354,7 +346,7 @@ class Linkage(Mechanism):
         """The same with its levels, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
-        same = vars(self).keys() & {"chain", "bodies", "_balanced", "modules", "sprung"}
+        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -374,6 +366,10 @@ class Linkage(Mechanism):
     def stand_ins(self) -> Sequence[StandIn]:
         """What is in the way and not made: a motor, and what included machines have."""
         return [*self.bodies.stand_ins(), *(thing for each in self.modules for thing in each.stand_ins())]
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads of included machines."""
+        return [strand for each in self.modules for strand in each.strands()]
 
     @cached_property
     def _features(self) -> Sequence[Feature]:

@@ -121,9 +121,8 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     length = dowel(s.pin_diameter, grip + s.thickness)
     least = grip + max(layout.min_wall, s.head / 2)
     if length < least:
-        remedy = "change laser.thickness or parts.pin_diameter: thin dowels are sold shorter"
-        if not s.of_sheet:
-            remedy = 'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"'
+        remedy = f"change {s.thick_key} or parts.pin_diameter"
+        remedy += ": thin dowels are sold shorter" if s.of_sheet else ', or make parts.pin "printed"'
         raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy)
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
@@ -138,7 +137,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if not grip <= length <= grip + room:
         raise DesignError(
             "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
-            f'change parts.thickness, or make parts.pins.{point} "{"dowel" if s.of_sheet else "printed"}"',
+            f'change {s.thick_key}, or make parts.pins.{point} "{"dowel" if s.of_sheet else "printed"}"',
         )  # fmt: skip
     discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
     layers, z = [], 0.0

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
@@ -17,13 +18,14 @@ from camgen.errors import DesignError
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, circle
 from camgen.machine.features import Mount
+from camgen.machines.linkage.joined import Sleeve
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import Bought
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.levels import Axis, Band, Wall, ways
-from camgen.parts.part import Layer, Part, hull
+from camgen.parts.part import Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
 HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
@@ -37,15 +39,21 @@ def post_radius(sizes: Parts) -> float:
     return sizes.mount_diameter / 2 + sizes.wall + sizes.head
 
 
-def columns(things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float) -> tuple[complex, ...]:
+def columns(
+    things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float,
+    kept: Sequence[tuple[complex, float]] = (),
+) -> tuple[complex, ...]:  # fmt: skip
     """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
-    round the ground's points, one in each quarter of it. DesignError where there are none."""
+    round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet. DesignError where there are
+    none."""
     low = complex(min(z.real for z in corners), min(z.imag for z in corners))
     high = complex(max(z.real for z in corners), max(z.imag for z in corners))
     middle, half = (low + high) / 2, (high - low) / 2
     x, y = (_STEP * np.arange(-k, k + 1) for k in (int((part + _BEYOND) // _STEP) for part in (half.real, half.imag)))
     places = (middle + x[:, None] + 1j * y[None, :]).ravel()
     free = np.ones(len(places), bool)
+    for z, keeps in kept:
+        free &= np.abs(places - z) > radius + keeps + gap
     for thing in things:
         course = (thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY]
         needed = thing.radius + radius + gap + ways(course)
@@ -121,22 +129,54 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
     holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
-    hubs = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
-    outer, ceiling = hull(hubs), layout.ceiling
-    low = floor - _depth(s)
-    layers = (
-        Layer(plate("second plate", outer, holes | through, layout.min_wall), 0.0, low),
-        Layer(plate("second plate", outer, holes | through | sunk, layout.min_wall), low, floor),
-    )
+    hubs: list[tuple[complex, float]] = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
+    more, under, below = _screwed(layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand")
+    for stand in (stand for stand in layout.stands if stand.merged is not None):
+        assert stand.merged is not None
+        more += stand.merged.discs
+        through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
+    outer, ceiling, depth = hull([*hubs, *more]), layout.ceiling, _depth(s)
+    holes |= through | under
+    heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
+    if not below:
+        heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
+    layers = tuple(Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends) for *ends, heads in heights)
+    raised = (layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above)
+    layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = [point for point in points if point not in layout.shafts and layout.cut(point) is not None]
     notes = [f"pressed in here, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
-        SECOND, "Second plate", layers, centres=tuple(points.values()), min_wall=layout.min_wall,
+        SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
         notes=(f"screwed on {len(posts)} posts, over all", *notes), points=tuple(points.items()),
     )  # fmt: skip
     yield part, Mount(SECOND, GROUND, z=ceiling)
     post = spacer("post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall)
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
+    for stand in layout.stands:
+        if stand.merged is not None:
+            continue
+        name, foot = f"post-{stand.name}", ceiling + floor
+        post = spacer(name, f"Post of {stand.name}", s.mount_diameter, 2 * post_radius(s), stand.high - foot, layout.min_wall)
+        yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
+        if stand.sleeve is not None:
+            yield _sleeve(layout, stand.name, stand.sleeve)
+
+
+def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
+    """What joins the shaft that drives to another machine's over it."""
+    s, press, (low, middle) = layout.sizes, layout.fits.press_clearance, layout.line
+    rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
+    bores = d_bore(s.shaft_diameter + press, s.shaft_flat), d_bore(sleeve.diameter + press, sleeve.flat)
+    own, other = (plate("sleeve", rim, {"bore": bore.moved(turn)}, layout.min_wall)
+                  for bore, turn in zip(bores, (1, cmath.exp(1j * sleeve.turn)), strict=True))  # fmt: skip
+    long = middle - low
+    part = Part(
+        f"sleeve-{name}", f"Sleeve between the shafts of this machine and {name}",
+        (Layer(own, 0.0, long), Layer(other, long, long + sleeve.up)), centres=(0j,), min_wall=layout.min_wall,
+        notes=("pressed and glued on both shafts; its flats keep their phase",),
+    )  # fmt: skip
+    at = layout.at(layout.driven, layout.shaft_of(layout.driven))
+    return part, Mount(part.name, layout.driven, at, z=low)
 
 
 def bought(layout: Layout) -> list[Bought]:
@@ -146,7 +186,10 @@ def bought(layout: Layout) -> list[Bought]:
         return []
     length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
     size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
-    return [Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns))]
+    stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)
+    screws = Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns) + stands)
+    stud = Bought("stud of a post, half of it in the frame on it", "ISO 4026", f"{held.thread} x 8", stands)
+    return [screws, stud] if stands else [screws]
 
 
 def steps(layout: Layout) -> list[str]:
@@ -176,10 +219,17 @@ def _depth(sizes: Parts) -> float:
 
 def _posts(layout: Layout) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
     """Hubs of the posts, their screws' holes in a plate, and the pockets for the heads."""
-    held, places = layout.sizes.post_screw, () if layout.second is None else layout.second.columns
-    if held is None or not places:
+    return _screwed(layout, () if layout.second is None else layout.second.columns, "post")
+
+
+def _screwed(
+    layout: Layout, places: Sequence[complex], name: str
+) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
+    """The same of any posts."""
+    held = layout.sizes.post_screw
+    if held is None:
         return [], {}, {}
     wide = (held.head + HEAD_ROOM) / 2
     hubs = [(z, max(post_radius(layout.sizes), wide + layout.sizes.wall)) for z in places]
-    through = {f"post {k}": circle(z, held.clearance / 2) for k, z in enumerate(places, 1)}
-    return hubs, through, {f"post {k}": circle(z, wide) for k, z in enumerate(places, 1)}
+    through = {f"{name} {k}": circle(z, held.clearance / 2) for k, z in enumerate(places, 1)}
+    return hubs, through, {f"{name} {k}": circle(z, wide) for k, z in enumerate(places, 1)}

@@ -10,10 +10,11 @@ from typing import Any
 
 from camgen.errors import Fault
 from camgen.machines.linkage.sizes import Parts
+from camgen.parts.catalogue import DOWELS
 from camgen.spec import Laser
 
 _HEAD = 1.5  # mm, of the caps on pins, as tables.Parts has it
-_PIN = 4.0  # mm, diameter of dowels that are sold as short as two sheets need
+_PIN = 4.0  # mm, diameter of the thickest dowels that are taken unasked
 _STEEL = ("dowel", "shoulder")
 
 
@@ -27,7 +28,9 @@ def filled(data: Any, table: str) -> Any:
     thick = laser.get("thickness", Laser().thickness) if isinstance(laser, Mapping) else laser.thickness
     if not isinstance(thick, int | float):
         return data
-    own = {"thickness": thick, "base_thickness": thick, "pin": "dowel", "pin_diameter": _PIN, "head": min(_HEAD, thick)}
+    sold = [diameter for diameter, (shortest, _) in DOWELS.items() if diameter <= _PIN and shortest <= 3 * thick]
+    own = {"thickness": thick, "base_thickness": thick, "pin": "dowel", "head": min(_HEAD, thick)}
+    own["pin_diameter"] = max(sold, default=_PIN)  # through two sheets and a cap
     return {**data, table: own | data[table]}
 
 

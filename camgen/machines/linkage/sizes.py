@@ -92,6 +92,11 @@ class Parts(Record):
         return self.make == "laser"
 
     @property
+    def thick_key(self) -> str:
+        """The key that says how thick links are."""
+        return "laser.thickness" if self.of_sheet else "parts.thickness"
+
+    @property
     def shoulder(self) -> ShoulderScrew:
         """The thinnest shoulder screw that is as thick as a pin."""
         return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)

@@ -165,6 +165,9 @@ class Include(Record):
     z: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
         None, description="mm, how far it is raised; unless given it stands above all before it"
     )
+    mounted: bool = Field(
+        False, description="whether its frame stands on this machine's second plate; shafts in one line are joined by a sleeve"
+    )
     ride: dict[str, Name] = Field(
         {}, description="bodies of it that links of this machine carry, in place of its own guides and cams: body = link"
     )

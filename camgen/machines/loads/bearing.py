@@ -174,6 +174,7 @@ def contacts(
             f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
             f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
         )  # fmt: skip
+        said += "; the ends of the line press harder still: round them"
         where = f"{joint.name}, {outline.part}, cam angle {math.degrees(float(theta[worst])):.1f} deg"
         borne.findings.append(at_most("HERTZ", float(pressure[worst]), limit, "MPa", where, said))
         borne.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = float(pressure[worst])

@@ -10,7 +10,7 @@ import numpy as np
 from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import flywheel
 from camgen.machine.forces import Forces
-from camgen.machine.model import MM
+from camgen.machine.model import MM, Turning
 from camgen.machine.run import Run
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Drives
@@ -74,6 +74,10 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
         **{f"flywheel_for_{100 * share:g}_percent_kg_m2": max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
            for share in _SHOWN},
     }  # fmt: skip
+    if isinstance(drive.law, Turning) and abs(float(np.ptp(theta)) - math.tau) < 1e-9 and energy:
+        size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), asked)
+        told = {"balance_spring_n_m": size, "balance_spring_at_deg": math.degrees(place), "drive_torque_balanced_n_m": left}
+        borne.numbers |= told if left < float(np.max(np.abs(asked))) else {}
     curves: list[tuple[str, Floats, Floats]] = [("with friction", np.degrees(theta), asked)]
     curves += [("without", np.degrees(theta), torque)]
     title = "Torque that the motor gives, with friction in the joints and without"
@@ -86,8 +90,8 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
         borne.findings.append(at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", "drive", said))
     motor, peak = motor_of(drives), float(np.abs(asked[worst]))
     if motor is None and peak < _NOTHING:
-        why = "nothing is known of what it moves: no part, mass or load"
-        return borne, [NotJudged("DRIVE_TORQUE", why, "what it moves")]
+        why = "nothing is known of what the drive moves: there is no part, mass or load"
+        return borne, [NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass")]
     if motor is None:
         why = f"{peak:.3g} N m are needed at {abs(speed) * 60 / math.tau:.4g} rpm, and nothing says what the motor gives"
         return borne, [NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model")]

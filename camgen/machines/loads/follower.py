@@ -19,6 +19,7 @@ from camgen.machine.run import Run, solve
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
+from camgen.motion.polydyne import Polydyne
 from camgen.numerics import Floats
 from camgen.parts.springs import Mounted
 from camgen.study import Plot, Table
@@ -51,6 +52,9 @@ def elastic(run: Run, load: Weight | None) -> Borne:
         f"vibration_in_dwells_{key}_{unit}": scale * float(np.max(np.abs(x[rests]), initial=0.0)),
         f"acceleration_factor_{key}": float(np.max(np.abs(bend))) / peak if peak else 1.0,
     }
+    if isinstance(cam.law, Polydyne):
+        off = cam.law(theta - cam.phase) + x - cam.law.wanted(theta - cam.phase)
+        borne.numbers[f"off_wanted_{key}_{unit}"] = scale * float(np.max(np.abs(off)))
     degrees = np.degrees(theta)
     borne.plots.append(Plot(f"Vibration of the follower, {cam.name}", "cam angle, deg", unit, [("y - s", degrees, scale * x)]))
     borne.plots.append(Plot(f"Acceleration of the follower, {cam.name}", "cam angle, deg", f"{unit}/s^2",

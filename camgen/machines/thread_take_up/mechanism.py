@@ -19,7 +19,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
@@ -48,6 +48,8 @@ _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked 
 
 class ThreadTakeUp(Mechanism):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
+
+    frame_part: ClassVar[str] = "frame"
 
     geometry: Geometry
     motor: Motor | None = None
@@ -133,6 +135,11 @@ class ThreadTakeUp(Mechanism):
     def bodies(self) -> Bodies:
         """What its parts are."""
         return Bodies(self)
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """The frame's holes for screws from behind."""
+        t = self.take_up
+        return [(z, self.making.mount_diameter) for z in self.bodies.mount_holes(t.pivot, t.guides)]
 
     def parts(self) -> Sequence[Part]:
         """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides."""
