@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from camgen.numerics import Floats, Points
@@ -13,7 +13,7 @@ class Plot:
     """A figure of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
     A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
-    points, not a line.
+    points, not a line; points: places with names, (name, x, y).
     """
 
     title: str
@@ -23,6 +23,7 @@ class Plot:
     marks: Sequence[tuple[str, float]] = ()
     equal: bool = False
     dots: Sequence[str] = ()
+    points: Sequence[tuple[str, float, float]] = ()
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,16 @@ class Table:
 
 @dataclass(frozen=True)
 class Sketch:
-    """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model."""
+    """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model.
+
+    course: of what changes its shape, such as a thread: theta, (n,) rad -> one polyline on the ground, (n, k) complex mm.
+    """
 
     name: str
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
     body: str = "ground"
+    course: Callable[[Floats], Points] | None = None
 
 
 @dataclass(frozen=True, eq=False)

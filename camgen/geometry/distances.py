@@ -54,3 +54,16 @@ def inside(points: Points, ring: Points) -> NDArray[np.bool_]:
     import shapely
 
     return np.asarray(shapely.contains_xy(_polygon(ring), points.real, points.imag))
+
+
+def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> NDArray[np.float64]:
+    """Distance of each straight way from a to b, (n,), from the material that rings enclose (even-odd), (n,) mm, 0 within it."""
+    import shapely
+
+    ways = shapely.linestrings(np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1))
+    found, within = np.full(len(a), np.inf), np.zeros(len(a), int)
+    for ring in rings:
+        polygon = _polygon(ring)
+        found = np.minimum(found, shapely.distance(ways, polygon.exterior))
+        within += shapely.contains_xy(polygon, a.real, a.imag)
+    return np.where(within % 2 == 1, 0.0, found)

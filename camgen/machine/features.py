@@ -16,11 +16,13 @@ import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from camgen.machine.model import Law, Output, Pose
-from camgen.machine.targets import Target
 from camgen.numerics import Floats
+
+if TYPE_CHECKING:
+    from camgen.machine.targets import Advance, Target
 
 
 @dataclass(frozen=True)
@@ -269,7 +271,7 @@ class Asked:
     motion: Callable[[Floats, int], Any] | None = None
     stroke: bool = False
     lash: float = math.inf
-    targets: tuple[Target, ...] = ()
+    targets: tuple[Target | Advance, ...] = ()
     judged: bool = True
 
 
@@ -304,6 +306,37 @@ class Apart:
     planes: tuple[float, ...] = (0.0,)
     gap: float = 0.0
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """The first moment that all solids on a body are to have together about the pin on which it turns, complex g mm in its axes.
+
+    about: the pin's place there, mm; density: of each part on the body, g/mm^3; tolerance: g mm, by which it may be off.
+    """
+
+    body: str
+    joint: str
+    about: complex
+    moment: complex
+    density: Mapping[str, float]
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Strand:
+    """A thread that runs straight from post to post, between two heights of the assembly, mm.
+
+    posts: part and copy of each, round ones about their part's origin; held: how far each has to stand out over its groove
+    above and below those heights; gap: what the thread keeps from all else, mm.
+    """
+
+    name: str
+    posts: tuple[tuple[str, int], ...]
+    low: float
+    high: float
+    held: float
+    gap: float
 
 
 Poses = Callable[[Floats], Mapping[str, Sequence[PartPose]]]

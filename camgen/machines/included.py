@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any
 
@@ -16,23 +16,25 @@ from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Arc
-from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
+from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
-from camgen.machines.linkage.jointed import Merged, Sleeve, Stand
+from camgen.machines.linkage.joined import Merged, Sleeve, Stand
 from camgen.machines.linkage.layout import SLEEVE
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.merged import Merging, merging
 from camgen.motion.segments import with_tables
+from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
 from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.tables import Include, Parts
+    from camgen.machines.linkage.sizes import Parts
+    from camgen.machines.linkage.tables import Include
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
 _ANGLES = 1440  # at which bodies that ride are compared with their own motion
@@ -104,8 +106,20 @@ class Included:
         for thing in self.mechanism.stand_ins():
             shift = self.module.at if thing.body == GROUND else 0j
             discs = tuple((at + shift, r, low + self.module.z, high + self.module.z) for at, r, low, high in thing.discs)
-            found.append(replace(thing, name=self.module.part(thing.name), body=self.module.body(thing.body), discs=discs))
+            z = self.module.z
+            bars = tuple((a + shift, b + shift, radius, low + z, high + z) for a, b, radius, low, high in thing.bars)
+            found.append(replace(
+                thing, name=self.module.part(thing.name), body=self.module.body(thing.body), discs=discs, bars=bars,
+            ))  # fmt: skip
         return found
+
+    def strands(self) -> Sequence[Strand]:
+        """Its threads."""
+        m = self.module
+        return [
+            replace(each, posts=tuple((m.part(name), k) for name, k in each.posts), low=each.low + m.z, high=each.high + m.z)
+            for each in self.mechanism.strands()
+        ]
 
     def apart(self) -> Sequence[Apart]:
         """Parts that pass by each other."""
@@ -168,7 +182,8 @@ class Included:
     def _sketch(self, sketch: Sketch) -> Sketch:
         shift, (name, body) = self.module.at if sketch.body == GROUND else 0j, (sketch.name, sketch.body)
         strokes, circles = [z + shift for z in sketch.strokes], [(z + shift, r) for z, r in sketch.circles]
-        return Sketch(self.module.part(name), strokes, circles, self.module.body(body))
+        course = None if sketch.course is None else partial(_ahead, sketch.course, self.module)
+        return Sketch(self.module.part(name), strokes, circles, self.module.body(body), course)
 
     def _fastened(self) -> list[str]:
         """What a builder joins: a body that rides has no hole or post of its own for it."""
@@ -326,6 +341,11 @@ def _rides(key: str, each: Include, module: Module, mechanism: Mechanism, chain:
     if misfits:
         raise SpecError([Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")])
     return tuple(found)
+
+
+def _ahead(course: Callable[[Floats], Points], module: Module, theta: Floats) -> Points:
+    """The course of what changes its shape, at the host's theta and where the module stands."""
+    return course(theta + module.phase) + module.at
 
 
 def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> Sequence[Fault]:

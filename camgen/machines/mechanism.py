@@ -27,14 +27,29 @@ from numpy.typing import ArrayLike
 
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import Apart, Asked, CamOutline, Eye, Feature, Mount, Moved, PartPose, PinEyes, StandIn
+from camgen.machine.features import (
+    Apart,
+    Asked,
+    Balance,
+    CamOutline,
+    Eye,
+    Feature,
+    Mount,
+    Moved,
+    PartPose,
+    PinEyes,
+    StandIn,
+    Strand,
+)
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
-from camgen.machines.loads.assess import drives_of
+from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
@@ -76,8 +91,11 @@ class Mechanism(Spec, ABC):
 
     @cached_property
     def model(self) -> Machine:
-        """The same, made once."""
-        return self.machine()
+        """The same with the loads that the spec applies, made once."""
+        machine = self.machine()
+        if self.load is None or not self.load.on:
+            return machine
+        return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
@@ -164,7 +182,8 @@ class Mechanism(Spec, ABC):
     @property
     def drives(self) -> Drives | None:
         """What the motor can give, as the spec says it."""
-        return drives_of(self)
+        motor = getattr(self, "motor", None)
+        return motor if isinstance(motor, Drives) else None
 
     @property
     def shaft_needed(self) -> float | None:
@@ -177,6 +196,11 @@ class Mechanism(Spec, ABC):
         return ""
 
     @property
+    def hub(self) -> SetScrewHub | None:
+        """The hub that a set screw holds on the shaft that drives."""
+        return None
+
+    @property
     def roller_bearing(self) -> Bearing | None:
         """The ball bearing that is a follower's tip."""
         return None
@@ -185,6 +209,15 @@ class Mechanism(Spec, ABC):
     def return_spring(self) -> Mounted | None:
         """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
         return None
+
+    @property
+    def balance(self) -> Balance | None:
+        """What the solids of a crank with a counterweight are held to; None of a machine without one."""
+        return None
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads that run from post to post."""
+        return ()
 
     def journals(self) -> Mapping[str, Journal]:
         """The plain bearings of its pins, by joint."""
@@ -209,6 +242,11 @@ class Mechanism(Spec, ABC):
     def range(self) -> tuple[float, float]:
         """Least and greatest theta, rad: of a drive that goes to and fro less than a turn."""
         return 0.0, math.tau
+
+    @property
+    def shown_turns(self) -> int:
+        """Turns of the drive after which all of it is where it was, as far as it is shown."""
+        return 1
 
     @property
     def sense(self) -> int:
@@ -260,8 +298,12 @@ class Mechanism(Spec, ABC):
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def printed(self) -> Sequence[Part]:
-        """Parts that are laid out on plates."""
-        return [part for part in self.parts() if part.made == "printed"]
+        """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+        return [part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)]
+
+    def cut_of_sheet(self, part: Part) -> bool:
+        """Whether a part is cut of the laser's sheet."""
+        return self.laser is not None and not why_not(part, self.laser.thickness)
 
     def steps(self) -> Table:
         """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
@@ -288,9 +330,17 @@ class Mechanism(Spec, ABC):
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height", columns, rows, [laid for _, laid in sorted(copies.items())])
 
+    def idle(self) -> Sequence[str]:
+        """Keys that were set and say nothing of this machine, dotted."""
+        return ()
+
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
         return ""
+
+    def remarks(self) -> Sequence[str]:
+        """What a build prints beside its findings."""
+        return ()
 
     def texts(self) -> Mapping[str, str]:
         """Further text files of the folder, by what follows the spec's name in theirs."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from camgen.geometry.outlines import Arc, Contour, Line, Region
 from camgen.machine.features import Eye, Faces, Feature, Mount
-from camgen.machines.linkage.jointed import Merged
+from camgen.machines.linkage.joined import Merged
 from camgen.machines.linkage.plates import SECOND
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.part import Layer, Part

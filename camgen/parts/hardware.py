@@ -12,7 +12,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -197,6 +197,18 @@ def headed(
         Layer(Region(circle(0j, head_diameter / 2)), 0.0, head), Layer(Region(circle(0j, diameter / 2)), head, head + length),
     )  # fmt: skip
     return Part(name, title, layers, count, centres=(0j,), notes=notes, cut=1, made=made)
+
+
+def grooved(
+    name: str, title: str, diameter: float, length: float, wide: float, head: float, groove: float, count: int = 1,
+    notes: tuple[str, ...] = (), made: str = "printed",
+) -> Part:  # fmt: skip
+    """A headed pin with a shoulder as wide and high as its head: between both a groove as high as asked for, mm."""
+    plain = headed(name, title, diameter, length, wide, head, count, notes, made)
+    (top, disc), (_, shank) = ((layer, layer.region) for layer in plain.layers)
+    ends = (head + groove, head + groove + head, head + length)
+    layers = (top, Layer(shank, head, ends[0]), Layer(disc, ends[0], ends[1]), Layer(shank, ends[1], ends[2]))
+    return replace(plain, layers=layers, cut=3)
 
 
 def spacer(

@@ -28,7 +28,8 @@ class Body:
 
     rings: closed outlines (points (n,) complex, bulges (n,)), drawn even-odd, so holes are rings too; bulge k is
     tan(sweep / 4) of the arc from point k to the next, positive counter-clockwise, 0 a straight edge.
-    strokes: open polylines (n,) complex; circles: (centre, radius).
+    strokes: open polylines (n,) complex; circles: (centre, radius). course: an open polyline of its own for each frame,
+    (frames, k) complex, such as a thread.
     """
 
     name: str
@@ -36,11 +37,12 @@ class Body:
     rings: Sequence[Ring] = ()
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
+    course: Points | None = None
 
 
 @dataclass(frozen=True)
 class Animation:
-    """One turn: `theta` (n,) rad, evenly spaced from 0, the end point left out; the poses' arrays are (n,) too.
+    """So many turns: `theta` (n,) rad, evenly spaced from 0, the end point left out; the poses' arrays are (n,) too.
 
     Each angle is a frame of the page, which interpolates between: 120 (3 deg) are exact to 0.04 % of a radius.
     output: (n,) the follower's value in `output_unit`, shown as `output_name`. A pose that is nan hides its body.
@@ -51,6 +53,7 @@ class Animation:
     output: Floats | None = None
     output_name: str = "output"
     output_unit: str = ""
+    turns: int = 1
 
 
 def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
@@ -113,6 +116,7 @@ def svg_path(ring: Ring) -> str:
 def _spread(body: Body) -> Points:
     """Points whose hull is the body's, to a thousandth of its size: vertices, arcs' insides, circles."""
     groups = [np.zeros(1, complex), *(np.asarray(stroke, complex) for stroke in body.strokes)]
+    groups += [] if body.course is None else [np.ravel(body.course)]
     for ring in body.rings:
         points, bulges = _drawn(ring)
         chord = np.roll(points, -1) - points
@@ -124,6 +128,7 @@ def _spread(body: Body) -> Points:
             groups.append(points + chord * along * np.exp(-1j * (1 - share) * sweep / 2))
     groups += [centre + radius * np.exp(2j * np.pi * np.arange(48) / 48) for centre, radius in body.circles]
     points = np.concatenate(groups)
+    points = points[np.isfinite(points)]
     outward = np.exp(-2j * np.pi * np.arange(72) / 72)
     return np.asarray(points[np.unique([np.argmax((points * way).real) for way in outward])])
 
@@ -150,10 +155,18 @@ def frames(animation: Animation) -> dict[str, object]:
     output = [] if animation.output is None else np.asarray(animation.output, float).tolist()
     return {
         "frames": len(animation.theta),
+        **({"turns": animation.turns} if animation.turns > 1 else {}),
         "poses": poses,
         "flipped": [pose.flipped for _, pose in _copies(animation)],
+        "courses": {str(k): _rounded(body.course) for k, body in enumerate(animation.bodies) if body.course is not None},
         "output": [float(f"{value:.6g}") if math.isfinite(value) else None for value in output],
     }
+
+
+def _rounded(course: Points) -> list[list[float]]:
+    """x and y of each point of a polyline by turns, by frame."""
+    flat = np.stack([course.real, course.imag], axis=-1).reshape(len(course), -1)
+    return [[float(value) for value in row] for row in np.round(flat + 0.0, 2)]
 
 
 def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
@@ -177,7 +190,7 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     grid += "".join(f"M{_xy(complex(left, y))}H{_number(right)}" for y in up)
     scale = max(power * factor for factor in (1, 2, 5, 10, 20) if power * factor <= size / 4)
     thin, bar = _number(size / 500), complex(left + 0.04 * size, low + 0.05 * size)
-    shapes = "".join(_shape(k, body, size / 60) for k, body in enumerate(animation.bodies))
+    shapes = "".join(_shape(k, body, size / 60, frame) for k, body in enumerate(animation.bodies))
     dashes = f' stroke-dasharray="{_number(size / 80)} {_number(size / 160)}"'
     uses = "".join(
         f'<use href="#body-{k}" class="c{k}"{dashes if pose.flipped else ""} {_placed(pose, frame, count)}/>'
@@ -195,11 +208,14 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     )
 
 
-def _shape(k: int, body: Body, cross: float) -> str:
-    """A body as a symbol to be placed: tinted material, strokes, circles and a cross at its datum."""
+def _shape(k: int, body: Body, cross: float, frame: int) -> str:
+    """A body as a symbol to be placed: tinted material, strokes, circles, a cross at its datum, a course at a frame."""
     rings = "".join(svg_path(ring) for ring in body.rings)
     lines = "".join("M" + "L".join(_xy(z) for z in np.asarray(stroke).tolist()) for stroke in body.strokes)
     mark = f"M-{(c := _number(cross))} 0H{c}M0 -{c}V{c}" if rings else ""
+    if body.course is not None:
+        line = "M" + "L".join(_xy(z) for z in body.course[frame].tolist())
+        return f'<g id="body-{k}"><path fill="none" stroke-width="{_number(cross / 5)}" d="{line}"/></g>'
     rounds = "".join(
         f'<circle cx="{_number(z.real)}" cy="{_number(z.imag)}" r="{_number(radius)}" fill-opacity=".12"/>'
         for z, radius in body.circles

@@ -39,6 +39,7 @@ _STYLE = "".join(
     ".plotted .frame,.plotted .mark{stroke:#5b6675;fill:none}.plotted .mark{stroke-dasharray:2 2}.end{text-anchor:end}"
     ".mid{text-anchor:middle}.curve{fill:none;stroke:currentColor;stroke-width:1.7;stroke-linejoin:round}"
     ".band{fill:currentColor;fill-opacity:.22;stroke:currentColor;stroke-width:.8}.plotted .dots{fill:currentColor}"
+    ".plotted .named{fill:#1d2530}"
 )  # fmt: skip
 
 
@@ -117,6 +118,7 @@ def _naming(plot: Plot, box: str, own: str = "plot") -> str:
 def _ends(plot: Plot) -> tuple[float, float] | None:
     """Least and greatest x of all series, None where there is none."""
     found = [bound for _, x, _ in plot.series if len(x) for bound in (float(np.nanmin(x)), float(np.nanmax(x)))]
+    found += [x for _, x, _ in plot.points]
     return (min(found), max(found)) if found else None
 
 
@@ -126,7 +128,7 @@ class _Axes:
     def __init__(self, plot: Plot, log: bool) -> None:
         self.log = log
         self.x = _spread(*(_ends(plot) or (0.0, 1.0)), 0.0) if not turns(plot) else (0.0, 360.0)
-        values = np.concatenate([np.zeros(0), *(np.asarray(y, float) for _, _, y in plot.series)])
+        values = np.concatenate([[y for _, _, y in plot.points], *(np.asarray(y, float) for _, _, y in plot.series)])
         values = values[np.isfinite(values)]
         low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
         if not log and not plot.equal and 0 < high - low < 0.1 * max(abs(low), abs(high)):
@@ -180,9 +182,20 @@ def _drawn(plot: Plot, log: bool) -> tuple[str, list[_Curve]]:
             f'<path class="mark" d="M{_n(at)} {_n(_TOP)}V{_n(_LOW)}"/><text {side} x="{_n(at + (3 if inside else -3))}" '
             f'y="{_n(_TOP + 9 + _ROW * row)}">{escape(label)}</text>'
         )  # fmt: skip
+    pieces += [_named(name, axes.place(np.array([x]), np.array([y]))[0]) for name, x, y in plot.points]
     (x0, x1), (y0, y1) = axes.x, axes.y
     scale = f"{_LEFT:g} {_RIGHT:g} {x0:.9g} {x1:.9g} {_LOW:g} {_TOP:g} {y0:.9g} {y1:.9g}"
     return f'<g class="drawn" data-axes="{scale}">{"".join(pieces)}</g>', curves
+
+
+def _named(name: str, at: complex) -> str:
+    """A point with its name beside it, inside the frame."""
+    left = at.real > _RIGHT - _LETTER * (len(name) + 1)
+    side, x = ('class="end"', at.real - 4) if left else ('class="start"', at.real + 4)
+    return (
+        f'<circle class="named" cx="{_n(at.real)}" cy="{_n(at.imag)}" r="2"/><text {side} x="{_n(x)}" '
+        f'y="{_n(max(at.imag - 3, _TOP + 9))}">{escape(name)}</text>'
+    )
 
 
 def _ruled(plot: Plot, axes: _Axes) -> str:

@@ -100,3 +100,8 @@ def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> 
     swept(tmp_path / "x.3mf", "eccentric-drive")
     failed = [f for f in sweep(tmp_path / "x.3mf", replace(whole, courses=jumpy))[0] if not f.ok]
     assert [(f.code, said in f.message) for f in failed] == ([("INTERFERENCE", True)] if jump else [])
+
+
+def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
+    findings = swept(tmp_path / "x.3mf", "eccentric-drive", needle_tube_1=0.15j)
+    assert any(not f.ok and "needle-tube-1" in f.where and "needle" in f.where for f in findings)

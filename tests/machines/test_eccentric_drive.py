@@ -277,7 +277,7 @@ def test_the_motor_shaft_is_told_and_judged() -> None:
     assert "shaft 2 x 13.6 over its face" in lines["motor"].size
     # 5 + 4.2 + 3 and a nut of 2; 2 * 5 + 25 and 2; 4 + 3 and 2
     sizes = [lines[f"screw of the {what}"].size for what in ("cover", "motor", "wire clamp")]
-    assert sizes == ["M2 x 16", "M2 x 40", "M2 x 10"] and lines["nut"].count == 6
+    assert sizes == ["M2 x 16", "M2 x 40", "M2 x 10"] and lines["nut"].count == 6  # without a tube
 
 
 def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
@@ -311,8 +311,8 @@ def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
     "settings, fails",
     [
         (["limits.stroke=[2, 3]"], []),  # twice 1.5 mm is just 3
-        (["limits.stroke=[2, 2.9]"], ["STROKE"]),
-        (["limits.stroke=[3.1, 4]"], ["STROKE"]),
+        (["limits.stroke=[2, 2.9]"], ["STROKE", "NEEDLE_REACH"]),
+        (["limits.stroke=[3.1, 4]"], ["STROKE", "NEEDLE_REACH"]),
         (["limits.strokes_per_s=[3, 4]"], ["STROKE_RATE"]),  # 13000 rpm is 216.7 a second
         (["limits.strokes_per_s=[3, 4]", "motor.speed_rpm=-217"], []),
     ],
@@ -325,3 +325,43 @@ def test_what_the_task_asks_for_is_judged(settings: list[str], fails: list[str])
 def test_a_band_upside_down_is_a_fault() -> None:
     with pytest.raises(SpecError, match="limits.stroke"):
         pipeline.read_mechanism(SPEC, ["limits.stroke=[3, 2]"])
+
+
+# ---- the needle's tube -----------------------------------------------------------------------------------------------
+
+
+def of_tube(found: EccentricDrive) -> dict[tuple[str, bool], bool]:
+    return {(f.code, f.floor): f.ok for f in found.limits() if f.code.startswith("NEEDLE")}
+
+
+def test_the_needle_is_guided_and_reaches_as_deep_as_it_should() -> None:
+    m = design(parts__tube_length=12.0, limits__stroke=(2.0, 3.0))
+    assert m.tube is not None and m.tube.out == pytest.approx((0.0, 3.0))  # the paper: 2 to 3 mm out of the tube
+    assert set(of_tube(m).values()) == {True} and len(of_tube(m)) == 3
+    tip = m.poses(np.array([0.0, math.pi]))["slider"][0].place.real + m.hook + m.tube.wire
+    face = m.tube.mount().at.real + 6.0
+    assert tip - face == pytest.approx([3.0, 0.0], abs=1e-9)  # innermost at 180 deg
+    longer, shorter = (design(parts__tube_length=12.0, limits__stroke=(2.0, 3.0), parts__wire_length=m.tube.wire + d)
+                       for d in (0.1, -1.1))  # fmt: skip
+    assert of_tube(longer)["NEEDLE_REACH", False] is False and of_tube(shorter)["NEEDLE_REACH", True] is False
+    blunt = design(parts__tube_length=12.0, parts__wire_length=m.tube.wire - 9.5)
+    assert of_tube(blunt) == {("NEEDLE_GUIDED", True): False}
+    assert of_tube(design()) == {} and design().stand_ins() == ()
+
+
+def test_the_bore_of_the_tube_holds_the_wire_with_the_fit_of_what_slides() -> None:
+    m = design(parts__tube_length=12.0, print__slide_clearance=0.3)
+    part = next(part for part in m.parts() if part.name == "needle-tube")
+    assert m.tube is not None
+    beside = [layer for layer in part.layers if layer.z0 == part.layers[1].z0]
+    edges = sorted(z.imag for layer in beside for piece in layer.region.outer.pieces for z in (piece.a, piece.b))
+    inner = [y for y in edges if abs(y) < 2]
+    assert max(inner) - min(inner) == pytest.approx(1.8) == beside[0].z1 - beside[0].z0
+    assert {line.name: line for line in m.bought()}["nut"].count == 8
+
+
+@pytest.mark.parametrize("keys", [{"parts__wire_length": 40.0}, {"parts__tube_length": 3.0},
+                                  {"parts__tube_length": 12.0, "parts__wire_diameter": 3.55}])  # fmt: skip
+def test_a_tube_that_cannot_be_is_told(keys: dict[str, float]) -> None:
+    with pytest.raises(SpecError, match="parts.w|parts.t"):
+        design(**keys)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import sys
 from pathlib import Path
@@ -17,6 +18,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.features import CamOutline, Eye
 from camgen.machines.uniform_swing.mechanism import UniformSwing
+from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.pipeline.jobs import read_mechanism
 
 SHAFTS = ["plain", "keyway", "d-flat"]
@@ -264,3 +266,32 @@ def test_figures_of_the_source() -> None:
         assert numbers[f"source_r_{k}_mm"] == pytest.approx(r, rel=1e-12)
         beta = math.degrees(math.acos(math.sqrt(4500) / r * math.sin(alpha)))
         assert numbers[f"source_beta_{k}_deg"] == pytest.approx(beta, rel=1e-12)
+
+
+# ---- the source's figures --------------------------------------------------------------------------------------------
+
+
+def test_figures_2_to_5_have_the_points_of_equations_2_to_6() -> None:
+    pivot, width, half = 60.0, 30.0, math.radians(15)
+    reach, alpha = math.hypot(pivot, width), math.acos(60 / math.hypot(60, 30)) + half * np.array([-1, 1])  # eqs. 2, 3
+    r = np.sqrt(pivot**2 + reach**2 - 2 * pivot * reach * np.cos(alpha))  # eq. 4
+    beta = np.arccos(reach / r * np.sin(alpha))  # eq. 5
+    cam = design().cam
+    drawn = pictures(Model(pivot, width, 2 * half, cam))
+    at = {plot.title.split(":")[0]: {name: complex(x, y) for name, x, y in plot.points} for plot in drawn}
+    assert list(at) == [f"Source, figure {k}" for k in ("2, a", "2, b", "3", "4", "5")]
+    first, second = (at[f"Source, figure {k}"] for k in (4, 5))
+    start = -r[0] * complex(math.sin(beta[0]), math.cos(beta[0]))  # eq. 6
+    assert first["A0"] == pivot and first["C0"] == pytest.approx(start) == at["Source, figure 2, a"]["C"]
+    again = r[1] * complex(-math.sin(beta[1]), math.cos(beta[1]))
+    assert second["A0"] == pytest.approx(-pivot) and second["C0"] == pytest.approx(again)
+    for points in at.values():
+        if {"A", "B", "C"} <= points.keys():
+            a, b, c = points["A"] - points["B"], points["B"], points["C"] - points["B"]
+            assert (abs(a), abs(c)) == pytest.approx((width, pivot)) and (a / c).real == pytest.approx(0, abs=1e-12), b
+    assert abs(at["Source, figure 3"]["C2"]) == pytest.approx(r[1])
+    # OA runs clockwise, and each C lies on the profile: that of the cam's engine, at the same angle
+    for k, phi in enumerate(np.radians([0, 45, 90, 135, 180])):
+        for points, begin in ((first, 0.0), (second, math.pi)):
+            assert points[f"A{k}"] == pytest.approx(pivot * cmath.exp(-1j * (phi + begin)))
+            assert points[f"C{k}"] == pytest.approx(complex(cam.pitch(phi + begin)))

@@ -159,3 +159,16 @@ def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
 )  # fmt: skip
 def test_values_are_rounded_to_what_is_known(value: float, text: str) -> None:
     assert rounded(value) == text
+
+
+def test_named_points_stand_where_they_are_and_within_the_frame() -> None:
+    shape = Plot("t", "x, mm", "y, mm", [("way", np.array([0.0, 10.0]), np.array([0.0, 0.0]))], equal=True,
+                 points=[("A", 0.0, 0.0), ("far <C>", 10.0, 30.0)])  # fmt: skip
+    root = ElementTree.fromstring(plot_svg(shape))
+    rounds = [each for each in root.iter(f"{SVG}circle") if each.get("class") == "named"]
+    (ax, ay), (cx, cy) = ((float(each.get("cx", "")), float(each.get("cy", ""))) for each in rounds)
+    line = next(each for each in root.iter(f"{SVG}path") if each.get("class") == "curve" and "M" in (each.get("d") or ""))
+    assert line.get("d", "").startswith(f"M{ax:g} {ay:g}L{cx:g} {ay:g}") and ay - cy == pytest.approx(3 * (cx - ax), abs=0.1)
+    texts = {each.text: each for each in root.iter(f"{SVG}text")}
+    assert texts["A"].get("class") == "start" and 46 <= cx <= 322 and 22 <= cy <= 164
+    assert "far <C>" in texts

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from camgen.errors import FileError
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.features import PartPose
-from camgen.report.animation import Animation, Body, still_svg, svg_path
+from camgen.report.animation import Animation, Body, frames, still_svg, svg_path
 from camgen.report.page import _used, to_html
 from camgen.report.report import Report, to_json, write_csv, write_html, write_json
 from camgen.study import Plot, Table
@@ -175,9 +175,9 @@ def test_page_shows_every_finding_failed_first(page: str) -> None:
     text = Page(page).text()
     places = [text.index(code) for code in ("MIN_WALL", "LASH", "MOTION_ERROR")]
     assert places == sorted(places)
-    assert "2 of 3 checks fail" in text and "160 %" in text and "53 %" in text
-    assert "The one check holds" not in text
-    assert "The one check holds" in to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")]))
+    assert "2 of 3 findings fail" in text and "160 %" in text and "53 %" in text
+    assert "The one finding holds" not in text
+    assert "The one finding holds" in to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")]))
 
 
 def test_page_escapes_all_text(page: str) -> None:
@@ -313,3 +313,14 @@ def test_same_report_same_bytes() -> None:
         for seed in ("1", "2")
     ]  # fmt: skip
     assert runs[0] == runs[1] and len(runs[0]) > 10_000
+
+
+def test_what_changes_its_shape_is_drawn_anew_in_each_frame() -> None:
+    ways = np.array([[0, 10 + 0j], [0, 10 + 5j], [0, 10 + 20j]])
+    thread = Body("thread", [PartPose(0j, 0.0)], course=ways)  # type: ignore[arg-type]
+    picture = Animation(np.zeros(3), [thread])
+    stills = [still_svg(picture, "x", k) for k in range(3)]
+    assert ["M0 0L10 5" in still for still in stills] == [False, True, False]
+    assert frames(picture)["courses"] == {"0": [[0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 10.0, 5.0], [0.0, 0.0, 10.0, 20.0]]}
+    box = [float(value) for value in stills[0].partition('viewBox="')[2].partition('"')[0].split()]
+    assert box[1] < -20 < 0 < box[1] + box[3]  # the whole turn has room

@@ -29,6 +29,7 @@ from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Par
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_conditions, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, crank_driven, to_and_fro
 from camgen.machines.chain_stitch_looper.study import SOURCE_DISTORTION, distorted, driven_table, study, timing_study
+from camgen.machines.chain_stitch_looper.threads import lengths, moments, seam, sketches
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
@@ -378,8 +379,11 @@ class ChainStitchLooper(Mechanism):
         driven = [distorted(each.timing.distortion, each.design, each.bodies.clock) for each in self._driven()]
         published = self.geometry.mode == "published" and self.geometry.p6_setback
         left_out = ["Left out: p6_setback, for the published design has none."] if published else []
+        loops, table = lengths(self.design)
         return replace(
-            found, numbers={**found.numbers, **timing.numbers}, tables=[*timing.tables, *driven_table(driven), *found.tables],
+            found, numbers={**found.numbers, **timing.numbers, **loops}, sketches=sketches(self.design),
+            tables=[*timing.tables, *driven_table(driven), *found.tables, table],
+            plots=[*found.plots, *moments(self.design), seam(self.design, self.geometry.stitch_length)],
             notes=[*found.notes, *timing.notes, *left_out],
         )  # fmt: skip
 
@@ -387,9 +391,9 @@ class ChainStitchLooper(Mechanism):
         """This machine, and the same driven by cranks and rods as the source has them; none with other laws or lag."""
         if self._moves() != [("needle", "simple-harmonic", ()), ("spreader", "simple-harmonic", ())]:
             return ()
-        data = self.model_dump(by_alias=True, exclude_none=True)
-        pairs = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, self.timing.distortion])
-        return [validate(type(self), data | {"timing": data["timing"] | {"distortion": pair}}) for pair in pairs]
+        data, own = self.model_dump(by_alias=True, exclude_none=True), self.timing.distortion
+        pairs, turn = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own]), data["timing"]
+        return [self if p == own else validate(type(self), data | {"timing": turn | {"distortion": p}}) for p in pairs]
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -27,65 +27,17 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Asked, Feature, Mount, StandIn
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
+from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
-from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
-
-Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
-_FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
-
-
-class Geometry(Record):
-    """Lengths of the mechanism."""
-
-    eccentricity: Length
-    rod: Length
-    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    eccentric_diameter: Length
-    shaft_diameter: Length
-
-
-class Motor(Drives):
-    """What drives the disc; boss_diameter: of the collar by which it sits in the body, diameter, length: of its can."""
-
-    speed_rpm: Annotated[Rpm, turning(0.001)]
-    boss_diameter: Length = 6.0
-    diameter: Length = 21.0
-    length: Length = 25.0
-
-
-class Parts(Record):
-    """The bodies of the parts."""
-
-    strap_wall: Length = 2.0
-    rod_thickness: Length = 3.0
-    flange: Length = 1.0
-    pin_diameter: Length = 3.0
-    slider_width: Length = 8.0
-    slider_thickness: Length = 4.0
-    wire_diameter: Length = 1.5
-    rail_width: Length = 6.0
-    cover_length: Length = 10.0
-    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = "M2"
-    body_thickness: Length = 5.0
-
-
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it."""
-
-    transmission_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 1.0
-    stroke: Band | None = None
-    strokes_per_s: Band | None = None
-    min_wall: Length = 0.8
 
 
 class EccentricDrive(Mechanism):
@@ -119,6 +71,7 @@ class EccentricDrive(Mechanism):
             (motor.boss_diameter > shaft, "motor.boss_diameter", motor.boss_diameter, f"more than its shaft, {shaft:g} mm"),
             (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
         ]  # fmt: skip
+        checks += tube_checks(p, slide, floor, 2 * self.rim)
         for name in ("stroke", "strokes_per_s"):
             low, high = getattr(self.allowed, name) or (0.0, 1.0)
             checks.append((low < high, f"limits.{name}", low, "the least first, then the greatest"))
@@ -232,9 +185,11 @@ class EccentricDrive(Mechanism):
             "rod", "Connecting rod with strap", (Layer(Region(outline, eyes), 0.0, p.rod_thickness),),
             centres=(0j, complex(g.rod)), min_wall=wall,
         )  # fmt: skip
+        tube = () if self.tube is None else (self.tube.part(),)
         return (
-            self._body(), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(), self._motor_bar()
-        )
+            self._body(), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(), self._motor_bar(),
+            *tube,
+        )  # fmt: skip
 
     def _check_sizes(self) -> None:
         """Raise DesignError where the disc has no wall, the strap meets the guide, or rod and slider cannot be made."""
@@ -265,24 +220,34 @@ class EccentricDrive(Mechanism):
         return SCREWS[self.making.screw]
 
     @cached_property
-    def _rim(self) -> float:
+    def rim(self) -> float:
         """Radius of the material round a screw's hole, mm."""
-        return self._screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + _FACETS)
+        return self._screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + FACETS)
 
     @cached_property
     def head(self) -> tuple[float, float, complex]:
         """Of the slider's head, always outside the guide: its begin and length along x, and its upper screw, mm."""
         p, screw = self.making, self._screw
-        aside = p.wire_diameter / 2 + self.allowed.min_wall + _FACETS + screw.clearance / 2
-        length = 2 * max(screw.head / 2 + 1, self._rim + 0.2)  # 0.2: the clamp is so much shorter at both ends
+        aside = p.wire_diameter / 2 + self.allowed.min_wall + FACETS + screw.clearance / 2
+        length = 2 * max(screw.head / 2 + 1, self.rim + 0.2)  # 0.2: the clamp is so much shorter at both ends
         return self._slider_front + 1, length, complex(self._slider_front + 1 + length / 2, aside)
+
+    @cached_property
+    def hook(self) -> float:
+        """Where the needle's groove begins, past the rod's end, from the slider's pin, mm."""
+        return self._inner[1] - self.outermost + 1 + self.making.wire_diameter
+
+    @cached_property
+    def tube(self) -> NeedleTube | None:
+        """What guides the needle beyond the slider; None where no length is given."""
+        return NeedleTube(self) if self.making.tube_length else None
 
     def _slider(self, pin_hole: float) -> Part:
         """Block on the guide: pin hole at the origin, along x a groove for the needle's wire, two screws for its clamp."""
         p, (neck, length, screw) = self.making, self.head
         half, groove, front = p.slider_width / 2, p.wire_diameter / 2, neck + length
-        wide = max(half, screw.imag + self._rim)
-        hook = self._inner[1] - self.outermost + 1 + p.wire_diameter
+        wide = max(half, screw.imag + self.rim)
+        hook = self.hook
         rear = [complex(-half, half), complex(-half, -half)]
         shoulder = [complex(neck, -half), complex(neck, -wide)] if wide > half else []
         under = [*rear, *shoulder, complex(front, -wide)]
@@ -309,7 +274,7 @@ class EccentricDrive(Mechanism):
     def _clamp(self) -> Part:
         """Plate over the wire at the slider's head; its origin is its middle."""
         _, length, screw = self.head
-        half = complex(length / 2 - 0.2, max(self.making.slider_width / 2, screw.imag + self._rim))
+        half = complex(length / 2 - 0.2, max(self.making.slider_width / 2, screw.imag + self.rim))
         return self._bored("clamp", "Wire clamp", rectangle(-half, half), screw.imag, self.making.rod_thickness)
 
     def _cover(self) -> Part:
@@ -320,8 +285,8 @@ class EccentricDrive(Mechanism):
     def _motor_bar(self) -> Part:
         """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
         boss, screw = (self.motor.boss_diameter + self.print.slide_clearance) / 2, 1j * self._motor_screw
-        wall = max(self.making.strap_wall, self.allowed.min_wall + _FACETS)
-        outer = hull([(-screw, self._rim), (0j, boss + wall), (screw, self._rim)])
+        wall = max(self.making.strap_wall, self.allowed.min_wall + FACETS)
+        outer = hull([(-screw, self.rim), (0j, boss + wall), (screw, self.rim)])
         note = "behind the motor; two long screws draw both to the body"
         return self._bored("motor-bar", "Motor bar", outer, screw.imag, self.making.body_thickness, boss, (note,))
 
@@ -338,8 +303,9 @@ class EccentricDrive(Mechanism):
     def _pin(self) -> Part:
         """Pin with a head, put in from above."""
         p, note = self.making, "press into the slider through the rod"
+        made = TURNED if p.pins == "steel" else "printed"
         shank = p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness
-        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, notes=(note,))
+        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, 1, (note,), made)
 
     @cached_property
     def rail(self) -> tuple[float, float, float]:
@@ -359,18 +325,21 @@ class EccentricDrive(Mechanism):
         """Plate with the motor's seat at the origin, the two rails of the guide, and a mounting hole in every corner."""
         g, p, slide, screw = self.geometry, self.making, self.print.slide_clearance, self._screw
         start, end, middle = self.rail
-        seat, corner = (self.motor.boss_diameter + self.print.press_clearance) / 2, max(screw.head / 2 + 1, self._rim)
-        beside, outside = self._motor_screw + self._rim, middle + p.rail_width / 2 + 2 * corner
+        seat, corner = (self.motor.boss_diameter + self.print.press_clearance) / 2, max(screw.head / 2 + 1, self.rim)
+        beside, outside = self._motor_screw + self.rim, middle + p.rail_width / 2 + 2 * corner
         top, bottom = max(g.offset + outside, beside), min(g.offset - outside, -beside)
         left = -self.motor.diameter / 2 - 2 * corner
-        mounts = [complex(x, y) for x in (left + corner, end - corner) for y in (bottom + corner, top - corner)]
+        reach = end if self.tube is None else self.tube.mouth
+        mounts = [complex(x, y) for x in (left + corner, reach - corner) for y in (bottom + corner, top - corner)]
         cover = [complex(end - p.cover_length / 2, g.offset + side * middle) for side in (-1, 1)]
         motor = [side * 1j * self._motor_screw for side in (-1, 1)]
-        screws = [*cover, *motor, *mounts]
-        kinds = ("cover", cover), ("motor", motor), ("mounting", mounts)
+        tube = [] if self.tube is None else list(self.tube.screws)
+        screws = [*cover, *motor, *mounts, *tube]
+        kinds = ("cover", cover), ("motor", motor), ("mounting", mounts), ("tube", tube)
         names = [f"screw {k} of the {kind}" for kind, places in kinds for k in range(1, len(places) + 1)]
         holes = {"motor's seat": circle(0j, seat)}
         holes |= {name: circle(z, screw.clearance / 2) for name, z in zip(names, screws, strict=True)}
+        holes |= {} if self.tube is None else {"window": self.tube.window}
         region = plate("body", hull([(z, corner) for z in mounts]), holes, self.allowed.min_wall)
         layers = [Layer(region, 0.0, p.body_thickness)]
         height = p.body_thickness + p.slider_thickness + slide
@@ -399,6 +368,7 @@ class EccentricDrive(Mechanism):
             ("screw of the motor", 2 * p.body_thickness + m.length),
             ("screw of the wire clamp", p.slider_thickness + p.rod_thickness),
         )
+        straight = "" if self.tube is None else f", straight over {self.tube.wire:.4g}"
         motor = (
             f"{turning_text(m.speed_rpm)}, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, "
             f"collar {m.boss_diameter:g}, can {m.diameter:g} x {m.length:g}"
@@ -406,9 +376,10 @@ class EccentricDrive(Mechanism):
         return (
             Bought("motor", "", motor, 1),
             *(fastener(name, p.screw, reach, 2) for name, reach in through),
-            nut("nut", p.screw, 6),
+            *((self.tube.bought(),) if self.tube else ()),
+            nut("nut", p.screw, 8 if self.tube else 6),
             Bought("screw for mounting", self._screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
-            Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}", 1),
+            Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}{straight}", 1),
             Bought("supply", "", "USB, 5 V, 1 A or more: a charger or a power bank", 1),
             Bought("switch", "", "rocker switch, round, 20 mm", 1),
         )
@@ -421,7 +392,11 @@ class EccentricDrive(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
-        return mounts_of(self)
+        return (*mounts_of(self), *((self.tube.mount(),) if self.tube else ()))
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """The needle's wire, where a tube guides it."""
+        return (self.tube.needle(),) if self.tube else ()
 
     def asked(self) -> Sequence[Asked]:
         """The travel, with its stroke."""
@@ -447,7 +422,7 @@ class EccentricDrive(Mechanism):
             if band is not None:
                 found.append(at_least(code, value, band[0], unit, where, message))
                 found.append(at_most(code, value, band[1], unit, where, message))
-        return found
+        return [*found, *(self.tube.findings() if self.tube else ())]
 
     @property
     def shaft_needed(self) -> float | None:
@@ -463,4 +438,6 @@ class EccentricDrive(Mechanism):
             "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self.bore / 2,
         }
         found = study(self.model, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses is not None)
-        return replace(found, numbers={**numbers, **found.numbers})
+        tube = self.tube
+        sketches = (*found.sketches, *((tube.sketch(),) if tube else ()))
+        return replace(found, numbers={**numbers, **(tube.numbers if tube else {}), **found.numbers}, sketches=sketches)

@@ -46,19 +46,22 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.machines.linkage import plates
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.collars import collar
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
 from camgen.machines.linkage.plates import SECOND, ground_plate, second
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, in_upper, stubs
 from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, Bought, nut, screw_for
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot, touched
+from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.set_screws import SetScrewHub
 
 _MM = 1e-3
 _ABOUT = {
@@ -80,21 +83,22 @@ class _Disc(Disc):
 class Bodies:
     """What is made of a machine that is laid out."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None) -> None:
+        self.weight = weight  # on the driven link's shaft, with its pins and their places
         self.layout, self.sizes, self.fits, self.min_wall = layout, layout.sizes, layout.fits, layout.min_wall
 
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
         layout = self.layout
         moving = [link for link in layout.moving if link not in layout.alone]
-        base = ground_plate(layout, part_name(GROUND), self._collar, self._pressed(GROUND))
+        base = ground_plate(layout, part_name(GROUND), self.collar_radius, self._pressed(GROUND))
         parts = [base, *(self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
         for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
-                            *hand_crank(layout), *second(layout)]:  # fmt: skip
+                            *hand_crank(layout), *second(layout), *self._counterweight()]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -119,7 +123,13 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        return self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        return top if self.collar is None else top + self.collar.height
+
+    @property
+    def collar(self) -> SetScrewHub | None:
+        """What holds the driven link on a motor's shaft, if it is asked for."""
+        return collar(self.layout, self.layout.shaft_of(self.layout.driven))
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
@@ -136,6 +146,7 @@ class Bodies:
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
         covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
+        screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws, *plates.bought(self.layout)]
 
     def stand_ins(self) -> list[StandIn]:
@@ -160,6 +171,8 @@ class Bodies:
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
+        if link in layout.marks:
+            holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
         notes = [f"level {layout.level[link]}", *self._pressed(link), *notes]
         return Part(
@@ -176,17 +189,33 @@ class Bodies:
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
     @property
-    def _collar(self) -> float:
-        """Radius of a shaft's collar, mm."""
+    def collar_radius(self) -> float:
+        """Of a shaft's collar, mm."""
         return self.sizes.shaft_diameter / 2 + self.sizes.head + self.sizes.wall
 
     def _profile(self, fit: float) -> Contour:
         """Outline of a shaft, a circle with a flat, or of its hole."""
         return d_bore(self.sizes.shaft_diameter + fit, self.sizes.shaft_flat)
 
+    @property
+    def bore(self) -> Contour:
+        """Of what is pressed on a shaft."""
+        return self._profile(self.fits.press_clearance)
+
+    def _counterweight(self) -> Iterator[Placed]:
+        """The counterweight and its pins."""
+        if self.weight is None:
+            return
+        link, (part, pins) = self.layout.driven, self.weight
+        at, z = self.layout.at(link, self.layout.shaft_of(link)), self.layout.floor(self.layout.level[part.name])
+        yield part, Mount(part.name, link, at, z=z)
+        yield from ((pin, Mount(pin.name, link, at + place, z=z)) for pin, place in pins)
+
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
+        if point in layout.carried:
+            return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
         for stub in stubs(layout, point):
             if point not in layout.shafts:
@@ -195,19 +224,25 @@ class Bodies:
                 yield self._shaft(layout.upper_web, stub, at)
             elif not bought:
                 yield self._shaft(body, stub, at)
-                ring = Region(circle(0j, self._collar), (self._profile(self.fits.press_clearance),))
-                collar = Part(
-                    "collar", "Collar of a shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
-                    notes=("pressed and glued on the shaft under the plate",),
+                name, bore = "collar", self._profile(self.fits.press_clearance)
+                if layout.clutch(point):
+                    name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
+                lowest = Part(
+                    name, "Collar of a shaft", (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
+                    centres=(0j,), min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
                 )  # fmt: skip
-                yield collar, Mount("collar", layout.carrier(body), at, z=-play - s.thickness)
+                yield lowest, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
+            elif self.collar is not None:
+                yield self.collar.collar(), Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1])
         yield from bearings(layout, point)
         for (_, under), (high, _) in (pair for stub in stubs(layout, point) for pair in pairwise(stub.held)):
-            height = high - under - 2 * play
+            height, step = high - under - 2 * play, s.thickness + play
+            rings = round((height + play) / step) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
-                ring_part = spacer("spacer", "Spacer", hole, wide, height, self.min_wall)
-                yield ring_part, Mount("spacer", layout.carrier(body), at, z=under + play)
+                ring_part = spacer("spacer", "Spacer", hole, wide, s.thickness if s.of_sheet else height, self.min_wall)
+                mount = Mount("spacer", layout.carrier(body), at, z=under + play)
+                yield from ((ring_part, replace(mount, z=mount.z + k * step)) for k in range(rings))
 
     def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
         """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""
@@ -220,8 +255,15 @@ class Bodies:
         top += max(reach, default=0.0) if stub.far and link in (self.layout.driven, self.layout.upper_web) else 0.0
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
+        made = "turned" if self.sizes.of_sheet else "printed"
         said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
-        part = Part(name, title, (layer,), centres=(0j,), notes=(said,))
+        part = Part(name, title, (layer,), centres=(0j,), notes=(said,), made=made)
+        loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
+        if loose:
+            end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
+            rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
+            steel = "hardened steel rod, h6, a flat ground on its upper end, for what is glued on it"
+            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(steel, *part.notes), made="bought", cut=1)
         return part, Mount(name, self.layout.carrier(link), at, z=-below)
 
     # ---- cams -------------------------------------------------------------------------------------------------------
@@ -261,7 +303,8 @@ class Bodies:
             return
         for part in parts:
             yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
+            how = TURNED if s.pin == "dowel" else "printed"
+            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
     def _gear(self, wheel: Toothed) -> Placed:
@@ -269,15 +312,21 @@ class Bodies:
         layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
         start = float(layout.machine.start_of(wheel.link).angle)
         edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
-        region = plate(f"wheel of {wheel.link}", edge, {"bore": self._profile(press).moved(cmath.exp(1j * start))}, self.min_wall)
+        bore, held = self._profile(press).moved(cmath.exp(1j * start)), f"pressed and glued on the shaft of {wheel.link}"
+        wide = self.sizes.shaft_diameter + press
+        if wheel.link in layout.freewheels:
+            on, clutch = layout.freewheels[wheel.link]
+            wide = clutch.outside + press
+            bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+        region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, self.min_wall)
         notes = (
-            f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
             f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
         layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
             wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
-            bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
+            bore=wide, min_wall=self.min_wall,
         )  # fmt: skip
         at = layout.at(wheel.link, layout.shaft_of(wheel.link))
         return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))
@@ -334,7 +383,7 @@ class Bodies:
                     rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
                     found.append(PinEyes(joint.name, self._eye(point, a, b), self._eye(point, b, a), pin, rings))
         for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
-            turns = self._pivot(one.link), self._pivot(other.link)
+            turns = self.pivot_of(one.link), self.pivot_of(other.link)
             found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
         found += [outline for tip in layout.tips for outline in self._outlines(tip)]
         found += [*self._keyed(), *self._steady()]
@@ -368,7 +417,7 @@ class Bodies:
             ends = (self._eye(point, layout.driven), self._eye(point, web)) if hangs else None
             yield Steady(joint, self._eye(point, GROUND), far, Eye(part, 0j, layout.turning(point), True), ends)
 
-    def _pivot(self, link: str) -> str:
+    def pivot_of(self, link: str) -> str:
         """Name of the pin on which a link turns on the ground."""
         joints = self.layout.machine.joints
         return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
@@ -389,8 +438,8 @@ class Bodies:
         """What a roller runs on, first what drives; the hole of its pin is what holds it."""
         joint, name = tip.joint, f"cam-{tip.name}"
         driving = CamOutline(
-            joint.name, f"{name}-inner" if tip.grooved else name, self._pivot(joint.cam),
-            self._pivot(joint.follower) if joint.slide is None else None,
+            joint.name, f"{name}-inner" if tip.grooved else name, self.pivot_of(joint.cam),
+            self.pivot_of(joint.follower) if joint.slide is None else None,
             self._tip(tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
         )  # fmt: skip
         yield driving
@@ -406,6 +455,8 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = self._point_of(joint)
                 joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
+            elif isinstance(joint, m.Cam):
+                joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 
@@ -432,5 +483,5 @@ class Bodies:
 
 def part_name(link: str) -> str:
     """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
-    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar")
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar", "shaft-collar")
     return f"link-{link}" if taken else link

@@ -14,9 +14,10 @@ from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
+from camgen.machines.linkage.collars import collar, levels_over
 from camgen.machines.linkage.covers import Cover, cover
 from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
-from camgen.machines.linkage.jointed import GROUND, Jointed, Stretched
+from camgen.machines.linkage.joined import GROUND, Joined, Stretched
 from camgen.machines.linkage.wheels import NOSE, Tip, pivot
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
@@ -28,7 +29,7 @@ SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
-class Layout(Jointed):
+class Layout(Joined):
     """A machine and the sizes of its parts, on their levels."""
 
     # ---- holes and hubs -----------------------------------------------------------------------------------------------
@@ -46,15 +47,15 @@ class Layout(Jointed):
         """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it;
         "keyed" of what joins webs."""
         if point in self.shafts:
-            return self.sizes.pins.get(point, "printed")
+            return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
         if any(link in self.webs for link in self.pivots.get(point, ())):
             return "keyed"
         found = self.sizes.pins.get(point, self.sizes.pin)
         return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
 
     def bearing(self, point: str) -> Bearing | None:
-        """The narrowest ball bearing on the pin of a point."""
-        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
+        """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        return (self.clutch(point) or narrowest(self.turning(point))) if self.kind(point) == "bearing" else None
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""
@@ -68,7 +69,8 @@ class Layout(Jointed):
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
         found = self.spacer_diameter(point) / 2
-        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        screw, held = self.sizes.shoulder if self.kind(point) == "shoulder" else None, collar(self, point)
+        found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
     @cached_property
@@ -91,7 +93,9 @@ class Layout(Jointed):
 
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
-        if point in self.shafts or sum(link in self.webs for link in self.pivots[point]) > 1:
+        if point in self.shafts:
+            return levels_over(self, point, self._least), 0
+        if sum(link in self.webs for link in self.pivots[point]) > 1:
             return 0, 0
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least
@@ -329,7 +333,7 @@ class Layout(Jointed):
         links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
         if not self.springs.keys().isdisjoint(found):
-            raise ValueError(f"a spring is called as a link or wheel: {', '.join(self.springs.keys() & set(found))}")
+            raise ValueError(f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}")
         return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float]]:
@@ -337,7 +341,7 @@ class Layout(Jointed):
         links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
-        links += [(wheel.level, self.wheel_thickness(wheel.link)) for wheel in wheels]
+        links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
         names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
         springs = {name for name in self.riders.get(point, ()) if name in self.springs}
@@ -362,7 +366,7 @@ class Layout(Jointed):
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
         links = [link for link in self.moving if link not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
-        thick += [(self.level[wheel.level], self.wheel_thickness(wheel.link)) for wheel in self.wheels]
+        thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}

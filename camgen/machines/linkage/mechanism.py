@@ -15,35 +15,41 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import joined
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, webs, wheels
+from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
+from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
-from camgen.machines.linkage.stacking import laid
+from camgen.machines.linkage.sizes import Name, Parts
+from camgen.machines.linkage.stacking import lacking, laid
+from camgen.machines.linkage.weights import counterbalanced, weight_faults
+from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.journals import Post
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
 from camgen.study import Study, together
 
@@ -78,7 +84,7 @@ class Signal:
 def _one_drive(value: object) -> object:
     """A list of drives is told for what it is."""
     if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
     return value
 
 
@@ -100,20 +106,30 @@ class Linkage(Mechanism):
     output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
-    masses: dict[t.Name, t.Masses] = {}
-    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
+    counterweight: Counterweight | None = None
+    masses: dict[Name, t.Masses] = {}
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_sheet(cls, data: Any) -> Any:
+        return sheets.filled(data, "parts")
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
-        found = self._drawing.faults()
+        found = drawing_faults(self._drawing)
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
         lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        if self.counterweight is not None:
+            found += weight_faults(self.counterweight, self.drive, self.masses, lying)
+            lying.append(NAME)
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
+        found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
         if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
             found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
@@ -161,7 +177,11 @@ class Linkage(Mechanism):
 
     @cached_property
     def _fitted(self) -> m.Machine:
-        machine = self.bodies.weighed(self.density, self.masses)
+        return self._weighed(self.bodies)
+
+    def _weighed(self, bodies: Bodies) -> m.Machine:
+        """The machine of some bodies with their masses and springs."""
+        machine = bodies.weighed(self.density, self.masses)
         return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
 
     @cached_property
@@ -217,6 +237,11 @@ class Linkage(Mechanism):
     def shaft_needed(self) -> float | None:
         """Of the motor under the plate."""
         return None if self.making.face is None else self.bodies.shaft_reach
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The collar on the motor's shaft."""
+        return None if self.making.face is None else self.bodies.collar
 
     @property
     def motor_frame(self) -> str:
@@ -306,7 +331,7 @@ class Linkage(Mechanism):
     def bodies(self) -> Bodies:
         """What is made of it, and what holds machines that stand on it."""
         stands = tuple(each.stand for each in self.modules if each.mounted)
-        return Bodies(replace(self._bare.layout, stands=stands)) if stands else self._bare
+        return Bodies(replace(self._bare.layout, stands=stands), self._bare.weight) if stands else self._bare
 
     def fixings(self) -> Sequence[tuple[complex, float]]:
         """Of the ground plate, for screws from behind."""
@@ -318,7 +343,24 @@ class Linkage(Mechanism):
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
-        return Bodies(laid(self._layout, self.run(self.course(_SAMPLES), 0)))
+        return self._balanced[0]
+
+    @cached_property
+    def _balanced(self) -> tuple[Bodies, complex]:
+        """The bodies, and the moment that all that turns with a balanced crank is to have, complex g mm."""
+        run = self.run(self.course(_SAMPLES), 0)
+        if self.counterweight is None:
+            return Bodies(laid(self._layout, run)), 0j
+        return counterbalanced(self.counterweight, self._layout, run, self.density, self._weighed)
+
+    @property
+    def balance(self) -> Balance | None:
+        """That of the driven link with its counterweight."""
+        if self.counterweight is None or self.lacking() is not None:
+            return None
+        link, made, whole = self.drive.link, self.bodies, self._balanced[1]
+        at, asked = made.layout.at(link, made.layout.shaft_of(link)), whole - self.counterweight.other
+        return balance_of(link, made.pivot_of(link), at, asked, made.parts, made.mounts, self.density)
 
     @property
     def _layout(self) -> Layout:
@@ -331,19 +373,20 @@ class Linkage(Mechanism):
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
-        return self._layout.lacking()
+        return lacking(self._layout)
 
     def found(self) -> Mapping[str, object]:
         """Levels, the included specs and where they stand, and what every mechanism fills in."""
         levels = {f"layers.{link}": level for link, level in self.bodies.layout.given.items()}
+        weight = {} if self.counterweight is None else found_moment(self._balanced[1])
         tables = [each.tables() for each in self.modules]
-        return {**super().found(), **levels, **({"include": tables} if tables else {})}
+        return {**super().found(), **levels, **weight, **({"include": tables} if tables else {})}
 
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
         found = super().resolved()
-        cached = {"chain", "bodies", "_bare", "modules", "sprung"}  # nothing that they depend on was filled in
-        same = vars(self).keys() & cached
+        # cached: nothing that they depend on was filled in
+        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -363,6 +406,10 @@ class Linkage(Mechanism):
     def stand_ins(self) -> Sequence[StandIn]:
         """What is in the way and not made: a motor, and what included machines have."""
         return [*self.bodies.stand_ins(), *(thing for each in self.modules for thing in each.stand_ins())]
+
+    def strands(self) -> Sequence[Strand]:
+        """Threads of included machines."""
+        return [strand for each in self.modules for strand in each.strands()]
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
@@ -384,10 +431,6 @@ class Linkage(Mechanism):
             lash = _LASH * stroke(course) if given is None else given
             found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
         return tuple(found)
-
-    def printed(self) -> Sequence[Part]:
-        """All that are printed."""
-        return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws, springs."""

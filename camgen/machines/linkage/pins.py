@@ -19,7 +19,8 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
 from camgen.machines.linkage.stubs import Stub
 from camgen.machines.linkage.webs import keyed_pin
@@ -84,9 +85,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
             yield made, Mount("pin", body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
-            low = bottom - (play + cap.thickness) * hung
-            yield steel, Mount("pin", body, at, z=low)
-            yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
+            yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
+            yield cap, Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip)
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
@@ -121,14 +121,13 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     length = dowel(s.pin_diameter, grip + s.thickness)
     least = grip + max(layout.min_wall, s.head / 2)
     if length < least:
-        raise DesignError(
-            "length of the dowel", length, least, "mm", f"pin {point}",
-            'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
-        )  # fmt: skip
+        remedy = f"change {s.thick_key} or parts.pin_diameter"
+        remedy += ": thin dowels are sold shorter" if s.of_sheet else ', or make parts.pin "printed"'
+        raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy)
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
-    return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, layout.min_wall)
+    return steel, spacer("cap", "Cap of a pin", hole, wide, s.thickness if s.of_sheet else length - grip, layout.min_wall)
 
 
 def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float) -> Iterator[Placed]:
@@ -138,7 +137,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if not grip <= length <= grip + room:
         raise DesignError(
             "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
-            f'change parts.thickness, or make parts.pins.{point} "printed"',
+            f'change {s.thick_key}, or make parts.pins.{point} "{"dowel" if s.of_sheet else "printed"}"',
         )  # fmt: skip
     discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
     layers, z = [], 0.0
@@ -156,7 +155,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
         fill = spacer("spacer", "Spacer", screw.diameter + layout.fits.slide_clearance, wide, length - grip, layout.min_wall)
-        yield fill, Mount("spacer", body, at, z=bottom + grip)
+        yield replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill, Mount("spacer", body, at, z=bottom + grip)
 
 
 def bearings(layout: Layout, point: str) -> Iterator[Placed]:
@@ -174,9 +173,12 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    notes = (f"ball bearing {bearing.name}, {bearing.size}, pressed into its link",)
-    ring = spacer(bearing_name(bearing), "Ball bearing", bearing.bore, bearing.outside, bearing.width, layout.min_wall)
-    return replace(ring, notes=notes, made="bought")
+    title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
+    if bearing in [clutch for _, clutch in layout.freewheels.values()]:
+        said = "pressed in so that, seen from above, the ring can only turn counter-clockwise on its shaft"
+        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", said]
+    ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
+    return replace(ring, notes=tuple(notes), made="bought")
 
 
 def hand_crank(layout: Layout) -> Iterator[Placed]:

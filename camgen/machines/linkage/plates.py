@@ -17,9 +17,9 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, circle
 from camgen.machine.features import Mount
-from camgen.machines.linkage.jointed import Sleeve
+from camgen.machines.linkage.joined import Sleeve
 from camgen.machines.linkage.layout import GROUND, Layout
-from camgen.machines.linkage.tables import SUNK, Parts
+from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import Bought
 from camgen.parts.hardware import plate, spacer
@@ -84,7 +84,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
     radius, under = s.mount_diameter / 2, collar + s.mount_diameter  # a screw's head beside the collar
     face, motor = s.face, points[layout.shaft_of(layout.driven)]
-    beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts)]
+    beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
     if face is not None:
         beside.append((motor, math.sqrt(2) * face.half + s.mount_diameter))
@@ -92,14 +92,19 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         hubs += [(motor + z, wide + s.wall) for z in face.screws]
         holes |= {f"motor screw {k}": circle(motor + z, face.screw.clearance / 2) for k, z in enumerate(face.screws, 1)}
         pockets = {f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)}
+    if s.hand_crank:  # screws lie beside its way
+        beside.append((motor, s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
+    beside += [(z, wide / 2 + s.mount_diameter) for z, wide in layout.feet]
     posts, through, sunk = _posts(layout)
     hubs += posts
     holes |= through
     pairs = [(a, b) for a in [*beside, *posts] for b in [*beside, *posts]]
     a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
     way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
-    screws = [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
+    screws = [] if layout.hangs else [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
     holes |= {f"screw {k}": circle(z, radius) for k, z in enumerate(screws, 1)}
+    holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
+    hubs += [(z, wide / 2 + s.wall) for z, wide in layout.feet]
     outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
     floor, whole = s.base_thickness, plate("ground plate", outer, holes, layout.min_wall)
     heads = 0.0 if not sunk else _depth(s)
@@ -110,8 +115,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         layers = [*layers[:-1], Layer(whole, heads, low), Layer(region, low, floor)]
     return Part(
         name, "Ground plate", (*layers, *rails(layout, GROUND, floor)),
-        centres=(*points.values(), *screws), min_wall=layout.min_wall, cut=int(bool(sunk)),
-        notes=("the outermost holes are for screws from behind", *notes), points=tuple(points.items()),
+        centres=(*points.values(), *screws, *(z for z, _ in layout.feet)), min_wall=layout.min_wall, cut=int(bool(sunk)),
+        notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes), points=tuple(points.items()),
     )  # fmt: skip
 
 

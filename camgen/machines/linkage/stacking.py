@@ -13,8 +13,8 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.cures import cured, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
-from camgen.machines.linkage.jointed import Second
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND, Second
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse
 from camgen.machines.linkage.plates import columns, post_radius
 from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, hull_corners, levels, span
@@ -118,9 +118,10 @@ def things(layout: Layout, run: Run) -> Things:
         # under a groove's roller there is the back plate, under one that hangs the head of its pin
         bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
         over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
-    for wheel in (each.wheel for each in layout.toothed):
+    for wheel in (*(each.wheel for each in layout.toothed), *layout.weights):
         at = layout.at(GROUND, layout.shaft_of(wheel.link))
-        smaller = f"a smaller {wheel.about} (shafts nearer to each other)"
+        how = 'counterweight.made = "steel", or a greater thickness' if wheel in layout.weights else "shafts nearer to each other"
+        smaller = f"a smaller {wheel.about} ({how})"
         elsewhere = f"points.{layout.shaft_of(wheel.link)} elsewhere"
         bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level, smaller, elsewhere))
     for name, spring in layout.springs.items():
@@ -136,6 +137,8 @@ def things(layout: Layout, run: Run) -> Things:
         if shaft is not None or point in layout.slots:
             over += [(upper, link) for link in moving if link not in (upper, *hanging)]
         held = (*moving, *layout.riders.get(point, ()))
+        loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
+        over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
         if shaft is not None and layout.webs.get(shaft):
             over += [(shaft, rider) for rider in layout.riders.get(point, ())]
         elif any(link in layout.webs for link in moving):  # what turns on a throw lies between its webs
@@ -163,3 +166,23 @@ def things(layout: Layout, run: Run) -> Things:
         over += [(link, on)] if on != GROUND else []
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
     return Things(bands, axes, walls, over)
+
+
+def lacking(layout: Layout) -> DesignError | None:
+    """What to say of joints of which no bodies are made."""
+    try:
+        layout.toothed  # noqa: B018
+    except DesignError as error:
+        return error
+    slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)
+    if slid is not None:
+        return DesignError(
+            "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
+            'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
+        )  # fmt: skip
+    held = next((tip for tip in layout.tips if not tip.rolls and tip.closure != "force"), None)
+    if held is not None:
+        return DesignError(
+            f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
+        )
+    return None

@@ -48,30 +48,33 @@ def solid(name: str, parts: Mapping[str, Part], mounts: Sequence[Mount], density
     return Body(name, mass=mass, centre=middle, inertia=inertia)
 
 
-def weighed(mechanism: Mechanism) -> Weighed:
+def weighed(mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: Sequence[Mount] | None = None) -> Weighed:
     """The model with the masses of its solids where the spec gives none, and with gravity where the spec has it.
+
+    made, mounted: the solids and where they stand, while not all of them are known.
 
     A body whose inertia about its own origin is given, such as a follower's about its pivot, keeps that; only its mass and
     centre, which load its pivot, come from the solid.
     """
-    model, parts, mounts = mechanism.model, {part.name: part for part in mechanism.parts()}, mechanism.mounts()
+    model, mounts = mechanism.model, mechanism.mounts() if mounted is None else mounted
+    parts = {part.name: part for part in (mechanism.parts() if made is None else made)}
     bodies: list[Body] = []
     sources: dict[str, str] = {}
     for body in model.bodies:
-        made = solid(body.name, parts, mounts, mechanism.density) if body.name != GROUND else body
-        if body.name == GROUND or not made.mass:
+        own = solid(body.name, parts, mounts, mechanism.density) if body.name != GROUND else body
+        if body.name == GROUND or not own.mass:
             bodies.append(body)
             sources[body.name] = "given" if body.mass or body.inertia else "none: nothing is made of it"
         elif body.mass:
             bodies.append(body)
-            sources[body.name] = "solids" if abs(body.mass - made.mass) <= _SAME * made.mass else "given"
+            sources[body.name] = "solids" if abs(body.mass - own.mass) <= _SAME * own.mass else "given"
         elif not body.inertia:
-            bodies.append(replace(body, mass=made.mass, centre=made.centre, inertia=made.inertia))
+            bodies.append(replace(body, mass=own.mass, centre=own.centre, inertia=own.inertia))
             sources[body.name] = "solids"
         else:
-            own = body.inertia - made.mass * abs(made.centre * MM) ** 2
-            fits = own >= 0 or bool(gravity(mechanism.load))  # a weight counts, even where a little inertia does not
-            bodies.append(replace(body, mass=made.mass, centre=made.centre, inertia=max(own, 0.0)) if fits else body)
+            rest = body.inertia - own.mass * abs(own.centre * MM) ** 2
+            fits = rest >= 0 or bool(gravity(mechanism.load))  # a weight counts, even where a little inertia does not
+            bodies.append(replace(body, mass=own.mass, centre=own.centre, inertia=max(rest, 0.0)) if fits else body)
             sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
     sources.pop(GROUND, None)
     loads = model.loads

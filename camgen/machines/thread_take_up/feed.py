@@ -172,6 +172,11 @@ class TakeUp:
         """The eye's place, or its derivative to theta, shaped like theta, complex mm."""
         return np.asarray(self.run(theta, order).derivatives("eye")[order], complex).reshape(np.shape(theta))
 
+    def thread(self, theta: Floats) -> Points:
+        """The thread from guide to eye to guide, (n, 3) complex mm; theta: (n,) rad."""
+        eye = self.path(theta)
+        return np.stack([np.full(eye.shape, self.guides[0]), eye, np.full(eye.shape, self.guides[1])], axis=-1)
+
     # ---- feed --------------------------------------------------------------------------------------------------------
 
     def feed(self, theta: Floats, order: int = 0) -> Floats:
@@ -268,7 +273,11 @@ class TakeUp:
         """Least and greatest of the coupler's or the output crank's rate, each with its angle, rad."""
 
         def slope(theta: Floats, order: int) -> Floats:
-            return self.rates(theta, 1)[output] if order == 0 else np.full(theta.shape, math.nan)
+            if order == 0:
+                return self.rates(theta, 1)[output]
+            step = 1e-5  # rad: as good a slope as Newton's method needs
+            ahead, behind = np.split(self.rates(np.append(theta + step, theta - step), 1)[output], 2)
+            return (ahead - behind) / (2 * step)
 
         at = np.append(zeros(slope), 0.0)
         value = self.rates(at)[output]

@@ -19,7 +19,7 @@ LINKS = {"input-crank": "crank", "bell-crank": "coupler", "output-crank": "outpu
 def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
     """Pins O, A, B and C; the eye and the guides, between which the thread is the output."""
     g, p, slide, press = spec.geometry, spec.making, spec.print.slide_clearance, spec.print.press_clearance
-    shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * spec.bearing
+    shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * spec.bodies.bearing
     return (
         PinEyes(
             "O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
@@ -40,9 +40,9 @@ def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
 
 
 def mounts_of(spec: ThreadTakeUp) -> Sequence[Mount]:
-    """Every part on its body, a level for each layer."""
-    t, p, level = spec.take_up, spec.making, spec.level
-    dowels = [t.pivot + cmath.exp(1j * t.tilt) * place for place, _ in spec.bands["pivot"][1][1:]]
+    """Every part on its body, a level for each layer, without a counterweight."""
+    t, p, level = spec.take_up, spec.making, spec.bodies.level
+    dowels = [t.pivot + cmath.exp(1j * t.tilt) * place for place in spec.bodies.dowels]
     return (
         Mount("frame", GROUND), Mount("pivot", GROUND, t.pivot, t.tilt, z=p.thickness), Mount("output-crank", "output", z=level),
         Mount("input-crank", "crank", z=2 * level), Mount("bell-crank", "coupler", z=3 * level),

@@ -15,98 +15,35 @@ The output is the feed L = |M - D| + |D - N|, mm.   [Semin, Korneenko, Kirillov,
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
-from camgen.machine.features import Asked, Feature, Mount
+from camgen.machine.features import Asked, Balance, Feature, Mount, Strand
 from camgen.machine.model import Floats, Machine, Points
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.thread_take_up.bodies import HEAD, Bodies
 from camgen.machines.thread_take_up.feed import TakeUp
-from camgen.machines.thread_take_up.joints import LINKS, features_of, mounts_of
+from camgen.machines.thread_take_up.joints import LINKS, features_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
+from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
 from camgen.parts.catalogue import Bought, screw_for, turning_text
-from camgen.parts.hardware import headed
-from camgen.parts.part import Layer, Part, clearance, d_bore, hull, rod
-from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.parts.part import Part, clearance
+from camgen.spec import validate
 from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
 
-Disc = tuple[complex, float]
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-Point = tuple[Coordinate, Coordinate]
-
-_GLUED = "pressed and glued in"
-_HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
-
-
-class Geometry(Record):
-    """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
-
-    input_crank: Length
-    coupler: Length
-    output_crank: Length
-    frame: Length
-    eye_distance: Length
-    eye_angle_deg: Annotated[float, Field(gt=-180, le=180)]
-    branch: Literal[1, -1]
-    guides: tuple[Point, Point]
-    frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-
-
-class Motor(Drives):
-    """What drives the input crank."""
-
-    speed_rpm: Annotated[Rpm, turning(0.001)]
-
-
-class Wanted(Record):
-    """What `camgen design` searches for and a build checks; each wish may be left out."""
-
-    feed_range: Length | None = None
-    let_down_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
-    dwell_deg: Annotated[float, Field(gt=0, lt=360)] | None = None
-    dwell_radius: Length = 1.0
-    tolerance: Annotated[float, Field(ge=1e-6, le=0.5)] = 0.01
-
-
-class Parts(Record):
-    """The links as bodies."""
-
-    thickness: Length = 4.0
-    wall: Length = 1.2
-    shaft_diameter: Length = 6.0
-    shaft_length: Length = 12.0
-    shaft_flat: Length = 0.5
-    pin_diameter: Length = 3.5
-    pins: Literal["printed", "steel"] = "printed"
-    mount_diameter: Length = 2.5
-    finger_diameter: Length = 2.0
-    guide_diameter: Length = 2.0
-    thread_height: Length = 6.0
-
-
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it."""
-
-    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
-    gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
-    excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    min_wall: Length = 0.8
 
 
 class ThreadTakeUp(Mechanism):
@@ -119,21 +56,32 @@ class ThreadTakeUp(Mechanism):
     masses: Masses | None = None
     consumption: Consumption | None = None
     wanted: Wanted | None = None
+    counterweight: Counterweight | None = None
     making: Annotated[Parts, Field(alias="parts")] = Parts()
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         p, nozzle, found = self.making, self.print.nozzle, []
-        room = p.shaft_length - p.thickness - self.print.slide_clearance
+        weight, collar, below = self.counterweight, "the collar", p.thickness
+        if weight is not None:
+            found += weight.faults()
+            collar, below = "the counterweight", weight.thickness or p.thickness
+            if self.motor is None and weight.given is None:
+                found.append(Fault("motor.speed_rpm", "", "missing: a number > 0, since a counterweight asks for the forces"))
+        room = p.shaft_length - below - self.print.slide_clearance
+        above, thin_groove = 2 * HEAD + self.allowed.gap, f"at least the nozzle, {nozzle:g} mm"
         thin = {"limits.min_wall": self.allowed.min_wall}
         thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
         checks = (
             *((value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm") for path, value in thin.items()),
             (0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter, "parts.shaft_flat", p.shaft_flat,
              "between a twentieth and half of shaft_diameter, so that it turns the crank"),
+            (p.groove == 0 or p.groove >= nozzle, "parts.groove", p.groove, f"{thin_groove}, or 0: none"),
+            (not p.groove or p.thread_height >= p.groove + above, "parts.thread_height", p.thread_height,
+             f"at least {p.groove + above:g} mm: groove, shoulder, and the heads under it with limits.gap"),
             (room > 0, "parts.shaft_length", p.shaft_length,
-             f"more than {p.shaft_length - room:g} mm: the collar below the frame, and its play"),
+             f"more than {p.shaft_length - room:g} mm: {collar} below the frame, and its play"),
         )  # fmt: skip
         found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
         if self.masses is not None and self.motor is None:
@@ -166,8 +114,9 @@ class ThreadTakeUp(Mechanism):
         return found
 
     def found(self) -> Mapping[str, object]:
-        """Centres of mass, and what every mechanism fills in."""
-        return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {})}
+        """Centres of mass, the moment of a counterweight, and what every mechanism fills in."""
+        weight = {} if self.counterweight is None else found_moment(self.bodies.whole_moment)
+        return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {}), **weight}
 
     def machine(self) -> Machine:
         """Input crank, bell crank (coupler) and output crank; outputs "feed", mm, and the path "eye"."""
@@ -182,105 +131,28 @@ class ThreadTakeUp(Mechanism):
 
     # ---- parts -------------------------------------------------------------------------------------------------------
 
-    @property
-    def level(self) -> float:
-        """Height of a layer of the assembly: a part's thickness and the play to the next, mm."""
-        return self.making.thickness + self.print.slide_clearance
-
     @cached_property
-    def bearing(self) -> float:
-        """Radius of the disc about C: round the shaft and two dowels with a wall each, mm."""
-        p, shaft, dowel = self.making, (self.making.shaft_diameter + self.print.slide_clearance) / 2, self._dowel_hole
-        room = shaft + dowel + p.wall
-        beside = math.sqrt(max(0.0, room**2 - self.geometry.frame**2)) + dowel + p.wall
-        return max(self.geometry.frame + shaft + p.wall, beside)
+    def bodies(self) -> Bodies:
+        """What its parts are."""
+        return Bodies(self)
 
-    @property
-    def _dowel_hole(self) -> float:
-        return (self.making.pin_diameter + self.print.press_clearance) / 2
-
-    @cached_property
-    def bands(self) -> Mapping[str, tuple[tuple[Disc, ...], tuple[Disc, ...]]]:
-        """Hubs and holes of each flat part, in its own frame: (centre, radius), mm."""
-        g, p, slide, press = self.geometry, self.making, self.print.slide_clearance, self.print.press_clearance
-        self.take_up  # noqa: B018  refuses lengths that do not assemble before any part is drawn
-        back = -complex(g.frame)
-        dowels = tuple((1j * side * (self.bearing - p.wall - self._dowel_hole), self._dowel_hole) for side in (1, -1))
-        shaft, turning, pressed = p.shaft_diameter / 2, (p.pin_diameter + slide) / 2, (p.pin_diameter + press) / 2
-        ring, finger, guide = self.bearing + slide / 2, (p.finger_diameter + press) / 2, (p.guide_diameter + press) / 2
-        eye, c, tilt = self.take_up.eye, -back * cmath.exp(1j * self.take_up.tilt), cmath.exp(1j * self.take_up.tilt)
-
-        def hubs(*holes: Disc) -> tuple[Disc, ...]:
-            return tuple((centre, radius + p.wall) for centre, radius in holes)
-
-        crank = ((0j, shaft + press / 2), (complex(g.input_crank), pressed))
-        output = ((0j, ring), (complex(g.output_crank), pressed))
-        bell = ((0j, turning), (complex(g.coupler), turning), (eye, finger))
-        posts = tuple((z, guide) for z in self.take_up.guides)
-        plate = ((0j, shaft + slide / 2), *((c + tilt * z, r) for z, r in dowels), *posts)
-        mounts = tuple((z, p.mount_diameter / 2) for z in self._mounts(c, self.take_up.guides))
-        return {
-            "frame": ((*hubs(*posts, *mounts), (c, self.bearing)), (*plate, *mounts)),
-            "pivot": (((0j, self.bearing),), ((back, shaft + slide / 2), *dowels)),
-            "input-crank": (hubs(*crank), crank),
-            "output-crank": (hubs(*output), output),
-            "bell-crank": (hubs(*bell), bell),
-        }
-
-    def fixings(self) -> Sequence[Disc]:
+    def fixings(self) -> Sequence[tuple[complex, float]]:
         """The frame's holes for screws from behind."""
-        pivot = self.geometry.frame * cmath.exp(1j * self.take_up.tilt)
-        return [(z, self.making.mount_diameter) for z in self._mounts(pivot, self.take_up.guides)]
-
-    def _mounts(self, pivot: complex, guides: Sequence[complex]) -> tuple[complex, ...]:
-        """Where the frame is screwed on: beyond each guide, and beyond the pivot on the side away from both."""
-        p = self.making
-        away = [guide - pivot for guide in guides]
-        middle = sum(z / abs(z) for z in away if z)
-        sides = [*away, -middle if abs(middle) > SAME_POINT else 1j * away[0]]
-        past = p.wall + p.mount_diameter / 2
-        reach = [*(abs(z) + (p.guide_diameter + self.print.press_clearance) / 2 for z in away), self.bearing]
-        return tuple(pivot + z / abs(z) * (r + past) for z, r in zip(sides, reach, strict=True) if z)
+        t = self.take_up
+        return [(z, self.making.mount_diameter) for z in self.bodies.mount_holes(t.pivot, t.guides)]
 
     def parts(self) -> Sequence[Part]:
-        """Five flat parts, and the round ones: shaft with its collar, pins, dowels, finger and guides."""
-        p, level, slide = self.making, self.level, self.print.slide_clearance
-        flat = [
-            self._flat("frame", "Frame with the guides", p.thickness, (
-                "shaft at the origin; the guides are pressed in", "the outermost holes are for screws from behind",
-            )),
-            self._flat("pivot", "Pivot of the output crank", level, ("two dowels hold it on the frame; the shaft passes it",)),
-            self._flat("output-crank", "Output crank", p.thickness, ("its ring turns on the pivot; pin B is pressed in",)),
-            self._flat("input-crank", "Input crank", p.thickness, ("pressed on the shaft; pin A is pressed in",)),
-            self._flat("bell-crank", "Bell crank with the eye", p.thickness, ("turns on pins A and B; finger pressed in",)),
-        ]  # fmt: skip
-        collar = Region(circle(0j, p.shaft_diameter / 2 + 2 * p.wall), (self._shaft(self.print.press_clearance),))
-        length = p.shaft_length + 2 * level + p.thickness
-        made = "printed" if p.pins == "printed" else "turned of steel"
-        return (
-            *flat,
-            Part("shaft", "Input shaft", (Layer(Region(self._shaft(0.0)), 0.0, length),), centres=(0j,), made=made,
-                 notes=("glued into input crank and collar, turns in frame and pivot",)),
-            Part(
-                "collar", "Collar of the shaft", (Layer(collar, 0.0, p.thickness),), centres=(0j,),
-                notes=("pressed and glued on the shaft below the frame",), min_wall=self.allowed.min_wall,
-            ),
-            self._pin("pin-a", "Pin A", p.pin_diameter, 2 * level, made=made),
-            self._pin("pin-b", "Pin B", p.pin_diameter, 3 * level, made=made),
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,)),
-            self._pin("finger", "Finger of the eye", p.finger_diameter, p.thickness + p.thread_height),
-            self._pin("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2),
-        )  # fmt: skip
+        """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides."""
+        return self.bodies.parts
 
-    def _shaft(self, fit: float) -> Contour:
-        """Outline of the input shaft, a circle with a flat, or of its hole."""
-        return d_bore(self.making.shaft_diameter + fit, self.making.shaft_flat)
+    @property
+    def balance(self) -> Balance | None:
+        """That of the input crank with its counterweight."""
+        return self.bodies.balance
 
-    def _pin(
-        self, name: str, title: str, diameter: float, length: float, count: int = 1, made: str = "printed"
-    ) -> Part:
-        """A round pin so long below its head, pressed and glued in."""
-        return headed(name, title, diameter, length, diameter + 2 * _HEAD, _HEAD, count, (_GLUED,), made)
+    def strands(self) -> Sequence[Strand]:
+        """The thread over guides and finger."""
+        return (self.bodies.strand,)
 
     def bought(self) -> Sequence[Bought]:
         """Motor, and screws for mounting."""
@@ -295,27 +167,6 @@ class ThreadTakeUp(Mechanism):
             Bought("screw of the frame, from behind", "", screw, 3),
         )
 
-    def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
-        """A band round hubs with holes; raises DesignError where two holes meet."""
-        hubs, holes = self.bands[name]
-        pairs = [(a, b) for k, a in enumerate(holes) for b in holes[k + 1 :]]
-        wall, worst = min(((abs(a[0] - b[0]) - a[1] - b[1], (a, b)) for a, b in pairs), key=lambda each: each[0])
-        if wall <= 0:
-            sizes = " and ".join(f"{2 * radius:.4g} mm" for _, radius in worst)
-            raise DesignError(
-                f"wall of {name}", wall, self.allowed.min_wall, "mm", f"the holes of {sizes}",
-                "they meet: use longer links, a smaller shaft_diameter, pin_diameter or frame",
-            )  # fmt: skip
-        contours = [circle(centre, radius) for centre, radius in holes]
-        if name == "input-crank":
-            contours[0] = self._shaft(self.print.press_clearance)
-        region = Region(hull(hubs), tuple(contours))
-        bore = None if name in ("frame", "pivot") else 2 * holes[0][1]  # of what turns
-        return Part(
-            name, title, (Layer(region, 0.0, thickness),), 1, (), tuple(centre for centre, _ in holes), notes, bore,
-            self.allowed.min_wall,
-        )  # fmt: skip
-
     # ---- assembly ----------------------------------------------------------------------------------------------------
 
     def features(self) -> Sequence[Feature]:
@@ -324,7 +175,7 @@ class ThreadTakeUp(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
-        return mounts_of(self)
+        return self.bodies.mounts
 
     def asked(self) -> Sequence[Asked]:
         """The feed, with its stroke."""
@@ -352,8 +203,12 @@ class ThreadTakeUp(Mechanism):
             where = f"{name}, crank angle {math.degrees(theta):.2f} deg"
             remark = "least over the turn, by joints without play; under 0 they overlap"
             findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
+        p, weight = self.making, self.bodies.weight_radius
+        if weight:
+            nearest = min(map(abs, self.bodies.mount_holes(t.pivot, t.guides))) - p.mount_diameter - weight
+            remark = 'beside a head twice as wide as its hole; counterweight.made = "steel" or more thickness makes it smaller'
+            findings.append(at_least("GAP", nearest, self.allowed.gap, "mm", "counterweight and the frame's screws", remark))
         if self.masses is not None and self.motor is not None:
-            p = self.making
             findings.append(shaft_stress(t, self.masses, self.motor.speed_rpm, p.pins, p.shaft_diameter - p.shaft_flat))
         if self.consumption is not None:
             findings += self.consumption.findings(t, self.allowed.excess)
@@ -368,7 +223,7 @@ class ThreadTakeUp(Mechanism):
     def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
         """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
         p, run = self.making, t.run(theta)
-        links = {name: self.bands[name][0] for name in ("input-crank", "output-crank", "bell-crank")}
+        links = {name: self.bodies.bands[name][0] for name in ("input-crank", "output-crank", "bell-crank")}
         # the bell crank's eye moves in a search, the other hubs do not
         links["bell-crank"] = (*links["bell-crank"][:2], (t.eye, links["bell-crank"][2][1]))
 
@@ -380,7 +235,7 @@ class ThreadTakeUp(Mechanism):
         eye = run.point("coupler", "D")[0]
         for name, guide in zip("MN", t.guides, strict=True):
             beside = {link.replace("-", " "): air(link, guide) for link in links}
-            beside["finger"] = np.abs(eye - guide) - p.finger_diameter / 2 - 2 * _HEAD  # head beside head
+            beside["finger"] = np.abs(eye - guide) - p.finger_diameter / 2 - 2 * HEAD  # head beside head
             nearest = min(beside, key=lambda body: float(np.min(beside[body])))
             gaps[f"guide {name} and the {nearest}"] = beside[nearest] - p.guide_diameter / 2
         return {name: (float(np.min(gap)), float(theta[np.argmin(gap)])) for name, gap in gaps.items()}
@@ -390,7 +245,8 @@ class ThreadTakeUp(Mechanism):
         rpm = None if self.motor is None else self.motor.speed_rpm
         found = study(self.take_up, rpm, self.masses, self.consumption)
         path = self.take_up.path(np.linspace(0, math.tau, 721))
-        return Study(found.numbers, found.plots, found.tables, (Sketch("eye path", (path,)),), found.notes)
+        drawn = Sketch("eye path", (path,)), Sketch("thread", course=self.take_up.thread)
+        return Study(found.numbers, found.plots, found.tables, drawn, found.notes)
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 
@@ -430,8 +286,8 @@ class ThreadTakeUp(Mechanism):
         def measure(x: Floats) -> tuple[Mapping[str, float], Sequence[float]]:
             t = take_up(x)
             gaps = [gap for gap, _ in self._gaps(t, theta).values()]
-            mounts = ((z, mount) for z in self._mounts(t.pivot, t.guides))
-            hubs = ((t.pivot, self.bearing), *((guide, rim) for guide in t.guides), *mounts)
+            mounts = ((z, mount) for z in self.bodies.mount_holes(t.pivot, t.guides))
+            hubs = ((t.pivot, self.bodies.bearing), *((guide, rim) for guide in t.guides), *mounts)
             corners = np.array([centre + side * r for centre, r in hubs for side in (1 + 1j, -1 - 1j)])
             spare = (width - float(np.ptp(corners.real)), height - float(np.ptp(corners.imag)))
             # 0.1 mm beyond the limit, since a search looks at fewer angles than the check

@@ -7,16 +7,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
+from camgen.parts.catalogue import Bearing
 from camgen.parts.part import Layer
 from camgen.spec import Print
 
@@ -76,13 +78,16 @@ class Stand:
 
 
 @dataclass(frozen=True)
-class Jointed:
+class Joined:
     """A machine and the sizes of its parts.
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
     strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link; second: the plate over all, once levels are found;
+    the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
+    link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
+    on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
+    second: the plate over all, once levels are found; weights: counterweights on shafts;
     stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm.
     """
 
@@ -98,7 +103,13 @@ class Jointed:
     stems: Mapping[str, str] = field(default_factory=dict)
     sunk: bool = False
     springs: Mapping[str, Stretched] = field(default_factory=dict)
+    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
+    marks: Mapping[str, complex] = field(default_factory=dict)
+    carried: Mapping[str, str] = field(default_factory=dict)
+    feet: Sequence[tuple[complex, float]] = ()
+    hangs: bool = False
     second: Second | None = None
+    weights: Sequence[Wheel] = ()
     stands: tuple[Stand, ...] = ()
     kept: tuple[tuple[complex, float], ...] = ()
 
@@ -131,25 +142,6 @@ class Jointed:
     def carrier(self, link: str) -> str:
         """The body of the model that a web is of; any other link is one itself."""
         return self.driven if link in self.webs else link
-
-    def lacking(self) -> DesignError | None:
-        """What to say of joints of which no bodies are made."""
-        try:
-            self.toothed  # noqa: B018
-        except DesignError as error:
-            return error
-        slid = next((tip for tip in self.tips if tip.hung and tip.joint.slide is not None), None)
-        if slid is not None:
-            return DesignError(
-                "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
-                'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
-            )  # fmt: skip
-        held = next((tip for tip in self.tips if not tip.rolls and tip.closure != "force"), None)
-        if held is not None:
-            return DesignError(
-                f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
-            )
-        return None
 
     def web_at(self, body: str, point: str) -> str:
         """The lowest web with a point, of the driven link where it has webs; any other link is itself."""
@@ -188,14 +180,14 @@ class Jointed:
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs and gears' wheels."""
-        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed)]
+        """Cam discs, gears' wheels, counterweights."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         bodies, slots = self.bodies.values(), self.slots
-        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked
+        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked | set(self.carried)
         carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
         return {
             name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
@@ -218,10 +210,11 @@ class Jointed:
     @cached_property
     def shafts(self) -> dict[str, str]:
         """The link that is fixed on the shaft at a point: the driven one's first."""
-        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels)])
-        return {
+        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels)])
+        found = {
             next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
         }
+        return {**found, **self.carried}
 
     @cached_property
     def riders(self) -> dict[str, list[str]]:
@@ -238,7 +231,12 @@ class Jointed:
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
-        return next(point for point, held in self.shafts.items() if held == link)
+        on = self.freewheels[link][0] if link in self.freewheels else link
+        return next(point for point, held in self.shafts.items() if held == on)
+
+    def clutch(self, point: str) -> Bearing | None:
+        """The one-way clutches in which a shaft turns."""
+        return next((each for on, each in self.freewheels.values() if self.shafts.get(point) == on), None)
 
     @cached_property
     def pens(self) -> dict[str, str]:

@@ -1,0 +1,44 @@
+"""BALANCE: the first moment of a crank and all that turns with it, weighed from the solids of the assembly as written."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from camgen.files.threemf import read_3mf
+from camgen.findings import Finding, at_most
+from camgen.geometry.mesh import Mesh
+from camgen.machine.features import Balance, Moved
+
+
+def first_moment(mesh: Mesh) -> tuple[float, complex]:
+    """Volume of a closed mesh, mm^3, and its first moment over the plane's axes, complex mm^4: of the tetrahedra on its faces."""
+    corners = mesh.vertices[mesh.faces]
+    volumes = np.einsum("ij,ij->i", corners[:, 0], mesh.across) / 6
+    place = corners[:, :, 0].sum(axis=1) + 1j * corners[:, :, 1].sum(axis=1)
+    return float(volumes.sum()), complex(np.sum(volumes * place) / 4)
+
+
+def judge_balance(path: Path, machine: Moved, balance: Balance) -> Finding:
+    """The assembly's file against what is asked; it shows theta = 0."""
+    pose = machine.courses(np.zeros(1))[balance.body]
+    turn = cmath.exp(1j * float(pose.angle[0]))
+    pivot = complex(pose.place[0]) + turn * balance.about
+    stands = {part: [mount.body for mount in machine.mounts if mount.part == part] for part in balance.density}
+    number, found = Counter[str](), 0j
+    for item in read_3mf(path).items:
+        bodies = stands.get(item.name, [])
+        number[item.name] += 1
+        if number[item.name] <= len(bodies) and bodies[number[item.name] - 1] == balance.body:
+            volume, moment = first_moment(item.placed)
+            found += balance.density[item.name] * (moment - volume * pivot) / turn
+    said = (
+        f"{abs(found):.5g} g mm at {math.degrees(cmath.phase(found)):.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "
+        f"{math.degrees(cmath.phase(balance.moment)):.2f} wanted; build anew, or make what turns with the crank as drawn"
+    )
+    off, where = abs(found - balance.moment), f"{path.name}, {balance.body} about {balance.joint}"
+    return at_most("BALANCE", off, balance.tolerance, "g mm", where, said)

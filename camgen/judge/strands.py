@@ -1,0 +1,137 @@
+"""Threads from post to post, on the assembly as written: whether each post holds them, and what they pass over a turn.
+
+    THREAD_HELD     how far a post stands out above and below the groove in which the thread lies
+    THREAD_CLEAR    how near a thread comes to all bodies but the posts at its ends: sideways to what reaches up or down to its
+                    heights, upright to all else
+
+A thread lies on a post's groove, on either side: off the line from axis to axis by its radius at most, which is taken off.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from camgen.files.threemf import read_3mf
+from camgen.findings import Finding, at_least
+from camgen.geometry.distances import segments_to_rings
+from camgen.geometry.mesh import Mesh, slice_mesh
+from camgen.machine.features import Moved, Strand
+from camgen.machine.model import Pose
+from camgen.numerics import Floats, Points
+
+_STEPS, _FINE = 720, 201  # angles of a turn, and between the neighbours of the nearest
+_BESIDE = 0.1  # mm, above and below a groove, where what holds the thread is measured
+
+
+@dataclass(frozen=True)
+class _Copy:
+    """A copy of a part as the file has it at theta = 0: its name, mesh, axis, and the body that it stands on."""
+
+    name: str
+    mesh: Mesh
+    axis: complex
+    body: str
+
+    def sections(self, low: float, high: float) -> list[list[Points]]:
+        """Rings at each height between two where its section may change."""
+        z = np.unique(np.round(self.mesh.vertices[:, 2], 6))
+        ends = np.unique(np.clip(z, low, high))
+        return [rings for a, b in pairwise(ends) if (rings := self._cut((a + b) / 2))]
+
+    def _cut(self, z: float) -> list[Points]:
+        return [ring.points for ring in slice_mesh(self.mesh, z)]
+
+    def radii(self, z: float) -> tuple[float, float]:
+        """Least and greatest distance from its axis to its edge at a height, mm; 0 where there is nothing."""
+        far = [float(r) for ring in self._cut(z) for r in np.abs(ring - self.axis)]
+        return min(far, default=0.0), max(far, default=0.0)
+
+    def at(self, place: Points | complex, pose: Pose, start: Pose) -> Points:
+        """Places on the ground, (n,), as the body sees them where it stands at theta = 0."""
+        turn = np.exp(1j * (start.angle - pose.angle))
+        return np.asarray((place - pose.place) * turn + start.place, complex)
+
+    def moved(self, pose: Pose, start: Pose) -> Points:
+        """Its axis on the ground, (n,)."""
+        return np.asarray((self.axis - start.place) * np.exp(1j * (pose.angle - start.angle)) + pose.place, complex)
+
+
+def judge_strands(path: Path, machine: Moved, strands: Sequence[Strand]) -> list[Finding]:
+    """Findings of all threads; the file shows theta = 0."""
+    stands = {name: [each.body for each in machine.mounts if each.part == name] for name in {m.part for m in machine.mounts}}
+    number, copies = Counter[str](), dict[str, _Copy]()
+    for item in read_3mf(path).items:
+        number[item.name] += 1
+        bodies = stands.get(item.name, [])
+        if number[item.name] <= len(bodies):  # a copy too many is told of elsewhere
+            name = f"{item.name}-{number[item.name]}"
+            axis = complex(*item.transform[:2, 3])  # of a round post its part's origin
+            copies[name] = _Copy(name, item.placed, axis, bodies[number[item.name] - 1])
+    return [finding for strand in strands for finding in _judged(strand, copies, machine, path.name)]
+
+
+def _judged(strand: Strand, copies: Mapping[str, _Copy], machine: Moved, where: str) -> list[Finding]:
+    names = [f"{part}-{copy + 1}" for part, copy in strand.posts]
+    lost = [name for name in names if name not in copies]
+    if lost:
+        return [at_least("THREAD_HELD", math.nan, strand.held, "mm", f"{where}, {lost[0]}", "the post is not there")]
+    posts = [copies[name] for name in names]
+    found, widest = [], 0.0
+    for post in posts:
+        inner = max(post.radii(z)[1] for z in np.linspace(strand.low + _BESIDE, strand.high - _BESIDE, 3))
+        widest = max(widest, inner)
+        above, below = (post.radii(z)[0] - inner for z in (strand.high + _BESIDE, strand.low - _BESIDE))
+        said = (
+            f"over the groove {strand.low:.4g} to {strand.high:.4g} mm high: a head {above:.3g}, a shoulder {below:.3g} mm; a "
+            "plain post lets the thread slip: parts.groove makes a groove"
+        )
+        found.append(at_least("THREAD_HELD", min(above, below), strand.held, "mm", f"{where}, {post.name}", said))
+    return [*found, _clear(strand, posts, widest, copies, machine, where)]
+
+
+def _clear(
+    strand: Strand, posts: Sequence[_Copy], radius: float, copies: Mapping[str, _Copy], machine: Moved, where: str
+) -> Finding:
+    """The nearest of all that a thread passes, and at which angle it does."""
+    best, told = math.inf, ""
+    for pair in pairwise(posts):
+        for copy in (each for each in copies.values() if each not in pair):
+            bottom, top = float(copy.mesh.vertices[:, 2].min()), float(copy.mesh.vertices[:, 2].max())
+            gap, how = max(strand.low - top, bottom - strand.high), "over" if top <= strand.low else "under"
+            if gap >= best and gap >= strand.gap:
+                continue
+            passed = gap >= strand.gap  # in plan it may pass over it
+            heights = (bottom, top) if passed else (strand.low - strand.gap, strand.high + strand.gap)
+            beside, theta = _nearest(pair, copy, copy.sections(*heights), machine)
+            gap, how = (gap, how) if passed else (beside - radius, "beside")
+            if gap < best:
+                best, at = gap, f"at {math.degrees(theta) % 360:.2f} deg"
+                told = f"thread {pair[0].name} to {pair[1].name}, {how} {copy.name}, nearest {at}"
+    remark = "least of a turn; move guides or eye (geometry.guides, eye_distance), or raise the thread: parts.thread_height"
+    return at_least("THREAD_CLEAR", best, strand.gap, "mm", f"{where}, {told}", remark)
+
+
+def _nearest(
+    pair: tuple[_Copy, _Copy], copy: _Copy, sections: Sequence[Sequence[Points]], machine: Moved
+) -> tuple[float, float]:
+    """How near the line between two axes comes to a copy's sections in plan, mm, and at which angle, rad."""
+    start = machine.courses(np.zeros(1))
+
+    def beside(theta: Floats) -> Floats:
+        poses = machine.courses(theta)
+        axes = (each.moved(poses[each.body], start[each.body]) for each in pair)
+        a, b = (np.broadcast_to(copy.at(axis, poses[copy.body], start[copy.body]), theta.shape) for axis in axes)
+        return np.asarray(np.min([segments_to_rings(a, b, rings) for rings in sections], axis=0))
+
+    theta = np.linspace(0, math.tau, _STEPS, endpoint=False)
+    theta = theta[int(np.argmin(beside(theta)))] + np.linspace(-1, 1, _FINE) * math.tau / _STEPS
+    gaps = beside(theta)
+    k = int(np.argmin(gaps))
+    return float(gaps[k]), float(theta[k])

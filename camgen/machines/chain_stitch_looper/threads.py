@@ -1,0 +1,152 @@
+"""Both needle threads of the chain stitch over a turn, in the plane of the needles, and the seam that they make.
+
+    down      a needle carries its thread below the plate; its eye is the point's length over the tip, and its loop reaches there,
+              a leg beside the needle, where the nose finds it over the eye
+    caught    from the capture on the loop lies on its spreader: straight under its own needle until the root of the nose, l1
+              behind the tip, takes it along; as the nose goes back it stays there, or, where the other needle would miss it
+              there, keeps its length and slides along the nose to its tip
+    pierced   once the other needle is in it, that needle holds it as the nose goes back
+    shed      the nose leaves it there, and it is pulled up to the fabric until the needles are at their lowest again
+
+A loop's legs run from the hole in the plate to the spreader's nose level: at the pierce, for a loop held at the root, under the
+angle gamma' of the tables. The bulge by which a nose finds the loop lies across this plane.
+[Horobets, Manoilenko, figures 1 and 4]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from camgen.geometry.outlines import Floats, Points
+from camgen.machines.chain_stitch_looper.stitch import Design, thread_per_stitch
+from camgen.study import Plot, Sketch, Table
+
+_OVER = 6.0  # mm, by which what is drawn of a thread ends over its eye's highest place
+STITCHES = 3  # of the seam that is drawn
+_HALF = math.pi
+_ROUND = np.linspace(0, math.tau, 7201)
+
+
+def needles_at(d: Design) -> tuple[float, float]:
+    """Both needles' lines, x mm."""
+    return 0.0, d.given.spacing
+
+
+def entered(d: Design) -> tuple[float, float]:
+    """phi at which the other needle's tip comes down to the nose level of spreader 1, of 2; nan where it never does."""
+    one, two = (d.angle(s, falling=True) for s in d.given.entry)
+    return one, two
+
+
+def taken(d: Design, k: int, phi: Floats) -> Floats:
+    """How far the nose of spreader k (0, 1) has taken its loop towards the other needle, (n,) mm; phi: 0 to 2 pi."""
+    nose, way = d.noses(phi)[k], d.noses(_ROUND)[k]
+    far, most, missed = float(_ROUND[int(np.argmax(way))]), float(way.max()), not d.margins[k] >= d.l1
+    seat = d.l1 if not missed else min(d.l1, max(0.0, most - d.given.spacing - d.given.needle))  # where it takes the loop along
+    held = np.maximum(nose - seat, 0.0)
+    return np.asarray(np.where((phi > far) & missed, np.clip(nose, 0.0, most - seat), held))
+
+
+def loop(d: Design, k: int, phi: Floats) -> tuple[Floats, Floats]:
+    """How far the loop of needle k (0, 1) reaches towards the other needle, and how deep, mm, (n,) each; phi: 0 to 2 pi."""
+    g = d.given
+    level, depth = g.levels[k], g.point[k] + d.tips(phi)[k]
+    begin, end = d.capture[k], d.shed[k]
+    pierced = entered(d)[k]
+    end = math.tau - begin if math.isnan(end) or end < _HALF else end
+    on = (phi >= begin) & (phi < end)
+    out = np.where(on, taken(d, k, phi), 0.0)
+    out = np.where(on & (phi >= pierced), np.maximum(out, g.spacing), out)
+    left = np.clip((math.tau - phi) / (math.tau - end), 0.0, 1.0)  # of what is to be pulled up
+    out = np.where(phi >= end, g.spacing, out)
+    deep = np.where(on, level, np.where(phi >= end, level * left, np.clip(-depth, 0.0, level)))
+    return np.asarray(out), np.asarray(deep)
+
+
+def course(d: Design, k: int, theta: Floats) -> Points:
+    """The thread of needle k over the shaft's angle, (n, 9) complex mm: from above by the eye and three loops to its end.
+
+    The loops are that of the needle on its way down, the one that is being made, and the finished one of the last stitch.
+    """
+    phi, g, x, side = np.mod(theta, math.tau), d.given, needles_at(d)[k], 1 - 2 * k
+    eye = d.tips(phi)[k] + g.point[k]
+    top = float(d.needle_stroke - g.depths[k] + g.point[k] + _OVER)
+    hole, rising = np.full(phi.shape, x + 0j), phi < _HALF
+    out, deep = loop(d, k, phi)
+    dip = x + 1j * np.minimum(eye, 0.0)
+    rows = (
+        np.full(phi.shape, x + 1j * top), x + 1j * np.maximum(eye, g.thickness), hole,
+        np.where(rising, hole, dip), hole, np.where(rising, dip, hole),
+        x + side * out - 1j * deep, hole, np.full(phi.shape, x + side * g.spacing + 0j),
+    )  # fmt: skip
+    return np.stack(rows, axis=-1)
+
+
+def sketches(d: Design) -> tuple[Sketch, Sketch]:
+    """Both threads for the moving picture."""
+    return Sketch("thread 1", course=partial(course, d, 0)), Sketch("thread 2", course=partial(course, d, 1))
+
+
+def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
+    """Of both loops at capture, at the pierce and at shedding: two legs each, mm."""
+    rows, numbers = [], {}
+    for k, name in enumerate(("1", "2")):
+        for what, phi in (("capture", d.capture[k]), ("pierce", entered(d)[k]), ("shedding", d.shed[k])):
+            if math.isnan(phi):
+                continue
+            out, deep = (float(each[0]) for each in loop(d, k, np.array([phi])))
+            numbers[f"loop_length_{what}_{name}_mm"] = length = 2 * math.hypot(out, deep)
+            rows.append((f"loop {name}, {what}", math.degrees(phi), out, deep, length, math.degrees(math.atan2(out, deep))))
+    columns = ("loop", "shaft angle, deg", "towards the other needle, mm", "deep, mm", "both legs, mm", "to the vertical, deg")
+    return numbers, Table("Loops in the moving picture", columns, rows)
+
+
+def seam(d: Design, stitch: float) -> Plot:
+    """Figure 1, e: the finished seam from below: thread on top along the feed, loops from hole to hole under the fabric."""
+    (one, two), rows = needles_at(d), np.arange(STITCHES + 1) * stitch
+    gap = complex(math.nan, math.nan)
+
+    def under(a: float, b: float, aside: float) -> list[complex]:
+        legs: list[complex] = []
+        for y in rows[:-1]:
+            legs += [complex(a, y + aside), complex(b, y + stitch), complex(a, y - aside), gap]
+        return legs
+
+    thin = 0.03 * stitch  # by which the two legs of a loop are drawn apart
+    series = [(name, np.real(z), np.imag(z)) for name, z in (
+        ("loops of thread 1", np.array(under(one, two, thin))), ("loops of thread 2", np.array(under(two, one, thin))),
+        ("on top, both", np.concatenate([one + 1j * rows, [gap], two + 1j * rows])),
+    )]  # fmt: skip
+    points = [(f"{name}{k}", x, float(y)) for name, x in (("N1.", one), ("N2.", two)) for k, y in enumerate(rows, 1)]
+    title = "Source, figure 1, e: the seam from below, thread on top 2t and under the fabric 4q a stitch"
+    return Plot(title, "across, mm", "along the feed, mm", series, equal=True, points=points)
+
+
+def seam_thread(spacing: float, stitch: float) -> float:
+    """Thread of a stitch that lies along the fabric, 2t + 4q, mm: the table's less what goes through."""
+    return thread_per_stitch(0.0, stitch, spacing)["new"]
+
+
+def moments(d: Design) -> Sequence[Plot]:
+    """Figure 4: needles and both threads at the capture of loop 1 and at its pierce."""
+    found = []
+    for which, what, phi in (("a", "capture", d.capture[0]), ("b", "pierce", entered(d)[0])):
+        if math.isnan(phi):
+            continue
+        at, (tip1, tip2), (nose1, nose2) = np.array([phi]), *((float(a[0]), float(b[0])) for a, b in
+                                                             (d.tips(np.array([phi])), d.noses(np.array([phi]))))  # fmt: skip
+        g, threads = d.given, [course(d, k, at)[0] for k in (0, 1)]
+        series = [(f"thread {k}", z.real, z.imag) for k, z in enumerate(threads, 1)]
+        low, high = g.levels
+        noses = np.array([nose1 - d.nose, nose1], complex) - 1j * low, np.array([0, d.nose]) + g.spacing - nose2 - 1j * high
+        series += [(f"spreader {k}", z.real, z.imag) for k, z in enumerate(noses, 1)]
+        points = [
+            ("N1", 0.0, tip1), ("N2", g.spacing, tip2), ("P1", nose1, -low), ("P2", g.spacing - nose2, -high),
+        ]  # fmt: skip
+        title = f"Source, figure 4, {which}: {what} of loop 1, {math.degrees(phi):.1f} deg"
+        found.append(Plot(title, "across, mm", "over the plate, mm", series, equal=True, points=points))
+    return found

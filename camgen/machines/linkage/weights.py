@@ -1,0 +1,63 @@
+"""The counterweight of a linkage's driven link: pressed on its shaft, on a level of its own.
+
+What it is to weigh follows from all other parts, and these from its level: the machine is laid out without it first, then with
+room for it, until its radius stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+from camgen.errors import Fault
+from camgen.machine.model import Machine
+from camgen.machine.run import Run
+from camgen.machines.linkage.bodies import Bodies
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.stacking import laid
+from camgen.machines.linkage.tables import Drive
+from camgen.machines.linkage.wheels import Wheel
+from camgen.machines.loads.counterweights import Counterweight, first_moment
+from camgen.parts.counterweights import NAME
+
+_PASSES, _SAME = 6, 1e-9  # of layouts; mm, change of the radius that is none
+_ROOM = 0.5  # mm, about it where levels are looked for: what hangs on a level may change it by less
+
+
+def weight_faults(spec: Counterweight, drive: Drive, masses: Collection[str], lying: Collection[str]) -> list[Fault]:
+    """What does not go with the other tables; masses: links whose mass is given; lying: names of all else that has a level."""
+    found = spec.faults()
+    if drive.link in masses:
+        right = "nothing here beside [counterweight]: it is sized for the solids that turn with this link"
+        found.append(Fault(f"masses.{drive.link}", "", right))
+    if NAME in lying:
+        found.append(Fault(f"links.{NAME}", "", "another name: that of the counterweight's level"))
+    if spec.given is None and (drive.range_deg is not None or drive.segments):
+        right = "moment_g_mm and at_deg too: this drive does not turn evenly, so none is the best"
+        found.append(Fault("counterweight", "", right))
+    return found
+
+
+def counterbalanced(
+    spec: Counterweight, layout: Layout, run: Run, density: float, weighed: Callable[[Bodies], Machine]
+) -> tuple[Bodies, complex]:
+    """The bodies with the counterweight, and the moment of all that turns with the driven link, complex g mm in its axes.
+
+    run: samples over the whole motion; density: of what is printed, kg/m^3; weighed: the machine of some bodies with all masses.
+    """
+    link = layout.driven
+    bodies, radius = Bodies(laid(layout, run)), 0.0
+    for _ in range(_PASSES):
+        whole = spec.given if spec.given is not None else spec.whole(weighed(bodies), link, bodies.pivot_of(link))
+        at = bodies.layout.at(link, bodies.layout.shaft_of(link))
+        own = first_moment(link, at, bodies.parts, bodies.mounts, density)
+        made = spec.fitted(
+            whole - spec.other, own, bodies.collar_radius, bodies.bore, layout.sizes.thickness, density, layout.fits,
+            layout.min_wall, f"pressed and glued on the shaft of {link}",
+        )  # fmt: skip
+        if bodies.layout.weights and abs(made[2] - radius) <= _SAME:
+            break
+        radius, kept = made[2], bodies.layout.given if bodies.layout.weights else layout.given
+        wheel = Wheel(NAME, link, radius + _ROOM, NAME, made[0].thickness)
+        bodies = Bodies(laid(replace(layout, weights=(wheel,), given=kept), run))
+    return Bodies(bodies.layout, made[:2]), whole

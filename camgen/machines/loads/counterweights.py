@@ -1,0 +1,191 @@
+"""[counterweight]: a body on an evenly turning crank's shaft that gives the whole crank a wanted first moment.
+
+    asked     of all that turns with the crank, about its shaft: g mm and where, in the crank's own axes. Unless the spec says
+              it, what least loads the crank's bearing, or least shakes the ground; less what `other_g_mm` says sits on the shaft
+    made      asked less what the crank's own parts have: the sector's; so pins, hubs and holes count
+
+Against the bearing or the frame: seen from the crank a counterweight pulls with one constant force, so the best is the centre
+of the smallest circle round all forces, as the crank sees them, and what remains is its radius.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault
+from camgen.geometry.outlines import Contour, Region, circle
+from camgen.machine.balancing import crank_weight, with_weight
+from camgen.machine.features import Balance, Mount
+from camgen.machine.model import Body, Machine, Pin
+from camgen.machine.run import solve
+from camgen.machines.loads.weights import solid
+from camgen.parts.catalogue import STEEL
+from camgen.parts.counterweights import NAME, Sector, counterweight
+from camgen.parts.hardware import FACETS
+from camgen.parts.inertia import centre_of
+from camgen.parts.part import Layer, Part
+from camgen.spec import Length, Print, Record
+from camgen.study import Plot, Study, Table
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+
+_SHARE = 0.01  # of the moment asked for, or the counterweight's own, by which that of the written solids may be off
+_G = 1e3  # g in a kg
+_ARM = 10.0  # mm, at which what else sits on the shaft counts as a point: on an even crank it could be any
+_TURN = np.linspace(0, math.tau, 1441)
+_EVEN = 1e-9  # of its rate, by which a crank may turn unevenly
+Moment = Annotated[float, Field(ge=0, le=1e9, json_schema_extra={"unit": "g mm"})]
+Direction = Annotated[float, Field(ge=-360, le=360)]
+
+
+class Counterweight(Record):
+    """A sector of a disc on the crank's shaft, so heavy that all that turns with it has the moment asked for."""
+
+    against: Literal["bearing", "frame"] = "bearing"
+    moment_g_mm: Moment | None = None
+    at_deg: Direction | None = None
+    other_g_mm: Moment = 0.0
+    other_deg: Direction = 0.0
+    made: Literal["printed", "steel"] = "printed"
+    thickness: Length | None = None
+    half_angle_deg: Annotated[float, Field(ge=10, le=150)] = 90.0
+    pins: Annotated[int, Field(ge=0, le=12)] = 0
+    pin_diameter: Length = 6.0
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        if (self.moment_g_mm is None) != (self.at_deg is None):
+            return [Fault("counterweight", "", "moment_g_mm and at_deg together: how much and where")]
+        return []
+
+    @property
+    def given(self) -> complex | None:
+        """The moment of all that turns with the crank, complex g mm in its axes; None where it is to be found."""
+        if self.moment_g_mm is None or self.at_deg is None:
+            return None
+        return cmath.rect(self.moment_g_mm, math.radians(self.at_deg))
+
+    def whole(self, machine: Machine, link: str, pin: str) -> complex:
+        """The moment of all that turns with the crank, complex g mm in its axes: as given, or the best for this machine.
+
+        machine: with the masses of what else moves; link, pin: the crank and its joint with the ground. DesignError where it
+        does not turn evenly.
+        """
+        if self.given is not None:
+            return self.given
+        light = [replace(body, mass=0.0, inertia=0.0) if body.name == link else body for body in machine.bodies]
+        run = solve(replace(machine, bodies=tuple(light)), _TURN)
+        angle, rate, _ = run.angle(link)
+        uneven = float(np.ptp(rate))
+        if not (rate[0] and uneven <= _EVEN * abs(rate[0])):
+            raise DesignError(
+                "unevenness of the balanced crank", uneven, 0, "per turn of the drive", f"link {link}",
+                "give counterweight.moment_g_mm and at_deg, or balance a crank that turns evenly: only on such a one does "
+                "a weight pull with one constant force",
+            )  # fmt: skip
+        if not (math.isfinite(machine.speed) and machine.speed):
+            raise DesignError(
+                "speed", machine.speed, 0, "rad/s", NAME, "give the motor's speed, or counterweight.moment_g_mm and at_deg"
+            )
+        forces = run.forces()
+        joint = machine.joint(pin)
+        assert isinstance(joint, Pin), f"{pin} is no pin"
+        pull = -forces.shaking if self.against == "frame" else forces.reactions[pin] * (1 if joint.a.body == link else -1)
+        return _G * crank_weight(pull, angle, machine.speed * float(rate[0]))[0]
+
+    @property
+    def other(self) -> complex:
+        """Of what else sits on the shaft, complex g mm."""
+        return cmath.rect(self.other_g_mm, math.radians(self.other_deg))
+
+    def heavy(self, density: float) -> float:
+        """Density of what it is made of, g/mm^3; density: of what is printed, kg/m^3."""
+        return (1e3 * STEEL if self.made == "steel" else density) * 1e-6
+
+    def fitted(
+        self, asked: complex, own: complex, hub: float, bore: Contour, thickness: float, density: float, fits: Print,
+        min_wall: float, note: str,
+    ) -> tuple[Part, list[tuple[Part, complex]], float]:
+        """The counterweight, its pins with their places, and its radius, mm, in the crank's axes, the shaft at the origin.
+
+        asked: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
+        hub: radius, bore: of the hub; thickness: unless the spec says it; density: of what is printed, kg/m^3.
+        """
+        heavy, high = self.heavy(density), self.thickness or thickness
+        disc = Part(NAME, "", (Layer(Region(circle(0j, hub), (bore,)), 0.0, high),))
+        sector = Sector(hub, high, math.radians(self.half_angle_deg), heavy, self.pins, self.pin_diameter, fits.press_clearance,
+                        STEEL * 1e-3, max(min_wall, fits.nozzle) + 2 * FACETS)  # fmt: skip
+        made = "printed" if self.made == "printed" else "cut of steel"
+        return counterweight(sector, bore, asked - own - heavy * disc.volume * centre_of(disc), made, min_wall, note)
+
+
+def first_moment(body: str, about: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float) -> complex:
+    """Of all that is mounted on a body, about a place of it, complex g mm; density: of what is printed, kg/m^3."""
+    made = solid(body, {part.name: part for part in parts}, mounts, density)
+    return _G * made.mass * (made.centre - about)
+
+
+def found_moment(whole: complex) -> dict[str, object]:
+    """The moment that was found, by its keys."""
+    return {"counterweight.moment_g_mm": abs(whole), "counterweight.at_deg": math.degrees(cmath.phase(whole))}
+
+
+def balance_of(
+    body: str, joint: str, about: complex, moment: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float
+) -> Balance:
+    """What the written solids of a crank are held to; density: of what is printed, kg/m^3."""
+    weights = {part.name: 1e-6 * (density if part.made == "printed" else 1e3 * STEEL) for part in parts}
+    on = {mount.part for mount in mounts if mount.body == body}
+    own = first_moment(body, about, [part for part in parts if part.name.startswith(NAME)], mounts, density)
+    tolerance = _SHARE * max(abs(moment), abs(own))
+    return Balance(body, joint, about, moment, {name: heavy for name, heavy in weights.items() if name in on}, tolerance)
+
+
+def study(mechanism: Mechanism, machine: Machine) -> Study:
+    """Loads on the crank's bearing and on the frame, without the counterweight and with it; machine: with all its masses."""
+    balance, spec = mechanism.balance, getattr(mechanism, "counterweight", None)
+    if balance is None or spec is None:
+        return Study()
+    rest = {part.name: part for part in mechanism.parts() if not part.name.startswith(NAME)}
+    other = spec.other / _G / _ARM
+
+    def laden(body: Body) -> Machine:
+        loaded = with_weight(replace(machine.body(balance.body), mass=body.mass, centre=body.centre, inertia=body.inertia),
+                             abs(other), balance.about + (_ARM * other / abs(other) if other else 0))  # fmt: skip
+        return replace(machine, bodies=tuple(loaded if each.name == balance.body else each for each in machine.bodies))
+
+    theta = np.linspace(*mechanism.range, len(_TURN))
+    bodies = solid(balance.body, rest, mechanism.mounts(), mechanism.density), machine.body(balance.body)
+    forces = [solve(laden(body), theta).forces() for body in bodies]
+    curves = {
+        f"reaction at {balance.joint}": [np.abs(each.reactions[balance.joint]) for each in forces],
+        "shaking force": [np.abs(each.shaking) for each in forces],
+    }
+    peaks = {name: [float(np.nanmax(value)) for value in values] for name, values in curves.items()}
+    drive = machine.drives[0].name
+    peaks["torque of the drive"] = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
+    weight = bodies[1].mass - bodies[0].mass
+    moment = _G * (bodies[1].mass * (bodies[1].centre - balance.about) - bodies[0].mass * (bodies[0].centre - balance.about))
+    numbers = {
+        "counterweight_g": _G * weight, "counterweight_g_mm": abs(moment),
+        "counterweight_at_deg": math.degrees(cmath.phase(moment)),
+        "crank_moment_asked_g_mm": abs(balance.moment), "crank_moment_asked_at_deg": math.degrees(cmath.phase(balance.moment)),
+    }  # fmt: skip
+    for name, key in (("shaking force", "shaking"), (f"reaction at {balance.joint}", "bearing")):
+        numbers |= {f"counterweight_{key}_before_n": peaks[name][0], f"counterweight_{key}_after_n": peaks[name][1]}
+    degrees, label = np.degrees(theta), f"{mechanism.angle_name}, deg"
+    plots = [
+        Plot(f"Counterweight: {name}", label, "N", [("without", degrees, values[0]), ("with", degrees, values[1])])
+        for name, values in curves.items()
+    ]
+    rows = [(f"{name}, {'N m' if name.startswith('torque') else 'N'}", *values) for name, values in peaks.items()]
+    title = f"Counterweight against the load of the {spec.against}: greatest of a turn, by the masses of the table of masses"
+    return Study(numbers, plots, [Table(title, ("", "without", "with"), rows)])
