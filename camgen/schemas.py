@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 Data = dict[str, Any]
@@ -39,6 +39,15 @@ def step_below(node: Data | None, step: str | int, root: Data) -> Data | None:
         if member.get("type") == "array":
             return items[step] if step < len(items) else member.get("items")
     return None
+
+
+_SPELLINGS = (("center", "centre"), ("color", "colour"), ("gray", "grey"))
+
+
+def other_spelling(key: str, known: Collection[str]) -> str | None:
+    """The key that is known of one in American or British spelling; None where there is none."""
+    swapped = (key.replace(*way) for pair in _SPELLINGS for way in (pair, pair[::-1]))
+    return next((each for each in swapped if each != key and each in known), None)
 
 
 def tables_of(node: Data | None, root: Data) -> list[Data]:

@@ -20,7 +20,8 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
-from camgen.spec import Length, Record, Spec, choose, dump, override, read, schema, unknown, validate
+from camgen.settings import override
+from camgen.spec import Length, Record, Spec, choose, dump, read, schema, unknown, validate
 
 
 def even(teeth: int) -> int:
@@ -405,3 +406,20 @@ def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: s
     limits = starters.described(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
     assert "free play " in told["description"] and f"; {told['default']:g}: " in told["description"]
+
+
+def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
+    """center_marks is American, a mass's centre British; with both there, or with neither near, it stays a fault."""
+    from camgen.machines import load
+
+    disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
+    made = validate(load("disc-cam"), override(disc, "output.centre_marks=true"))
+    assert made.output.center_marks and made.hints == ("output.centre_marks is read as center_marks",)
+    assert validate(load("disc-cam"), disc).hints == ()
+    for key in ("mass_g=12", "center=[10.0, 0.0]"):
+        linkage = override(linkage, f"masses.rocker.{key}")
+    told = validate(load("linkage"), linkage)
+    assert told.masses["rocker"].centre == (10, 0) and told.hints == ("masses.rocker.center is read as centre",)
+    assert "center" in linkage["masses"]["rocker"]  # what was given stays as it is
+    with pytest.raises(SpecError, match="masses.rocker.center: unknown key"):
+        validate(load("linkage"), override(linkage, "masses.rocker.centre=[9.0, 0.0]"))

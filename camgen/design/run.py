@@ -17,6 +17,7 @@ from camgen.design.wanted import KeyWish, PathWish, wish, without
 from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
 from camgen.pipeline.edits import edited, with_tables
 from camgen.pipeline.jobs import Source, Workers, changed, read_mechanism, read_tables
+from camgen.settings import override
 
 if TYPE_CHECKING:
     from camgen.design.polish import Goal
@@ -63,7 +64,7 @@ def design(spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told
     """
     data, source, folder = read_tables(spec)
     for setting in settings:
-        data = specs.override(data, setting)
+        data = override(data, setting)
     text = Path(spec).read_text(encoding="utf-8-sig") if isinstance(spec, str | Path) else None
     asked = wish(data, source)
     if isinstance(asked, PathWish):
@@ -75,7 +76,7 @@ def design(spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told
         if text is not None and not settings:
             return with_tables(edited(text, found), {}, ["wanted"]), None
         for setting in found:
-            rest = specs.override(rest, setting)
+            rest = override(rest, setting)
         return specs.dump(changed(rest, source, folder)), None
     mechanism = read_mechanism(spec, settings)
     own = getattr(mechanism, "designed", None)

@@ -197,7 +197,7 @@ class _Layout:
             self._plane(self.section.y)
 
     def _plane(self, y: float) -> None:
-        """Where the section is cut, and whither it is looked at: down the sheet."""
+        """Where the section is cut, and the direction of view: down the sheet."""
         for x, out in ((self.low.real, -1), (self.high.real, 1)):
             end = complex(self.paper(complex(x, y)).real + 4 * out, self.paper(1j * y).imag)
             self.sheet.line(end, end + 6 * out, layer="VIEW")

@@ -290,7 +290,7 @@ def _refuse_bomb(path: Path, drawing: Any) -> None:
         raise FileError(path, f"has a block that holds itself: {error.args[1][0]}") from None
     most = max(counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace)
     if most > _MOST_ENTITIES:
-        said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
+        said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
         raise FileError(path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read")
 
 

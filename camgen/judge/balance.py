@@ -40,5 +40,5 @@ def judge_balance(path: Path, machine: Moved, balance: Balance) -> Finding:
         f"{abs(found):.5g} g mm at {math.degrees(cmath.phase(found)):.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "
         f"{math.degrees(cmath.phase(balance.moment)):.2f} wanted; build anew, or make what turns with the crank as drawn"
     )
-    off, limit = abs(found - balance.moment), balance.share * abs(balance.moment)
-    return at_most("BALANCE", off, limit, "g mm", f"{path.name}, {balance.body} about {balance.joint}", said)
+    off, where = abs(found - balance.moment), f"{path.name}, {balance.body} about {balance.joint}"
+    return at_most("BALANCE", off, balance.tolerance, "g mm", where, said)

@@ -145,7 +145,8 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     where = path.name
     if remarks:
         return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
-    said = f"{body.faults} edges without their two faces, {body.bodies} body(ies) of {len(body.faces)} planes and cylinders"
+    bodies = counted(body.bodies, "body", "bodies")
+    said = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
     findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
     if not findings[0].ok:
         return Judged(tuple(findings), None)

@@ -161,7 +161,7 @@ class Explorer:
     def _unchanged(self) -> bytes:
         raw = specs.read_bytes(self.spec, 10_000_000, "a spec file")
         if sha256(raw).hexdigest() != self.digest:
-            raise FileError(self.spec, "was changed since this page read it; load the page anew, then it has the new values")
+            raise FileError(self.spec, "was changed since this page read it; reload the page to see the new values")
         return raw
 
     def page(self) -> str:

@@ -231,7 +231,7 @@ class Constraints:
     def refuse_unequal(self) -> None:
         """Raise ValueError where there are more or fewer conditions than freedoms."""
         if self.height != self.width:
-            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 freedoms each")
+            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 degrees of freedom each")
 
     # ---- outputs ----
 

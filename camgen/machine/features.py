@@ -312,7 +312,7 @@ class Apart:
 class Balance:
     """The first moment that all solids on a body are to have together about the pin on which it turns, complex g mm in its axes.
 
-    about: the pin's place there, mm; density: of each part on the body, g/mm^3; share: of the moment, by which it may be off.
+    about: the pin's place there, mm; density: of each part on the body, g/mm^3; tolerance: g mm, by which it may be off.
     """
 
     body: str
@@ -320,7 +320,7 @@ class Balance:
     about: complex
     moment: complex
     density: Mapping[str, float]
-    share: float
+    tolerance: float
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ class Chain:
         ordered = components(machine, self.groups)
         if ordered.loose or ordered.over:
             names = list(ordered.over) or list(dict.fromkeys(name for _, name in ordered.loose))
-            short = "says more than there is to decide" if ordered.over else "is held by nothing"
+            short = "is held by more conditions than it needs" if ordered.over else "is held by nothing"
             raise DesignError(
                 "conditions less unknowns", len(ordered.over) - len(ordered.loose), 0, "", ", ".join(names), short
             )

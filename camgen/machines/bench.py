@@ -391,7 +391,7 @@ class Bench:
     def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way
         raise DesignError(
-            "return springs of round wire", 0, 1, "", f"{asked}, way from {shortest:.4g} to {longest:.4g} mm",
+            "return springs of round wire", 0, 1, "", f"{asked}, length from {shortest:.4g} to {longest:.4g} mm",
             "ask for another spring ([spring], load.closing_n_m), less load or speed, or another closure",
         )  # fmt: skip
 

@@ -15,14 +15,16 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
+from camgen.geometry.outlines import Arc
 from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
-from camgen.machines.linkage.joined import Sleeve, Stand
+from camgen.machines.linkage.joined import Merged, Sleeve, Stand
 from camgen.machines.linkage.layout import SLEEVE
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.merged import Merging, merging
 from camgen.motion.segments import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
@@ -31,6 +33,7 @@ from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
+    from camgen.machines.linkage.sizes import Parts
     from camgen.machines.linkage.tables import Include
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
@@ -50,6 +53,7 @@ class Included:
     tolerance: float = 0.0
     mounted: bool = False
     sleeve: Sleeve | None = None
+    merged: tuple[Merging, Merged] | None = None
 
     def tables(self) -> Mapping[str, Any]:
         """Its own [[include]], with everything filled in."""
@@ -70,12 +74,17 @@ class Included:
         """On what of its parts its joints are measured."""
         lost = self.module.lost(self.mechanism.model)
         held = (each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost)
-        return [self.module.renamed(each) for each in held]
+        found = [self.module.renamed(each) for each in held]
+        if self.merged is None:
+            return found
+        named = {part.name: self.module.part(part.name) for part in self.mechanism.parts()}
+        return [self.merged[0].feature(each, named) for each in found]
 
     @cached_property
     def mounts(self) -> Sequence[Mount]:
         """Its parts on its bodies."""
-        return [self.module.mount(mount) for mount in self.mechanism.mounts()]
+        mounts = self.mechanism.mounts()
+        return [self.module.mount(mount) for mount in (self.merged[0].mounts(mounts) if self.merged else mounts)]
 
     def asked(self) -> Sequence[Asked]:
         """What is asked of its outputs."""
@@ -87,7 +96,9 @@ class Included:
     @cached_property
     def parts(self) -> Sequence[Part]:
         """Its parts."""
-        return [replace(part, name=self.module.part(part.name)) for part in self.mechanism.parts()]
+        parts = self.mechanism.parts()
+        left = self.merged[0].parts(parts, self.mechanism.mounts()) if self.merged else parts
+        return [replace(part, name=self.module.part(part.name)) for part in left]
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made and in the way."""
@@ -127,13 +138,13 @@ class Included:
         turned = Bought(f"coupling or toothed belt 1 : 1, {name}", "", "turns its shaft with the machine's; not made", 1)
         left = [each for each in self.mechanism.bought() if not (self.mounted and each.name.endswith(_BEHIND))]  # posts hold it
         own = [replace(each, name=f"{each.name}, {name}") for each in left if each.name not in _DRIVES]
-        return [*([turned] if self._shafts and self.sleeve is None else []), *own]
+        return [*([turned] if self._shafts and not (self.sleeve or self.merged) else []), *own]
 
     @property
     def stand(self) -> Stand:
         """Its frame on the second plate."""
         places = tuple(z + self.module.at for z, _ in self.mechanism.fixings())
-        return Stand(self.module.part("")[:-1], places, self.module.z, self.sleeve)
+        return Stand(self.module.part("")[:-1], places, self.module.z, self.sleeve, self.merged[1] if self.merged else None)
 
     @property
     def _shafts(self) -> bool:
@@ -180,6 +191,10 @@ class Included:
         plate = f"{name} stands by itself, {self.module.z:g} mm up: nothing is made that joins its plate and shaft to the rest."
         if self.mounted:
             plate = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; "
+            if self.merged:
+                plate = f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the "
+                plate += "machine's shaft turns it."
+                return [plate, *(f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides)]
             plate += "a sleeve joins both shafts." if self.sleeve else "its shaft is turned by a belt or coupling."
         rides = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
         return [*([plate] if self._shafts else []), *rides]
@@ -219,13 +234,16 @@ def distinct(found: Sequence[Included], parts: Sequence[Part], machine: Callable
 
 @dataclass(frozen=True)
 class Line:
-    """The upper end of the host's shaft: its axis on the ground, where it ends, mm, and how its link is turned at theta = 0, rad;
-    core: diameter of the core holes of its screws, mm."""
+    """The upper end of the host's shaft: its axis on the ground, None where it does not reach the second plate, where it ends in
+    a sleeve, mm, how its link is turned at theta = 0, rad, the sizes of the host's parts, the shaft's name, and the height of
+    the plate's underside, mm."""
 
     axis: complex | None
     end: float
     angle: float
-    core: float
+    sizes: Parts
+    shaft: str
+    ceiling: float
 
 
 def stacked(
@@ -246,15 +264,14 @@ def stacked(
             raise DesignError(f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said) from None
         low, high = min(low for low, _ in levels), max(high for _, high in levels)
         z = top + gap - low if each.z is None else each.z
-        sleeve = None
+        sleeve = merged = None
         if each.mounted and line is not None:
-            _refuse_unfixed(f"include.{k}.mounted", mechanism, line.core)
-            met = _in_line(each, mechanism, line, gap)
-            z, sleeve = met or (z, None)
+            _refuse_unfixed(f"include.{k}.mounted", mechanism, line.sizes.mount_diameter)
+            z, sleeve, merged = _in_line(each, mechanism, line, gap) or (z, None, None)
         top = max(top, z + high)
         module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
         module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
-        found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance, each.mounted, sleeve))
+        found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance, each.mounted, sleeve, merged))
     return tuple(found)
 
 
@@ -268,14 +285,23 @@ def _refuse_unfixed(key: str, mechanism: Mechanism, core: float) -> None:
         raise SpecError([Fault(key, f"{max(wide):g} mm", right)])
 
 
-def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> tuple[float, Sleeve] | None:
-    """How far a machine is raised whose shaft is in line with the host's, mm, and what joins them; None where it is not."""
+Joined = tuple[float, Sleeve | None, tuple[Merging, Merged] | None]
+
+
+def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joined | None:
+    """How far a machine is raised whose shaft is in line with the host's, mm, and what joins them, where both are alike and its
+    frame is flat below the plate and shaft that both have; None where they are not in line."""
     shaft = next(iter(mechanism.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None)
     making = getattr(mechanism, "making", None)
     if shaft is None or making is None or line.axis is None:
         return None
     if abs(complex(shaft.place[0]) + complex(*each.at) - line.axis) > SAME_POINT:
         return None
+    phase, sizes = math.radians(each.phase_deg), line.sizes
+    if (making.shaft_diameter, making.shaft_flat) == (sizes.shaft_diameter, sizes.shaft_flat):
+        found = merging(mechanism, complex(*each.at), phase, line.angle, line.shaft, sizes.base_thickness, sizes.wall)
+        if found is not None:
+            return line.ceiling + sizes.base_thickness - found[2], None, found[:2]
     room = min(mount.z for mount in mechanism.mounts() if mount.part != "shaft") - shaft.z - gap
     up = min(SLEEVE * making.shaft_diameter, room)
     if up < making.shaft_diameter / 2:
@@ -284,7 +310,19 @@ def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> tup
             "let it stand out further under its frame: a longer parts.shaft_length there",
         )  # fmt: skip
     turn = float(shaft.angle[0]) - line.angle
-    return line.end - shaft.z, Sleeve(making.shaft_diameter, making.shaft_flat, turn, up)
+    return line.end - shaft.z, Sleeve(making.shaft_diameter, making.shaft_flat, turn, up), None
+
+
+def kept(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> tuple[tuple[complex, float], ...]:
+    """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm."""
+    found: list[tuple[complex, float]] = []
+    for each in (each for each in includes if each.mounted):
+        mechanism = _mechanism(each, host, rpm)
+        frame = next((part for part in mechanism.parts() if part.name == mechanism.frame_part), None)
+        holes = frame.layers[0].region.holes if frame else ()
+        arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
+        found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
+    return tuple(found)
 
 
 def _rides(key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine) -> tuple[Ride, ...]:

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -83,6 +83,7 @@ class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
     load: Weight | None = None
+    frame_part: ClassVar[str] = ""  # name of the flat part that stands still under all others
 
     @abstractmethod
     def machine(self) -> Machine:

@@ -38,7 +38,7 @@ def build(
     mechanism = read_mechanism(spec, overrides)
     if said := mechanism.beforehand(len(only & FORMATS.keys())):
         progress(f"note: {said}")
-    mechanism = mechanism.resolved()
+    hints, mechanism = mechanism.hints, mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
     staged = Staged(out / mechanism.name)
@@ -63,8 +63,8 @@ def build(
             write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
-    said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
-    remarks = [*mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
+    said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
+    remarks = [*hints, *mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"

@@ -41,12 +41,13 @@ class _Disc:
 
 def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     """What the drawing of one of its parts says."""
-    sheet, printed, turned = mechanism.drawing, part.made == "printed", part.made == "turned of steel"
+    sheet, cut = mechanism.drawing, mechanism.cut_of_sheet(part)
+    printed, steel = part.made == "printed" and not cut, part.made.endswith(" of steel")
     names = [each.name for each in mechanism.parts()]
     return Facts(
         mechanism=mechanism.mechanism,
-        material=mechanism.material.name if printed else "steel" if turned else part.made,
-        mass_g=part.volume * (mechanism.density if printed else 1e3 * STEEL) * 1e-6 if printed or turned else None,
+        material="as the sheet" if cut else mechanism.material.name if printed else "steel" if steel else part.made,
+        mass_g=part.volume * (mechanism.density if printed else 1e3 * STEEL) * 1e-6 if printed or steel else None,
         tolerance=sheet.tolerance,
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from camgen import spec as specs
+from camgen.settings import override
 
 
 def edited(text: str, settings: Sequence[str]) -> str:
@@ -15,7 +16,7 @@ def edited(text: str, settings: Sequence[str]) -> str:
     document = tomlkit.parse(text)
     data: specs.Data = document.unwrap()
     for setting in settings:
-        data = specs.override(data, setting)
+        data = override(data, setting)
         holder: Any = document
         value: Any = data
         *tables, last = ((int(step) if step.isdigit() else step) for step in setting.partition("=")[0].split("."))

@@ -21,6 +21,7 @@ from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
 from camgen.parts.part import Part
+from camgen.settings import override
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ProcessPoolExecutor
@@ -68,8 +69,8 @@ def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
 
 def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str] = ()) -> Mechanism:
     """The mechanism of some tables with some keys set anew."""
-    for override in overrides:
-        data = specs.override(data, override)
+    for setting in overrides:
+        data = override(data, setting)
     data = with_tables(data, folder)
     made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
     if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later

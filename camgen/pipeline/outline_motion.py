@@ -235,7 +235,7 @@ def _report(
     shown = [
         ("Follower", name, key), (f"Speed, {passed}", f"{name} per rad", f"speed_{name}_rad"),
         (f"Acceleration, {passed}", f"{name} per rad²", f"acceleration_{name}_rad2"),
-        ("Pressure angle, positive ccw of the follower's way out", "deg", "pressure_angle_deg"),
+        ("Pressure angle, positive ccw of the follower's outward motion", "deg", "pressure_angle_deg"),
         ("Lash of the pair", name, f"lash_{name}"),
     ]  # fmt: skip
     plots = [Plot(title, label, unit, [(title, theta, turn[key])]) for title, unit, key in shown if key in turn]
@@ -259,7 +259,7 @@ def _counted(follower: FollowerTable, found: Recovered) -> str:
         way = f"The angle of the {what} is counter-clockwise positive, "
         from_ = math.degrees(np.angle(follower.reference) + found.start)
     else:
-        way = "The follower's way is positive outwards, "
+        way = "The follower's displacement is positive outwards, "
         from_ = (follower.at or 0.0) + found.start
     kind = "" if follower.anchored else "its innermost position, "
     return way + f"from {kind}{from_:.6g} " + ("deg" if follower.motion == "oscillating" else "mm from the shaft") + "."

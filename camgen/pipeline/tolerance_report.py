@@ -57,7 +57,8 @@ def tolerance(
         numbers: dict[str, float] = {}
         return Report(mechanism.name, mechanism.mechanism, (), numbers, (), (), _timings(struck, numbers), _TIMED)
     if not spread.modes:
-        raise DesignError("joints that a print can put off", 0, 1, "", mechanism.name, "its bodies follow laws by themselves")
+        why = "its bodies follow laws by themselves"
+        raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
     progress("printing copies", 0.3)
     copies = copies_of(spread, samples, seed)
     numbers = {}
@@ -115,7 +116,7 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
             rows.append(("LASH", output.name, limit * scale, unit, 100 * float(np.mean(play <= limit))))
             good &= play <= limit
     for (name, cam), (_, least, air) in copies.held.items():
-        rows.append(("INTERFERENCE", f"{cam} nowhere jams, {name}", 0.0, "mm", 100 * float(np.mean(least >= 0))))
+        rows.append(("INTERFERENCE", f"{cam} jams nowhere, {name}", 0.0, "mm", 100 * float(np.mean(least >= 0))))
         numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(np.quantile(air, 0.99))
         good &= least >= 0
     if not rows:
@@ -126,7 +127,7 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
     if copies.held:
         shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for (_, cam), (_, _, air) in copies.held.items()]
         heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
-        told.append(Table("Air at both tips, mm, with which a pair nowhere jams: a tip so much smaller in radius", heads, shares))
+        told.append(Table("Clearance at both tips, mm, with which no pair jams: their radius smaller by so much", heads, shares))
     return told
 
 

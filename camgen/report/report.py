@@ -69,10 +69,10 @@ class Report:
 
     @property
     def verdict(self) -> str:
-        """One line: how many checks hold or fail, and what was not judged."""
+        """One line: how many findings hold or fail, and what was not judged."""
         failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
-        held = {0: "Nothing is judged here", 1: "The one check holds"}.get(count, f"All {count} checks hold")
-        said = f"{failed} of {count} checks fail{'s' if failed == 1 else ''}" if failed else held
+        held = {0: "Nothing is judged here", 1: "The one finding holds"}.get(count, f"All {count} findings hold")
+        said = f"{failed} of {count} findings fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
     def _repr_html_(self) -> str:

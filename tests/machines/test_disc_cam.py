@@ -35,6 +35,7 @@ from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.pipeline import build as pipeline
 from camgen.report.page import to_html
 from camgen.report.report import Report
+from camgen.settings import override
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 INCH = 25.4
@@ -59,7 +60,7 @@ def kinds_of(findings: Iterable[Finding]) -> set[tuple[str, str]]:
 def mechanism(*settings: str, segments: list[dict[str, Any]] | None = None) -> DiscCamDrive:
     data = specs.read(SPEC)
     for setting in settings:
-        data = specs.override(data, setting)
+        data = override(data, setting)
     if segments is not None:
         data["segment"] = segments
     return specs.validate(DiscCamDrive, data)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.machine.features import Mark
 from camgen.machine.joining import Module, joined
 from camgen.machine.run import solve
 from camgen.machines.included import opened
@@ -254,6 +255,31 @@ def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> 
     assert holes == pytest.approx(sorted((hole.pieces[0].centre for hole in drilled), key=abs))
     bought = [each.name for each in machine.bought()]
     assert not [name for name in bought if "belt" in name or name.startswith("screw of the frame")]
+
+
+def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: Path) -> None:
+    """The second plate has the frame's holes but the shaft's and those of its screws; the crank's bore is turned to the flat."""
+    data = include(root, {**STACKED, "parts": {**STACKED["parts"], "shaft_flat": 0.5}}, MOUNTED)
+    machine = read_mechanism(data)
+    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    own = {part.name: part for part in read_mechanism(root / "specs" / "thread-take-up.toml").parts()}
+    assert not {f"thread-take-up-{name}" for name in ("frame", "shaft", "collar")} & parts.keys()
+    assert not [each.name for each in machine.bought() if "belt" in each.name or each.name.startswith("stud")]
+    crank, shaft = "thread-take-up-input-crank", "shaft-crank_web2"
+    turned = [float(poses[name][0].angle[0]) + flat(parts[name], 0) for name in (crank, shaft)]
+    assert math.remainder(turned[0] - turned[1], math.tau) == pytest.approx(0, abs=1e-9)
+    top = poses[shaft][0].z + parts[shaft].thickness
+    assert top == pytest.approx(poses[crank][0].z + parts[crank].thickness)
+    small = [hole for hole in own["frame"].region.holes if abs(hole.pieces[0].radius) < 2 and hole.pieces[0].radius != 1.25]
+    assert len(small) == 4  # dowels and guides
+    plate = parts["second-plate"]
+    for hole in small:
+        assert any(abs(each.pieces[0].centre - hole.pieces[0].centre) < 1e-9 and each.pieces[0].radius == hole.pieces[0].radius
+                   for each in plate.region.holes)  # fmt: skip
+    upper = poses["second-plate"][0].z + plate.thickness
+    assert poses["thread-take-up-pivot"][0].z == pytest.approx(upper)
+    marks = [each.eye for each in machine.features() if isinstance(each, Mark)]
+    assert [eye.part for eye in marks] == ["thread-take-up-bell-crank", "second-plate", "second-plate"]
 
 
 @pytest.mark.parametrize(

@@ -246,7 +246,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["points"].update(X=[1, 2]), SpecError, "points.X"),
         (lambda e: e["points"].update({"1 x": [1, 2]}), SpecError, "a letter first"),
         (lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])), SpecError, "nothing holds it"),
-        (lambda e: e["links"].update(hung=["A"]), DesignError, "1 freedom left over: link hung still moves"),
+        (lambda e: e["links"].update(hung=["A"]), DesignError, "1 degree of freedom left over: link hung still moves"),
         (lambda e: e["links"].update(strut=["A", "B"]), DesignError, "over-constrained: joints"),
         (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "mm too long"),
         (lambda e: e["lengths"].update({"C-B": 5}), DesignError, "open by 4.79162 mm (coupler A-B 60, rocker C-B 5)"),

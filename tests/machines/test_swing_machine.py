@@ -450,7 +450,7 @@ def test_machines_of_moderate_size_have_room(pivot: float, arm: float, swing: fl
     sizes = (f"geometry.pivot_distance={pivot}", f"geometry.arm_offset={arm}", f"geometry.swing_deg={swing}")
     small = machine(*sizes)
     assert {part.name for part in small.parts()} == {part.name for part in machine().parts()}
-    assert any(note.startswith("Smaller for want of room") for note in small.study().notes) == (
+    assert any(note.startswith("Made smaller than usual") for note in small.study().notes) == (
         (pivot, arm) in {(30, 15), (30, 10), (50, 40)}
     )
 

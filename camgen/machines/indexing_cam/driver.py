@@ -33,7 +33,7 @@ CHAIN = (
 )
 NOT_MADE = 'The chain is not made, with a belt or an idler between arm and cam; parts.make = "machine" makes it, with two wheels.'
 MADE = (
-    "The arm's axle stands inside the way of the crank, so crank and arm are held from either side: the arm's shaft from the "
+    "The arm's axle stands inside the path of the crank, so crank and arm are held from either side: the arm's shaft from the "
     "plate above them, the crank's from a bracket below. The arm's wheel turns the cam's, so they turn against each other."
 )
 _MOST = 0.8  # of the crank, that the offset may be: there the cam turns five times as fast as on average

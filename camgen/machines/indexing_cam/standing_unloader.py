@@ -177,7 +177,7 @@ class StandingUnloader:
         if wire is None:
             raise DesignError(
                 "springs of round wire for the unloader", 0, 1, "",
-                f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, way from {shortest:.4g} to {longest:.4g} mm",
+                f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, length from {shortest:.4g} to {longest:.4g} mm",
                 "use another unloader.stiffness_n_mm, a longer unloader.guide or shorter unloader.crank, or parts.make = 'cams'",
             )  # fmt: skip
         return Strung("Unloader's spring", (CRANK, "hook"), (GROUND, "anchor"), wire, (shortest, longest))

@@ -251,6 +251,8 @@ class Bodies:
         name = "shaft" if driven else f"shaft-{link}"
         sleeved = link in (self.layout.driven, self.layout.upper_web) and any(stand.sleeve for stand in self.layout.stands)
         top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
+        reach = [stand.merged.shaft for stand in self.layout.stands if stand.merged is not None]
+        top += max(reach, default=0.0) if stub.far and link in (self.layout.driven, self.layout.upper_web) else 0.0
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         made = "turned" if self.sizes.of_sheet else "printed"

@@ -46,7 +46,7 @@ def cured(layout: Layout, run: Run, refused: Crowded, search: Search, tried: lis
     """The remedy: what was found to mend it, which keys may, and what was tried."""
     found = (next((said for said, other in kind if _lies(other, run, search)), "") for kind in _changed(layout, refused))
     mends = list(islice(filter(None, found), _MOST))
-    tries = f"; tried were {', '.join(tried)}, bows, slimmer and smaller parts, two plates"
+    tries = f"; tried: {', '.join(tried)}, bows, slimmer and smaller parts, two plates"
     return f"mended by {', or by '.join(mends)}; else {refused.remedy}{tries}" if mends else f"{refused.remedy}{tries}"
 
 

@@ -12,12 +12,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.catalogue import Bearing
+from camgen.parts.part import Layer
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -54,6 +56,17 @@ class Sleeve:
 
 
 @dataclass(frozen=True)
+class Merged:
+    """Another machine on the second plate, as the plate takes it: discs of its frame's outline, its holes, what stands on it
+    (heights over the plate's upper side) and how far the shaft reaches over that side, mm; places on the ground."""
+
+    discs: tuple[tuple[complex, float], ...]
+    holes: tuple[Contour, ...]
+    above: tuple[Layer, ...]
+    shaft: float
+
+
+@dataclass(frozen=True)
 class Stand:
     """Another machine's frame that stands on the second plate: posts under its screw holes, up to a height, mm."""
 
@@ -61,6 +74,7 @@ class Stand:
     places: tuple[complex, ...]
     high: float
     sleeve: Sleeve | None = None
+    merged: Merged | None = None
 
 
 @dataclass(frozen=True)
@@ -74,7 +88,7 @@ class Joined:
     link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
     on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
     second: the plate over all, once levels are found; weights: counterweights on shafts;
-    stands: what else stands on it.
+    stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm.
     """
 
     drawn: m.Machine
@@ -97,6 +111,7 @@ class Joined:
     second: Second | None = None
     weights: Sequence[Wheel] = ()
     stands: tuple[Stand, ...] = ()
+    kept: tuple[tuple[complex, float], ...] = ()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 

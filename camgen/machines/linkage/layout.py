@@ -333,7 +333,7 @@ class Layout(Joined):
         links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
         if not self.springs.keys().isdisjoint(found):
-            raise ValueError(f"a spring is called as a link or wheel: {', '.join(self.springs.keys() & set(found))}")
+            raise ValueError(f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}")
         return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float]]:

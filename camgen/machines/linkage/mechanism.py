@@ -15,7 +15,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -84,12 +84,14 @@ class Signal:
 def _one_drive(value: object) -> object:
     """A list of drives is told for what it is."""
     if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
     return value
 
 
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
+
+    frame_part: ClassVar[str] = m.GROUND
 
     points: t.Points
     links: t.Links
@@ -316,7 +318,14 @@ class Linkage(Mechanism):
             return None
         point = layout.shaft_of(self.drive.link)
         axis = layout.at(m.GROUND, point) if layout.in_second(point) else None
-        return inc.Line(axis, layout.line[1], self.chain.start[self.drive.link].angle, self.making.mount_diameter)
+        shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
+        return inc.Line(axis, layout.line[1], self.chain.start[self.drive.link].angle, self.making, shaft, layout.ceiling)
+
+    @cached_property
+    def _kept(self) -> tuple[tuple[complex, float], ...]:
+        """Holes of what stands on the second plate, of which its posts keep clear."""
+        host = self.model_dump(by_alias=True, exclude_none=True) if any(each.mounted for each in self.includes) else {}
+        return inc.kept(self.includes, host, self.drive.speed_rpm) if host else ()
 
     @cached_property
     def bodies(self) -> Bodies:
@@ -359,7 +368,7 @@ class Linkage(Mechanism):
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
-            springs={each.name: each.stretched for each in self.sprung},
+            springs={each.name: each.stretched for each in self.sprung}, kept=self._kept,
         )  # fmt: skip
 
     def lacking(self) -> DesignError | None:

@@ -38,15 +38,21 @@ def post_radius(sizes: Parts) -> float:
     return sizes.mount_diameter / 2 + sizes.wall + sizes.head
 
 
-def columns(things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float) -> tuple[complex, ...]:
+def columns(
+    things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float,
+    kept: Sequence[tuple[complex, float]] = (),
+) -> tuple[complex, ...]:  # fmt: skip
     """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
-    round the ground's points, one in each quarter of it. DesignError where there are none."""
+    round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet. DesignError where there are
+    none."""
     low = complex(min(z.real for z in corners), min(z.imag for z in corners))
     high = complex(max(z.real for z in corners), max(z.imag for z in corners))
     middle, half = (low + high) / 2, (high - low) / 2
     x, y = (_STEP * np.arange(-k, k + 1) for k in (int((part + _BEYOND) // _STEP) for part in (half.real, half.imag)))
     places = (middle + x[:, None] + 1j * y[None, :]).ravel()
     free = np.ones(len(places), bool)
+    for z, keeps in kept:
+        free &= np.abs(places - z) > radius + keeps + gap
     for thing in things:
         course = (thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY]
         needed = thing.radius + radius + gap + ways(course)
@@ -123,23 +129,31 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
     hubs: list[tuple[complex, float]] = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
-    more, under, below = _screwed(layout, [z for stand in layout.stands for z in stand.places], "stand")
+    more, under, below = _screwed(layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand")
+    for stand in (stand for stand in layout.stands if stand.merged is not None):
+        assert stand.merged is not None
+        more += stand.merged.discs
+        through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
     outer, ceiling, depth = hull([*hubs, *more]), layout.ceiling, _depth(s)
     holes |= through | under
     heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
     if not below:
         heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
     layers = tuple(Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends) for *ends, heads in heights)
+    raised = (layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above)
+    layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = [point for point in points if point not in layout.shafts and layout.cut(point) is not None]
     notes = [f"pressed in here, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
-        SECOND, "Second plate", layers, cut=len(layers) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
+        SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
         notes=(f"screwed on {len(posts)} posts, over all", *notes), points=tuple(points.items()),
     )  # fmt: skip
     yield part, Mount(SECOND, GROUND, z=ceiling)
     post = spacer("post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall)
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     for stand in layout.stands:
+        if stand.merged is not None:
+            continue
         name, foot = f"post-{stand.name}", ceiling + floor
         post = spacer(name, f"Post of {stand.name}", s.mount_diameter, 2 * post_radius(s), stand.high - foot, layout.min_wall)
         yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
@@ -171,7 +185,7 @@ def bought(layout: Layout) -> list[Bought]:
         return []
     length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
     size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
-    stands = sum(len(stand.places) for stand in layout.stands)
+    stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)
     screws = Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns) + stands)
     stud = Bought("stud of a post, half of it in the frame on it", "ISO 4026", f"{held.thread} x 8", stands)
     return [screws, stud] if stands else [screws]

@@ -69,7 +69,7 @@ def covered(layout: Layout, run: Run) -> Layout:
     t, gap = things(layout, run), layout.fits.slide_clearance
     ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level).items()}
     every: list[Band | Axis | Wall] = [*t.bands, *t.axes, *t.walls]
-    places = columns(every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap)
+    places = columns(every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
     return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in every)))
 
 

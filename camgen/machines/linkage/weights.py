@@ -1,7 +1,7 @@
 """The counterweight of a linkage's driven link: pressed on its shaft, on a level of its own.
 
-What it is to weigh follows from all other parts, and these from its level: the machine is laid out without it first, which says
-what is wanted, then with it, until its radius stays.
+What it is to weigh follows from all other parts, and these from its level: the machine is laid out without it first, then with
+room for it, until its radius stays.
 """
 
 from __future__ import annotations
@@ -46,10 +46,9 @@ def counterbalanced(
     run: samples over the whole motion; density: of what is printed, kg/m^3; weighed: the machine of some bodies with all masses.
     """
     link = layout.driven
-    bodies = Bodies(laid(layout, run))
-    whole = spec.given if spec.given is not None else spec.whole(weighed(bodies), link, bodies.pivot_of(link))
-    radius = 0.0
+    bodies, radius = Bodies(laid(layout, run)), 0.0
     for _ in range(_PASSES):
+        whole = spec.given if spec.given is not None else spec.whole(weighed(bodies), link, bodies.pivot_of(link))
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
         own = first_moment(link, at, bodies.parts, bodies.mounts, density)
         made = spec.fitted(

@@ -44,7 +44,7 @@ class Applied(Record):
     )
     file: _Word | None = Field(None, description="or the same rows in a text file beside the spec")
     source: _Word | None = Field(None, description="where they are from")
-    direction_deg: _Turn | None = Field(None, description="whither a force on a point or path acts, from the x axis")
+    direction_deg: _Turn | None = Field(None, description="direction of a force on a point or path, from the x axis")
     acts: Literal["fixed", "with the body", "along"] = Field(
         "fixed", description="in the ground's axes; turning with its body; or as it moves: below 0 it resists"
     )
@@ -68,7 +68,7 @@ class Applied(Record):
         if self.direction_deg is not None and (self.acts == "along" or (self.body is not None and self.point is None)):
             wrong.append("no direction_deg: its motion, or the torque, says the way")
         if self.body is not None and self.point is not None and self.acts != "along" and self.direction_deg is None:
-            wrong.append('direction_deg: whither the force acts; or acts = "along"')
+            wrong.append('direction_deg: the direction of the force; or acts = "along"')
         if self.acts == "with the body" and self.point is None:
             wrong.append('acts = "with the body" with a point: a direction that turns with its body')
         if wrong:
@@ -114,7 +114,7 @@ def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
         rows = each.points or ((0.0, each.value or 0.0),)
         law = Table(tuple(math.radians(deg) for deg, _ in rows), tuple(value for _, value in rows))
         if isinstance(of, Path) and each.acts != "along" and each.direction_deg is None:
-            faults.append(Fault(f"{path}.direction_deg", "", 'missing: whither the force acts; or acts = "along"'))
+            faults.append(Fault(f"{path}.direction_deg", "", 'missing: the direction of the force; or acts = "along"'))
             continue
         if not isinstance(of, Path) and each.direction_deg is not None:
             faults.append(Fault(f"{path}.direction_deg", f"{each.direction_deg:g}", "nothing here: the output has its own way"))

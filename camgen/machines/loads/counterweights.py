@@ -37,7 +37,7 @@ from camgen.study import Plot, Study, Table
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
-_SHARE = 0.01  # of the moment asked for, by which that of the written solids may be off
+_SHARE = 0.01  # of the moment asked for, or the counterweight's own, by which that of the written solids may be off
 _G = 1e3  # g in a kg
 _ARM = 10.0  # mm, at which what else sits on the shaft counts as a point: on an even crank it could be any
 _TURN = np.linspace(0, math.tau, 1441)
@@ -144,7 +144,9 @@ def balance_of(
     """What the written solids of a crank are held to; density: of what is printed, kg/m^3."""
     weights = {part.name: 1e-6 * (density if part.made == "printed" else 1e3 * STEEL) for part in parts}
     on = {mount.part for mount in mounts if mount.body == body}
-    return Balance(body, joint, about, moment, {name: heavy for name, heavy in weights.items() if name in on}, _SHARE)
+    own = first_moment(body, about, [part for part in parts if part.name.startswith(NAME)], mounts, density)
+    tolerance = _SHARE * max(abs(moment), abs(own))
+    return Balance(body, joint, about, moment, {name: heavy for name, heavy in weights.items() if name in on}, tolerance)
 
 
 def study(mechanism: Mechanism, machine: Machine) -> Study:

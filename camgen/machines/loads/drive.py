@@ -90,8 +90,8 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
         borne.findings.append(at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", "drive", said))
     motor, peak = motor_of(drives), float(np.abs(asked[worst]))
     if motor is None and peak < _NOTHING:
-        why = "nothing is known of what it moves: no part, mass or load"
-        return borne, [NotJudged("DRIVE_TORQUE", why, "what it moves")]
+        why = "nothing is known of what the drive moves: there is no part, mass or load"
+        return borne, [NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass")]
     if motor is None:
         why = f"{peak:.3g} N m are needed at {abs(speed) * 60 / math.tau:.4g} rpm, and nothing says what the motor gives"
         return borne, [NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model")]

@@ -19,7 +19,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
@@ -48,6 +48,8 @@ _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked 
 
 class ThreadTakeUp(Mechanism):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
+
+    frame_part: ClassVar[str] = "frame"
 
     geometry: Geometry
     motor: Motor | None = None

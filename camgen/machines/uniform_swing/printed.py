@@ -229,7 +229,7 @@ class SwingMachine:
         ]
         sizes += [("collet.wall", self.collet.wall, self._sleeve_wall)] if self.plain else []
         less = [f"{name} {made:.3g} instead of {wanted:g}" for name, wanted, made in sizes if made < wanted - LAYOUT]
-        return (f"Smaller for want of room, mm: {'; '.join(less)}.",) if less else ()
+        return (f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}.",) if less else ()
 
     @cached_property
     def tip_pin(self) -> float:
