@@ -139,7 +139,7 @@ def test_bad_counts_and_machines_without_modes() -> None:
         tolerance(SPECS / "disc-cam.toml", (), 0, -1, -1)
     assert [fault.path for fault in told.value.faults] == ["--samples", "--worst", "--seed"]
     with pytest.raises(DesignError, match="put off"):
-        tolerance(SPECS / "chain-stitch-looper.toml")
+        tolerance(SPECS / "coupon.toml")
 
 
 def test_the_command_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
