@@ -34,7 +34,7 @@ from camgen.machine.targets import Advance, advance
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
-from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, stepping, stood
+from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, made_unloader, stepping, stood
 from camgen.machines.indexing_cam.standing_driver import room
 from camgen.machines.indexing_cam.stepping import FORWARDS, Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
@@ -272,15 +272,7 @@ class IndexingCam(StandingCams):
     @cached_property
     def made_unloader(self) -> StandingUnloader | None:
         """The unloader of a machine that is made; None where its spring is none that can be."""
-        if not isinstance(self.unloading, CrankSpring):
-            return None
-        from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
-
-        f, ratio = self.geometry.follower, self.geometry.gear_ratio
-        wheel = (self.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
-        return StandingUnloader(
-            self.unloading, self.link_centre, f.arm / 2, wheel, [*self.cams.values()], self.swing, self.sizes
-        )
+        return made_unloader(self)
 
     def _alone(self) -> Machine:
         return drawn(self, self.load.closing_n_m)

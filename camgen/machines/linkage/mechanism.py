@@ -37,6 +37,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
+from camgen.machines.linkage.joints import pivot_of
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.sizes import Name, Parts
@@ -360,7 +361,7 @@ class Linkage(Mechanism):
             return None
         link, made, whole = self.drive.link, self.bodies, self._balanced[1]
         at, asked = made.layout.at(link, made.layout.shaft_of(link)), whole - self.counterweight.other
-        return balance_of(link, made.pivot_of(link), at, asked, made.parts, made.mounts, self.density)
+        return balance_of(link, pivot_of(made.layout, link), at, asked, made.parts, made.mounts, self.density)
 
     @property
     def _layout(self) -> Layout:
