@@ -13,6 +13,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ from camgen.judge.round_trip import pieces_of
 if TYPE_CHECKING:
     from camgen.files.gcode import Wall
 
+_ON_BED = 1.0  # mm, higher than any first layer
 _COARSE = 0.1  # mm, to which walls are taken where only their place counts
 _STEP = 0.2  # mm, between points of edges that are laid on each other
 _FEW, _MANY = 150, 3000  # points that are laid on others: to find the turn, and to measure it
@@ -56,7 +58,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Layer:
-    """What is laid between two heights over the bed, mm: walls, and whether each is that of a hole."""
+    """What is laid between two heights over the bed, or over the raft, mm: walls, and whether each is that of a hole."""
 
     low: float
     top: float
@@ -102,16 +104,16 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
     tree = shapely.STRtree(flat)
     a, b = tree.query(flat, predicate="intersects")
     label = components(len(flat), a, b)
-    tops = sorted({round(wall.z, 4) for wall in walls})
-    lows = dict(zip(tops, [0.0, *tops], strict=False))
     found = []
     for one in np.unique(label):
         members = np.flatnonzero(label == one).tolist()
         layers = []
-        for top in sorted({round(walls[k].z, 4) for k in members}):
+        tops = sorted({round(walls[k].z, 4) for k in members})
+        bed = 0.0 if tops[0] < _ON_BED or len(tops) < 2 else 2 * tops[0] - tops[1]  # a raft under it is none of its own
+        for low, top in pairwise([bed, *tops]):
             here = [k for k in members if round(walls[k].z, 4) == top]
             within = [sum(flat[j].area > flat[k].area and flat[j].contains(flat[k]) for j in here) % 2 == 1 for k in here]
-            layers.append(Layer(lows[top], top, tuple(walls[k] for k in here), tuple(within)))
+            layers.append(Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within)))
         found.append(tuple(layers))
     return found
 

@@ -1,5 +1,6 @@
 """G-code of a built folder's plates: parts are found wherever they lie, and judged as their files are."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -145,6 +146,17 @@ def test_what_is_sent_otherwise_than_it_prints(tmp_path):
     camgen.build(spec | {"print": spec["print"] | more}, tmp_path, only="stl")
     report = check_gcode(tmp_path / "bars", [laid(tmp_path / "bars", MOVING)])
     assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
+
+
+def test_on_a_raft_beside_a_part_of_other_layers(folder):
+    """All of it 2 mm up, and beside it a body in layers half as high, which are none of its own."""
+    path = laid(folder, ["collar"])
+    text = re.sub(r"G1 Z([\d.]+)", lambda z: f"G1 Z{float(z[1]) + 2:.3f}", path.read_text())
+    square = "G1 X-50 Y0\nG1 Z{}\n;TYPE:External perimeter\nG1 X-41 Y0 E1\nG1 X-41 Y9 E1\nG1 X-50 Y9 E1\nG1 X-50 Y0 E1"
+    path.write_text("\n".join([text, *(square.format(0.4 * k) for k in range(1, 16))]))
+    report = check_gcode(folder, [path])
+    assert report.tables[0].rows[0][0] == "collar" and report.tables[0].rows[0][2] == pytest.approx(4.0)
+    assert [finding.measured for finding in report.findings if not finding.ok] == [1]  # the body that is no part
 
 
 def test_what_lies_there_besides(folder):
