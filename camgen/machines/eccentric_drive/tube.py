@@ -21,7 +21,8 @@ from camgen.parts.part import Layer, Part
 from camgen.study import Sketch
 
 if TYPE_CHECKING:
-    from camgen.machines.eccentric_drive.mechanism import EccentricDrive, Parts
+    from camgen.machines.eccentric_drive.mechanism import EccentricDrive
+    from camgen.machines.eccentric_drive.tables import Parts
 
 NAME = "needle-tube"
 FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
