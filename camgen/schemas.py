@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 Data = dict[str, Any]
@@ -41,6 +41,15 @@ def step_below(node: Data | None, step: str | int, root: Data) -> Data | None:
     return None
 
 
+_SPELLINGS = (("center", "centre"), ("color", "colour"), ("gray", "grey"))
+
+
+def other_spelling(key: str, known: Collection[str]) -> str | None:
+    """The key that is known of one in American or British spelling; None where there is none."""
+    swapped = (key.replace(*way) for pair in _SPELLINGS for way in (pair, pair[::-1]))
+    return next((each for each in swapped if each != key and each in known), None)
+
+
 def tables_of(node: Data | None, root: Data) -> list[Data]:
     """The tables that a value may be, or a list of it may hold."""
     found = []
@@ -54,8 +63,6 @@ def tables_of(node: Data | None, root: Data) -> list[Data]:
 
 def in_words(node: Data | None, root: Data) -> str:
     """What a schema asks for, in plain words: "a number > 0 and <= 1000000"."""
-    if node and "pattern" in node and "description" in node:
-        return str(node["description"])
     return " or ".join(dict.fromkeys(_simple_words(member, root) for member in members_of(node or {}, root))) or "a value"
 
 
@@ -63,6 +70,8 @@ _COUNTS = {"minItems": "at least", "maxItems": "at most"}
 
 
 def _simple_words(node: Data, root: Data) -> str:
+    if "pattern" in node and "description" in node:
+        return str(node["description"])
     if "const" in node or "enum" in node:
         return one_of(node.get("enum") or [node["const"]])
     kind = node.get("type")

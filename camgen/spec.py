@@ -1,7 +1,6 @@
 """Spec files: the tables that all mechanisms share, and the way from TOML to a checked record and back.
 
 read      file -> data (plain tables, lists, numbers, text)
-override  data, "geometry.swing_deg=24" -> data; "segment.1.lift=80" goes into a list, "wanted.feed_range=" removes
 choose    data -> name of the mechanism
 validate  data -> record of a mechanism's class, or SpecError with every fault
 dump      record -> TOML with every default filled in
@@ -10,29 +9,30 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import stat
 import tomllib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import UNKNOWN, Fault, FileError, SpecError
-from camgen.schemas import in_words, keys_of, members_of, one_of, shortened, shown, step_below
+from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling, shortened, shown, step_below
 
 Data = dict[str, Any]
 
+_WIDE = 110  # characters of a line of TOML
 _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
-_DEEPEST = 32  # tables and lists in one another; no spec needs ten
-_SHALLOWER = f"tables and lists nested at most {_DEEPEST} deep"
+DEEPEST = 32  # tables and lists in one another; no spec needs ten
+SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
 
 MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
 Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
@@ -58,7 +58,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Accuracy(Record):
@@ -86,6 +87,7 @@ class Print(Record):
     shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
+    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
@@ -108,6 +110,36 @@ class Output(Record):
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
 
+    @property
+    def machining(self) -> bool:
+        """Whether tables for machine tools are asked for."""
+        return self.profile_step_deg is not None or self.cutter_radius is not None
+
+
+class Drawing(Record):
+    """What the dimensioned drawings say in their title blocks, and the step of the table of a cam's radii on them."""
+
+    tolerance: Annotated[
+        str,
+        Field(
+            pattern=r"^ISO 2768-[fmcv][HKL]?$",
+            description='general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+        ),
+    ] = "ISO 2768-m"
+    number: (
+        Annotated[str, Field(pattern=r"^[!-~]([ -~]{0,28}[!-~])?$", description="a text of up to 30 letters, digits and signs")]
+        | None
+    ) = None
+    date: (
+        Annotated[
+            str,
+            Field(pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$", description='a date such as "2026-05-31"'),
+            BeforeValidator(lambda value: value.isoformat() if type(value) is date else value),  # as TOML has them
+        ]
+        | None
+    ) = None
+    profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
+
 
 class Laser(Record):
     """What cuts flat parts of sheet, mm: kerf of its beam; sheet: width, height; gap between neighbours, half to the edge."""
@@ -118,7 +150,22 @@ class Laser(Record):
     gap: Annotated[float, Field(ge=0, le=100)] = 2.0
 
 
-class Spec(Record):
+class Checked(Record):
+    """A record that `validate` makes: its keys are judged one by one, then together."""
+
+    _hints: tuple[str, ...] = PrivateAttr(())
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """What to tell of keys that were read in another spelling."""
+        return self._hints
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
+        return ()
+
+
+class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
     mechanism: str
@@ -134,14 +181,10 @@ class Spec(Record):
     material: Material = Material()
     accuracy: Accuracy = Accuracy()
     output: Output = Output()
+    drawing: Drawing = Drawing()
     laser: Laser | None = None
 
-    def faults(self) -> Sequence[Fault]:
-        """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
-        return ()
-
-
-S = TypeVar("S", bound=Spec)
+S = TypeVar("S", bound=Checked)
 
 # ---- reading ---------------------------------------------------------------------------------------------------------
 
@@ -171,9 +214,9 @@ def read(path: Path) -> Data:
 def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
     """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec."""
     data = dict(given)
-    deep = _depth(data)
-    if deep > _DEEPEST:
-        raise SpecError([Fault("spec", f"nested {deep} deep", _SHALLOWER)], source)
+    deep = depth_of(data)
+    if deep > DEEPEST:
+        raise SpecError([Fault("spec", f"nested {deep} deep", SHALLOWER)], source)
     return data
 
 
@@ -192,10 +235,10 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
         raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _depth(value: Any) -> int:
+def depth_of(value: Any) -> int:
     """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
     deepest, level = 0, [value]
-    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * _DEEPEST:
+    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * DEEPEST:
         deepest += 1
         level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
     return deepest
@@ -209,7 +252,7 @@ def _place(before: str) -> str:
 def _syntax_fault(text: str, error: Exception) -> Fault:
     """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
     if isinstance(error, RecursionError):
-        return Fault("TOML", "", _SHALLOWER)
+        return Fault("TOML", "", SHALLOWER)
     said = re.fullmatch(r"(?s)(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
     if said is None:  # a number or a date that Python cannot hold comes without a place
         return Fault("TOML", "", str(error).partition(";")[0])
@@ -219,83 +262,6 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
     lines = (text if line else end).split("\n")
     quoted = lines[int(line) - 1 if line else -1].strip()
     return Fault(place, shortened(quoted), f"valid TOML: {reason}")
-
-
-_STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
-
-
-def split_setting(setting: str) -> tuple[list[str], str]:
-    """The keys of "lengths.'A-B' = 5", bare or quoted as in TOML, and the text behind "="; no keys where it has no such form."""
-    keys, place = list[str](), 0
-    while found := _STEP.match(setting, place):
-        quoted, literal, bare, end = found.groups()
-        if quoted is not None:
-            try:
-                (quoted,) = tomllib.loads(f'"{quoted}" = 0')
-            except ValueError:
-                return [""], ""
-        keys.append(next(key for key in (quoted, literal, bare) if key is not None))
-        place = found.end()
-        if end == "=":
-            return keys, setting[place:]
-    return [""], ""
-
-
-def dotted(keys: Sequence[str]) -> str:
-    """Keys as one path, quoted where they hold a dot, "=" or a quote."""
-    return ".".join(json.dumps(key, ensure_ascii=False) if set(key) & set(".=\"'") else key for key in keys)
-
-
-def override(data: Data, setting: str) -> Data:
-    """Copy of the tables with one value set, "geometry.swing_deg=24", or removed, "wanted.feed_range="; the value is TOML, or
-    else text. A list goes by its index from 0, as faults tell it: "segment.1.lift=80". A key may be quoted, as in TOML.
-
-    A key that no spec has is left for `validate` to find; SpecError where the setting is not of this form, where a list is
-    shorter, and where there is nothing to remove.
-    """
-    keys, text = split_setting(setting)
-    path = dotted(keys)
-    if not all(keys):
-        raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
-    removed = not text.strip()
-    try:
-        parsed = tomllib.loads(f"value = {text}")
-        value = parsed["value"] if len(parsed) == 1 else text
-    except (ValueError, RecursionError):
-        value = text.strip()
-    deep = len(keys) + _depth(value)
-    if deep > _DEEPEST:
-        raise SpecError([Fault("--set", f"nested {deep} deep", _SHALLOWER)])
-    changed = deepcopy(data)
-    holder: Any = changed
-    for depth, name in enumerate(keys, 1):
-        key, last = _key(holder, name, keys[: depth - 1], path), depth == len(keys)
-        if removed and isinstance(holder, dict) and key not in holder:
-            where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
-            nearest = get_close_matches(name, holder, 1)
-            fault = Fault(f"--set {path}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
-            raise SpecError([fault])
-        if not last:
-            holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
-        elif removed:
-            del holder[key]
-        else:
-            holder[key] = value
-    return changed
-
-
-def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
-    """A step of --set's path as a key of the table, or an index of the list, that stands at the steps above it."""
-    if isinstance(holder, dict):
-        return name
-    where = ".".join(above)
-    if not isinstance(holder, list):
-        raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
-    if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
-        has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
-        nearest = [f"files.{name}"] if where == "output" and not name.isdecimal() else []  # as a linkage has them
-        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {shortened(name)}", *nearest)])
-    return int(name)
 
 
 # ---- checking --------------------------------------------------------------------------------------------------------
@@ -325,16 +291,36 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     raise SpecError(faults, source)
 
 
-def validate(cls: type[S], data: Data, source: str = "spec") -> S:
-    """The tables as a record of the class; SpecError with every fault at once, each by its dotted path."""
+def validate(cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = ()) -> S:
+    """The tables as a record of the class; SpecError with every fault at once, each by its dotted path.
+
+    A key in the other of American and British spelling is taken for the one that is meant; hints: what is told of such.
+    """
     try:
         record = cls.model_validate(_tuples(data))
     except ValidationError as error:
+        told = _respell(cls, data := deepcopy(data), error)
+        if told:
+            return validate(cls, data, source, (*hints, *told))
         raise SpecError(_faults(cls, data, error), source) from None
+    record._hints = hints
     faults = record.faults()
     if faults:
         raise SpecError(faults, source)
     return record
+
+
+def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:
+    """Rename what is unknown in one spelling and known in the other; what to tell of it."""
+    root, told = _json_schema(cls), list[str]()
+    for item in error.errors(include_url=False):
+        if item["type"] == "extra_forbidden":
+            path, _, table = _locate(item["loc"], data, root)
+            holder, name = _at(data, path[:-1]), other_spelling(str(path[-1]), keys_of(table, root))
+            if name and isinstance(holder, dict) and name not in holder:
+                holder[name] = holder.pop(path[-1])
+                told.append(f"{'.'.join(map(str, path))} is read as {name}")
+    return told
 
 
 def _tuples(value: Any) -> Any:
@@ -345,12 +331,12 @@ def _tuples(value: Any) -> Any:
 
 
 @lru_cache
-def _json_schema(cls: type[Spec]) -> Data:
+def _json_schema(cls: type[Checked]) -> Data:
     """The class's schema, to look things up in."""
     return cls.model_json_schema()
 
 
-def _faults(cls: type[Spec], data: Data, error: ValidationError) -> list[Fault]:
+def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Fault]:
     """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
     root = _json_schema(cls)
     found: dict[str, Fault] = {}
@@ -419,10 +405,23 @@ def _at(data: Any, path: Iterable[str | int]) -> Any:
 
 
 def dump(record: Spec) -> str:
-    """The spec as TOML with every default filled in; read again it gives an equal record and the same text."""
+    """The spec as TOML with every default filled in; read again it gives an equal record and the same text.
+
+    Arrays that fit stand on one line.
+    """
     import tomli_w
 
-    return tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True))
+    lines = iter(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)).splitlines())
+    return "".join(f"{line if line[-1:] != '[' else _array(line, lines)}\n" for line in lines)
+
+
+def _array(opened: str, lines: Iterator[str]) -> str:
+    """An array that tomli_w spreads over lines, of which the first is read: on one line where it fits, and whole in any case."""
+    items, ends = [], ("]", "],")
+    while (line := next(lines)).strip() not in ends:
+        items.append(line if line[-1] != "[" else _array(line, lines))
+    short = opened + ", ".join(item.strip().removesuffix(",") for item in items) + line.strip()
+    return short if len(short) <= _WIDE and "\n" not in short else "\n".join([opened, *items, line])
 
 
 def schema(cls: type[Spec], mechanism: str | None = None) -> Data:

@@ -300,18 +300,19 @@ def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
     """A folder for each spec, built by the command."""
-    out = tmp_path_factory.mktemp("parts")
+    specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
 
-    def build(spec: Path) -> str:
-        return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step,report", limit=600)
+    def make(out: Path) -> None:
+        def build(spec: Path) -> str:
+            return said(sys.executable, "-m", "camgen", "build", spec, "-o", out, "--only", "dxf,stl,3mf,step,report", limit=600)
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        specs = sorted(set((ROOT / "specs").glob("*.toml")) - {ROOT / "specs" / "stitch-head.toml"})  # its parts are the others'
-        texts = list(pool.map(build, specs))
-    folders = sorted(out.iterdir())
-    assert len(folders) == len(texts) and all((folder / "report.json").exists() for folder in folders), "\n".join(texts)
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            print(*pool.map(build, specs), sep="\n")
+
+    folders = sorted(once("parts", make).iterdir())
+    assert len(folders) == len(specs) and all((folder / "report.json").exists() for folder in folders)
     return folders
 
 
@@ -360,6 +361,69 @@ def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(built: list[Path], tmp
         moved = recover(read_outline(path).ring, follower).s  # type: ignore[arg-type]
         off[generator] = float(np.degrees(np.quantile(np.abs(moved - wanted), 0.99)))
     assert off["classic"] < 0.002 < off["arachne"] < 0.03
+
+
+def test_the_plate_of_a_linkage_sliced(built: list[Path], tmp_path: Path) -> None:
+    """All parts are found where the slicer puts them; classic walls bear every finding, variable ones make holes tight."""
+    needed(prusa_slicer)
+    from camgen.pipeline.sliced import check_gcode
+
+    folder = next(folder for folder in built if folder.name == "linkage")
+    path = tmp_path / "plate.gcode"
+    for generator, wrong in (("classic", set()), ("arachne", {"PIN_GAP", "MOTION_ERROR"})):
+        said("prusa-slicer", "--export-gcode", "--layer-height", 0.2, "--nozzle-diameter", 0.4, "--perimeter-generator",
+             generator, *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
+             "-o", path, folder / "linkage-plate.3mf")
+        report = check_gcode(folder, [path])
+        assert {finding.code for finding in report.findings if not finding.ok} == wrong
+        found = {row[0] for row in report.tables[0].rows}
+        assert {"ground", "crank", "coupler", "rocker", "collar", "pin-1", "pin-2"} <= found
+
+
+# ---- sheets for a laser ----------------------------------------------------------------------------------------------
+
+# Areas, mm^2, within all shapes of an SVG as the browser lays them out, 96 pixels to the inch, and how many stand out of it.
+SHAPES = """[...document.querySelectorAll("circle,path")].map(shape => {
+  const long = shape.getTotalLength(), at = shape.getScreenCTM(), count = 1440, points = [];
+  for (let k = 0; k < count; k++) points.push(shape.getPointAtLength(long * k / count).matrixTransform(at));
+  return points.reduce((sum, a, k) => { const b = points[(k + 1) % count]; return sum + a.x * b.y - a.y * b.x }, 0) / 2;
+}).map(area => Math.abs(area) * (25.4 / 96) ** 2)"""
+
+
+def sheet_svg(path: Path) -> Problem:
+    """A sheet's SVG in a browser against its DXF in GDAL: contour by contour the same area, in millimetres."""
+    import pyogrio
+    import shapely
+    from browser import tab
+
+    pyogrio.set_gdal_config_options({"OGR_ARC_STEPSIZE": "0.1"})
+    shapes = [shapely.from_wkb(shape) for shape in pyogrio.raw.read(path.with_suffix(".dxf"))[2]]
+    with tab() as page:
+        page.show(path, 1200)
+        seen = np.sort(page.run(SHAPES))
+    wanted = np.sort([shapely.Polygon(shape).area for shape in shapes])
+    if len(seen) != len(wanted):
+        return f"{len(seen)} shapes, the DXF has {len(wanted)}"
+    off = float(np.max(np.abs(seen / wanted - 1)))
+    return "" if off < 2e-3 else f"an area is {off:.2%} off"
+
+
+def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
+    """Inkscape's 99 MB and more are not needed for it: a browser draws the SVG, GDAL reads the DXF; damage is seen."""
+    for client in (chromium, gdal):
+        needed(client)
+    spec = ROOT / "specs" / "linkage.toml"
+    said(sys.executable, "-m", "camgen", "build", spec, "-o", tmp_path, "--only", "dxf", "--set", "laser.thickness=4", limit=600)
+    path = tmp_path / "linkage" / "linkage-sheet-1.svg"
+    assert sheet_svg(path) == ""
+    text = path.read_text(encoding="utf-8")
+    damages = {
+        'viewBox="0 0 600 400"': 'viewBox="0 0 610 400"', 'width="600mm"': 'width="600"',
+        re.search("<circle.*/>\n", text)[0]: "", " 0 0 0 ": " 0 0 1 ",  # type: ignore[index]
+    }  # fmt: skip
+    for whole, broken in damages.items():
+        path.write_text(text.replace(whole, broken, 1), encoding="utf-8")
+        assert sheet_svg(path), whole
 
 
 # ---- each client is seen to fail -------------------------------------------------------------------------------------

@@ -34,27 +34,41 @@ def starter() -> Path:
 
 
 Built = Callable[..., Path]
+Once = Callable[[str, Callable[[Path], None]], Path]
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """built("disc-cam", *settings): the folder of a sound build of a starter spec, all kinds of files.
-
-    Each is made once for all tests, in whatever process they run: to be read, and copied where it is to be damaged.
-    """
+def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
+    """once("name", make): a folder that make(folder) fills, once for all tests, in whatever process they run."""
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+    def folder(name: str, make: Callable[[Path], None]) -> Path:
+        out = shared / name
+        with open(f"{out}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not out.exists():
+                make(out)
+        return out
+
+    return folder
+
+
+@pytest.fixture(scope="session")
+def built(once: Once) -> Built:
+    """built("disc-cam", *settings): the folder of a sound build of a starter spec, all kinds of files.
+
+    To be read, and copied where it is to be damaged.
+    """
 
     def folder(spec: str, *settings: str) -> Path:
         from camgen.pipeline.build import KINDS, build
 
-        out = shared / f"built-{hashlib.sha256(repr((spec, settings)).encode()).hexdigest()[:12]}"
-        with open(f"{out}.lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            if not out.exists():
-                report = build(ROOT / "specs" / f"{spec}.toml", out, frozenset(KINDS), settings)
-                assert report.ok, [finding for finding in report.findings if not finding.ok]
-        (made,) = out.iterdir()
+        def make(out: Path) -> None:
+            report = build(ROOT / "specs" / f"{spec}.toml", out, frozenset(KINDS), settings)
+            assert report.ok, [finding for finding in report.findings if not finding.ok]
+
+        (made,) = once(f"built-{hashlib.sha256(repr((spec, settings)).encode()).hexdigest()[:12]}", make).iterdir()
         return made
 
     return folder

@@ -23,6 +23,7 @@ FRAMES = {
     "walking-leg": 10,
     "quick-return": 12,
     "stitch-head": 20,
+    "four-leg-walker": 12,
 }  # frame of the moving picture that shows most
 
 

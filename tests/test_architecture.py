@@ -22,17 +22,18 @@ WINGS = {
     "judge": {"geometry", "machine", "files"},
     "report": {"geometry", "machine", "files"},
     "pipeline": {"geometry", "motion", "machine", "parts", "files", "machines", "judge", "report"},
+    "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
     "live": {"motion", "machines", "report", "pipeline", "starters"},
 }
-GROUND = {"", "errors", "findings", "numerics", "schemas", "spec", "study", "tolerances"}
-TOP = {"__init__", "__main__", "cli", "guide", "running", "starters"}
+GROUND = {"", "errors", "findings", "numerics", "schemas", "settings", "spec", "study", "tolerances"}
+TOP = {"__init__", "__main__", "cli", "commands", "guide", "starters"}
 # Of a machine the judge sees what it is, what of it is measured and wanted, and the conditions of its joints: never what made
 # a curve, nor the route by which the maker closes it. Of a format it takes the reading, and what is said of it in the list.
-SEEN = {"model", "features", "targets", "constraints"}
-FACTS = {("formats", "FORMATS"), ("formats", "DRAWN"), ("formats", "SOLID")}
+SEEN = {"model", "features", "targets", "constraints", "closing"}
+FACTS = {("formats", "FORMATS"), ("formats", "READABLE"), ("formats", "DRAWN"), ("formats", "SOLID")}
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "scipy", "rich"}
 LIGHT = {
-    "__init__", "__main__", "cli", "running", "guide.__init__", "errors", "findings", "tolerances", "report.terminal",
+    "__init__", "__main__", "cli", "guide.__init__", "errors", "findings", "tolerances", "report.terminal",
     "files.folder", "files.formats",
 }  # fmt: skip
 
@@ -89,7 +90,7 @@ def bribes(module: str, tree: ast.AST) -> list[str]:
 def heavy_at_top(module: str, tree: ast.Module) -> list[str]:
     """Heavy packages that importing the module would load."""
     top = ast.Module([node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)], [])
-    forbidden = HEAVY | ({"numpy", "pydantic"} if module in LIGHT else set())
+    forbidden = HEAVY | ({"numpy", "pydantic"} if module in LIGHT or module.startswith("commands.") else set())
     return [f"{module} imports {name}" for name in sorted(imports(top)) if name.split(".")[0] in forbidden]
 
 
@@ -114,7 +115,7 @@ def test_every_module_keeps_the_rule(rule: object) -> None:
 def test_wings_are_all_that_there_is() -> None:
     assert {module.split(".")[0] for module in MODULES} == {*WINGS, *TOP, *(GROUND - {""})}
     long = {module: len(path.read_text(encoding="utf-8").splitlines()) for module, path in MODULES.items()}
-    assert {module: lines for module, lines in long.items() if lines > 500} == {}, "two ideas in one file"
+    assert {module: lines for module, lines in long.items() if lines > 450} == {}, "two ideas in one file"
 
 
 @pytest.mark.parametrize(
@@ -123,7 +124,7 @@ def test_wings_are_all_that_there_is() -> None:
         (upward, "geometry.arcs", "from camgen.parts.part import Part"),
         (upward, "motion.laws", "def f():\n    import camgen.pipeline.build"),
         (upward, "findings", "from camgen.geometry import rings"),
-        (upward, "machine.model", "def f():\n    from camgen.machines.disc_cam import DiscCam"),
+        (upward, "machine.model", "def f():\n    from camgen.machines.disc_cam.mechanism import DiscCam"),
         (upward, "judge.contact", "from camgen.parts import fits"),
         (upward, "judge.contact", "from camgen.machines.mechanism import Mechanism"),
         (bribes, "judge.round_trip", "def f():\n    from camgen.machine.cams.profile import DiscCam"),
@@ -137,6 +138,7 @@ def test_wings_are_all_that_there_is() -> None:
         (bribes, "judge.motion", "from camgen.files.formats import write_part"),
         (heavy_at_top, "files.stl", "import trimesh.util"),
         (heavy_at_top, "cli", "import numpy as np"),
+        (heavy_at_top, "commands.building", "import pydantic"),
         (undocumented, "parts.part", '"""Parts."""\nclass A:\n    """A."""\n    def b(self): ...'),
     ],
 )

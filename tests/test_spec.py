@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pytest
+import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import AfterValidator, Field, model_validator
@@ -19,7 +20,8 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
-from camgen.spec import Length, Record, Spec, choose, dump, override, read, schema, unknown, validate
+from camgen.settings import override
+from camgen.spec import Length, Record, Spec, choose, dump, read, schema, unknown, validate
 
 
 def even(teeth: int) -> int:
@@ -324,6 +326,23 @@ def test_whole_numbers_and_floats_end_equal() -> None:
     assert dump(validate(Box, box(width=60, height=60))) == dump(validate(Box, box(width=60.0, height=60.0)))
 
 
+def test_short_arrays_stand_on_one_line_and_long_ones_on_many(root: Path) -> None:
+    """Of an example with points, links, nested pairs and tables in arrays: what is read is the same as what tomli_w writes."""
+    data = read(root / "specs" / "thread-take-up.toml")
+    data["geometry"]["guides"] = [[float(k), 1.5] for k in range(2)]
+    record = validate(load("thread-take-up"), data)
+    text = dump(record)
+    assert "guides = [[0.0, 1.5], [1.0, 1.5]]\n" in text and "bed = [220.0, 220.0]\n" in text
+    assert tomllib.loads(text) == tomllib.loads(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)))
+    cam = read(root / "specs" / "disc-cam.toml")
+    rows = [[float(k), k / 7] for k in range(60)]
+    odd = 'a "[" b, ]'
+    cam["segment"][0]["law"] = {"name": "table", "points": rows, "source": odd}
+    text = dump(validate(load("disc-cam"), cam))
+    assert max(map(len, text.splitlines())) < 400 and tomllib.loads(text)["segment"][0]["law"]["points"] == rows
+    assert tomllib.loads(text)["segment"][0]["law"]["source"] == odd
+
+
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: str) -> None:
     record = validate(load(mechanism), read(root / "specs" / f"{mechanism}.toml"))
@@ -387,3 +406,20 @@ def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: s
     limits = starters.described(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
     assert "free play " in told["description"] and f"; {told['default']:g}: " in told["description"]
+
+
+def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
+    """center_marks is American, a mass's centre British; with both there, or with neither near, it stays a fault."""
+    from camgen.machines import load
+
+    disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
+    made = validate(load("disc-cam"), override(disc, "output.centre_marks=true"))
+    assert made.output.center_marks and made.hints == ("output.centre_marks is read as center_marks",)
+    assert validate(load("disc-cam"), disc).hints == ()
+    for key in ("mass_g=12", "center=[10.0, 0.0]"):
+        linkage = override(linkage, f"masses.rocker.{key}")
+    told = validate(load("linkage"), linkage)
+    assert told.masses["rocker"].centre == (10, 0) and told.hints == ("masses.rocker.center is read as centre",)
+    assert "center" in linkage["masses"]["rocker"]  # what was given stays as it is
+    with pytest.raises(SpecError, match="masses.rocker.center: unknown key"):
+        validate(load("linkage"), override(linkage, "masses.rocker.centre=[9.0, 0.0]"))

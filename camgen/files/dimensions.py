@@ -5,13 +5,15 @@ from __future__ import annotations
 import cmath
 import itertools
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, extent, start_point
+from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
+STACK = 8  # layers that are told one by one
 _EDGES = 16  # rows that an outline may take in the table
 
 
@@ -98,10 +100,43 @@ def free(contour: Contour) -> bool:
     return any(not isinstance(piece, Line | Arc) for piece in contour.pieces)
 
 
-def edge_rows(contour: Contour) -> list[tuple[str, str, str]]:
+def layer_rows(
+    part: Part, holes: Sequence[Hole], tolerance: float, told_as: Callable[[Hole], str]
+) -> list[tuple[str, str, str, str]]:
+    """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack.
+
+    holes: those that are told already.
+    """
+    layers, known = part.layers, {(hole.place, hole.shape) for hole in holes}
+    rows: list[tuple[str, str, str, str]] = []
+    sloped = part.crossed is not None
+    if len(layers) > STACK:
+        for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in layers):
+            outers = [fit_arcs(layer.region.outer, tolerance) for layer in layers if (layer.z0, layer.z1) == (z0, z1)]
+            size = extent(outers)[1] - extent(outers)[0]
+            overall = f"{number(size.real)} × {number(size.imag)} overall"
+            rows.append(("", "", "", f"z {number(z0)} to {number(z1)}: {overall}"))
+        return rows
+    if len(layers) == 1 and as_circle(layers[0].region.outer):
+        return []
+    known_edges: dict[tuple[tuple[str, str, str], ...], str] = {}
+    for layer in layers:
+        edges, span = edge_rows(layer.region.outer, sloped), f"z {number(layer.z0)} to {number(layer.z1)}"
+        same = known_edges.setdefault(tuple(edges), span)
+        rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
+        rows += [("", *row) for row in edges if same is span]
+        own = [hole_of(contour) for contour in layer.region.holes]
+        rows += [("", number(h.place.real), number(h.place.imag), told_as(h)) for h in own if (h.place, h.shape) not in known]
+    if part.crossed is not None:
+        rows.append(("", "X", "Z", "Edges from above:"))
+        rows += [("", *row) for contour in (part.crossed.outer, *part.crossed.holes) for row in edge_rows(contour, sloped)]
+    return rows
+
+
+def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, str]]:
     """X, Y and what is there, of an outline of lines and arcs: a rectangle, or else every rounding and every sharp corner.
 
-    With these, and tangents between roundings, the outline can be drawn.
+    With these, and tangents between roundings, the outline can be drawn. sloped: tells the slope of each slanted edge too.
     """
     round_one = as_circle(contour)
     if round_one:
@@ -115,16 +150,26 @@ def edge_rows(contour: Contour) -> list[tuple[str, str, str]]:
         low, high = extent([contour])
         size = f"{number(high.real - low.real)} × {number(high.imag - low.imag)}, its lower left corner"
         return [(number(low.real), number(low.imag), size)]
-    rows = []
+    rows, slopes = [], dict[int, str]()
     for before, piece in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
         place = start_point(piece)
         if abs(cmath.phase(_way(piece, piece.t0) / _way(before, before.t1))) > 1e-3:
             rows.append((number(place.real), number(place.imag), "corner"))
+        if sloped and isinstance(piece, Line):
+            slopes[len(rows) - 1] = _slope(piece)
         if isinstance(piece, Arc):
             kind = "" if piece.sweep > 0 else ", hollow"
             rows.append((number(piece.centre.real), number(piece.centre.imag), f"R{number(piece.radius)}{kind}"))
+    for k, slope in slopes.items():
+        rows[k] = (*rows[k][:2], rows[k][2] + slope)
     rows = _paired(dict.fromkeys(rows))
     return rows if len(rows) <= _EDGES else [("", "", f"{len(rows)} roundings and corners: see the profile")]
+
+
+def _slope(line: Line) -> str:
+    """Slope of an edge that follows, from the x axis; nothing of an upright or level one."""
+    slope = math.degrees(cmath.phase(line.b - line.a)) % 180
+    return "" if min(slope % 90, 90 - slope % 90) < 1e-6 else f", then at {slope if slope < 90 else slope - 180:.2f}°"
 
 
 def _paired(rows: Collection[tuple[str, str, str]]) -> list[tuple[str, str, str]]:

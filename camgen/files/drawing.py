@@ -1,53 +1,55 @@
 """The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
 
-Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left; and of a part
-that is crossed with a second outline a third one below, seen along y, without which nobody knows the body. Overall sizes,
-a table of holes and of the corners and roundings of every outline, notes and a title block. An outline that is no chain of
-lines and arcs, a cam's, is in the part's own file; it gets its least and greatest radius. Nothing here knows a mechanism.
+Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left, bores dashed;
+below it seen along y a part that is crossed with a second outline, or a section of one whose layers differ. Overall sizes,
+a table of holes with their fits and of the corners and roundings of every outline, notes and a title block. An outline that
+is no chain of lines and arcs, a cam's, is in the part's own file; it gets its least and greatest radius and a table of radii.
+Nothing here knows a mechanism.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from camgen import __version__
-from camgen.files.dimensions import Hole, edge_rows, free, hole_of, holes_of, nearest_and_farthest, number
+from camgen.files import views
+from camgen.files.dimensions import STACK, Hole, free, hole_of, holes_of, layer_rows, nearest_and_farthest, number
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
+from camgen.files.title_block import SIZE, Facts, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
-from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Contour, Floats, Points, Region, extent, polygon
+from camgen.geometry.outlines import Contour, Floats, Points, extent
 from camgen.parts.part import Layer, Part
+from camgen.tolerances import SAME_POINT
 
 # Standard scales, mm of paper for a mm of the part. [ISO 5455]
 _SCALES = (50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 _SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 # Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
 _FILING, _MARGIN = 20.0, 10.0
-_TITLE = (170.0, 36.0)
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _ROW = 5.0
-_NOTES = _SIZES["A4"][0] - _FILING - _MARGIN - _TITLE[0] - 6  # width of the notes, beside the title block of an A4 sheet
+_NOTES = _SIZES["A4"][0] - _FILING - _MARGIN - SIZE[0] - 6  # width of the notes, beside the title block of an A4 sheet
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
 _LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
 _DIMENSION_GAP = 24.0
+_ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
+_HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
-_STACK = 8  # layers that are told one by one
+_COLUMNS = 3  # pairs of angle and radius beside each other
 
 
-def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, meta: Mapping[str, str]) -> list[Path]:
+def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, facts: Facts) -> list[Path]:
     """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder; returns their paths.
 
-    tolerance: mm, of the arcs that stand for the exact outline; meta: further cells of the title block, such as
-    {"Mechanism": ..., "Material": ...}. An OSError means that a file could not be written.
+    tolerance: mm, of the arcs that stand for the exact outline. An OSError means that a file could not be written.
     """
     stem = f"{prefix}-{part.name}"
-    layout = _Layout(part, stem, tolerance, meta)
+    layout = _Layout(part, stem, tolerance, facts)
     paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
@@ -74,30 +76,11 @@ def _along(contours: Sequence[Contour]) -> Points:
     return np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
 
 
-def _from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
-    """What the view along y shows of a crossed part, as x + iz: of each layer the second outline, as far as the layer goes."""
-    import shapely
-
-    def corners(contour: Contour) -> Floats:
-        z = facet_contour(contour, tolerance)
-        return np.column_stack([z.real, z.imag])
-
-    whole = shapely.Polygon(corners(crossed.outer), [corners(hole) for hole in crossed.holes])
-    found = []
-    for layer in part.layers:
-        low, high = extent([layer.region.outer])
-        seen = whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1))
-        for piece in shapely.get_parts(seen):
-            rings = (piece.exterior, *piece.interiors) if piece.geom_type == "Polygon" else ()
-            found += [polygon((shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])).tolist()) for ring in rings]
-    return found
-
-
 class _Layout:
     """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
 
-    def __init__(self, part: Part, stem: str, tolerance: float, meta: Mapping[str, str]) -> None:
-        self.part, self.stem, self.tolerance, self.meta = part, stem, tolerance, meta
+    def __init__(self, part: Part, stem: str, tolerance: float, facts: Facts) -> None:
+        self.part, self.stem, self.tolerance, self.facts = part, stem, tolerance, facts
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
         self.named = holes_of(part.region.holes, part.points)
@@ -106,14 +89,18 @@ class _Layout:
         covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
         known = set(part.region.holes)
         hidden = [c for each in covered for c in (each.region.outer, *each.region.holes) if c not in known]
-        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden]
+        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden] + views.plan_bores(part, tolerance)
         self.above = _contours([each for each in others if each not in covered], tolerance)
-        self.beyond = [] if part.crossed is None else _from_above(part, part.crossed, tolerance)
-        self.depth = part.thickness if part.crossed else 0.0
+        self.beyond = [] if part.crossed is None else views.from_above(part, part.crossed, tolerance)
+        self.section = views.section(part, tolerance)
+        self.depth = part.thickness if part.crossed or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.turns = free(part.region.outer) and part.bore is not None
         self.notes = self._notes(tolerance)
+        self.rows, self.polar = self._rows(), self._radii_of_profile()
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
+        self.disc = self._disc()
+        self.letter = next((c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}), "S-S")
         self.size_name, self.scale = self._choose()
         width, height = _SIZES[self.size_name]
         self.sheet = Sheet(width, height, f"{part.title} ({stem})")
@@ -125,7 +112,13 @@ class _Layout:
         self._third()
         self._table()
         self._note_lines()
-        self._title_block()
+        title_block(self.sheet, width - _MARGIN, _MARGIN, part, facts, stem, self.scale, self.size_name)
+
+    def _disc(self) -> float | None:
+        """Radius of the circle that bounds the view along z, mm; None where that is no circle."""
+        circles = [each for contour in (self.outer, *self.above) if (each := as_circle(contour))]
+        reach = ((r, at - r * (1 + 1j), at + r * (1 + 1j)) for at, r in circles)
+        return next((r for r, low, high in reach if abs(low - self.low) + abs(high - self.high) < SAME_POINT), None)
 
     def paper(self, z: complex) -> complex:
         """A point of the part on the paper."""
@@ -134,11 +127,11 @@ class _Layout:
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
         width, height = _SIZES[size]
-        foot = max(_TITLE[1], 3.0 + 4.5 * len(self.notes))
+        foot = max(SIZE[1], 3.0 + 4.5 * len(self.notes))
         return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
 
     def _choose(self) -> tuple[str, float]:
-        """Sheet size and scale: A4 unless A3 spares a reduction."""
+        """Sheet size and scale: A4 unless A3 spares a reduction or the tables need it."""
         span = self.high - self.low
 
         def best(size: str) -> float:
@@ -150,7 +143,8 @@ class _Layout:
             return next(fits, _SCALES[-1])
 
         a4, a3 = best("A4"), best("A3")
-        return ("A3", a3) if a4 < 1 and a3 > a4 else ("A4", a4)
+        long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][1] - 2 * _MARGIN - SIZE[1]
+        return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and self.polar) else ("A4", a4)
 
     def _datum(self) -> complex:
         """Where the part's origin goes: both views in the middle of their room."""
@@ -193,9 +187,26 @@ class _Layout:
         low, high = self.paper(self.low), self.paper(self.high)
         span = self.high - self.low
         # the extension lines start at the box: the points where it touches the outline are not all on one side
-        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, number(span.real))
-        self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, number(span.imag))
+        if self.disc is not None:
+            self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, f"Ø{number(2 * self.disc)}")
+        else:
+            self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, number(span.real))
+            self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, number(span.imag))
         self._radii()
+        if self.section:
+            self._plane(self.section.y)
+
+    def _plane(self, y: float) -> None:
+        """Where the section is cut, and the direction of view: down the sheet."""
+        for x, out in ((self.low.real, -1), (self.high.real, 1)):
+            end = complex(self.paper(complex(x, y)).real + 4 * out, self.paper(1j * y).imag)
+            self.sheet.line(end, end + 6 * out, layer="VIEW")
+            self.sheet.line(end + 6 * out, end + 6 * out - 5j, layer="DIM")
+            self.sheet.arrow(end + 6 * out - 5j, -1j)
+            self.sheet.text(end + 6 * out + 1.2j, self.letter, 3.5, "centre")
+        if abs(y) > SAME_POINT:
+            a, b = (self.paper(complex(x, y)) for x in (self.low.real, self.high.real))
+            self.sheet.line(a - 4, b + 4, layer="CENTER")
 
     def _label_place(self, hole: Hole, obstacles: Points) -> complex:
         """Middle of a hole's label: in the hole if it is wide, else beside it where there is most room."""
@@ -203,8 +214,10 @@ class _Layout:
             return hole.middle
         away = hole.radius / 2 if self.scale * hole.radius > 8 else hole.radius + 2.8 / self.scale
         ring = np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
-        places = hole.middle + np.concatenate([away * ring, (away + 2.5 / self.scale) * ring])
-        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), 2.2 / self.scale)  # enough is enough
+        places = hole.middle + np.concatenate([(away + more / self.scale) * ring for more in (0, 2.5, 5)])
+        away_of_axes = np.minimum(np.abs(places.real), np.abs(places.imag))
+        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), away_of_axes)
+        room = np.minimum(room, 2.2 / self.scale)  # enough is enough
         return complex(places[np.argmax(np.round(room, 3))])
 
     def _beside_its_own(self, k: int, place: complex) -> bool:
@@ -243,7 +256,7 @@ class _Layout:
         """Least and greatest distance of a curve from the datum, or the diameter of a circle; sense of turning of a cam."""
         taken: list[float] = []
         round_one = as_circle(self.outer)
-        if round_one:
+        if round_one and (self.disc is None or abs(round_one[1] - self.disc) > SAME_POINT):
             centre, radius = round_one
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
@@ -256,7 +269,11 @@ class _Layout:
             self._turning(taken)
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
-        """Arrow from outside onto a point of the outline, with the text along it."""
+        """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""
+        for size in (-1, -1j):
+            aside = cmath.phase(direction / size)
+            if abs(aside) < _ASIDE:
+                direction = size * cmath.rect(1, math.copysign(_ASIDE, aside))
         tip = self.paper(point)
         reading = direction if direction.real > -1e-9 else -direction
         label = Text(0j, text, 2.5, "centre", reading, "DIM")
@@ -293,6 +310,8 @@ class _Layout:
             a = complex(left + self.scale * layer.z0, self.paper(low).imag)
             b = complex(left + self.scale * layer.z1, self.paper(high).imag)
             self.sheet.line(a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True)
+        for bore in views.side_bores(self.part, self.tolerance):
+            self.sheet.contour(bore.moved(self.scale, complex(left, self.datum.imag)), "HIDDEN")
         thick = self.scale * self.part.thickness
         if self.low.imag <= 0 <= self.high.imag:
             y = self.datum.imag
@@ -306,10 +325,20 @@ class _Layout:
             self._dimension(top, top + self.scale * height, 9j * i, number(height))
 
     def _third(self) -> None:
-        """The view from above, heights z growing downwards."""
+        """The view from above or the section, heights z growing downwards."""
         top = complex(self.datum.real, self.paper(self.low).imag - _BELOW - _THIRD)
         for contour in self.beyond:
             self.sheet.contour(contour.moved(self.scale, top, mirror=True), "VIEW")
+        for bore in views.above_bores(self.part, self.tolerance):
+            self.sheet.contour(bore.moved(self.scale, top, mirror=True), "HIDDEN")
+        if self.section:
+            for contour in views.contours_of(self.section.faces):
+                self.sheet.contour(contour.moved(self.scale, top, mirror=True), "VIEW")
+            hatching = views.hatching(self.section.faces, _HATCH / self.scale)
+            for layer, lines in (("VIEW", self.section.beyond), ("HATCH", hatching)):
+                for ends in lines:
+                    self.sheet.line(*(top + self.scale * z.conjugate() for z in ends), layer=layer)
+            self.sheet.text(top + self.scale * self.low.real + 2.5j, f"{self.letter}-{self.letter}", 3.5)
 
     def _dimension(self, a: complex, b: complex, away: complex, text: str) -> None:
         """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
@@ -334,51 +363,52 @@ class _Layout:
             sheet.line(end, end + out * (label.width + 2), layer="DIM")
         sheet.things.append(replace(label, at=middle + 0.9j * reading))
 
+    def _rows(self) -> list[tuple[str, str, str, str]]:
+        """Rows of the table of holes and edges."""
+        rows = [(label, number(h.place.real), number(h.place.imag), self.facts.shape(h)) for label, h in self.named]
+        return rows + layer_rows(self.part, [hole for _, hole in self.named], self.tolerance, self.facts.shape)
+
+    def _radii_of_profile(self) -> list[tuple[float, float]]:
+        """Angle, deg, and radius, mm, of a cam's outline or of a groove's wall; nothing of another part."""
+        step = self.facts.profile_step_deg
+        curves = [contour for contour in (self.part.region.outer, *self.part.region.holes) if free(contour)]
+        return views.polar_table(curves[0], step) if curves and step else []
+
     def _table(self) -> None:
-        """Table of holes, at the upper right; rows that do not fit are counted in its last line."""
+        """Table of holes, at the upper right; rows that do not fit are counted in its last line; then that of a cam's radii."""
         top = self.sheet.height - _MARGIN
-        room = int((top - _MARGIN - _TITLE[1]) / _ROW) - 1
-        rows = [(label, number(h.place.real), number(h.place.imag), h.shape) for label, h in self.named]
-        rows += self._layers()
+        room = int((top - _MARGIN - SIZE[1]) / _ROW) - 1
+        polar = self.polar if self._polar_rows() < room else []
+        rows, room = self.rows, room - (self._polar_rows() if polar else 0)
         if len(rows) > room:
             rows = [*rows[: room - 1], ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf")]
-        edges = self.table_x + np.cumsum((0.0, *_TABLE_WIDTHS))
-        for i, row in enumerate([("Hole", "X", "Y", "Size"), *rows]):
+        if rows:
+            self._grid(top, [("Hole", "X", "Y", "Size"), *rows], _TABLE_WIDTHS, (1, 2))
+        if not polar:
+            return
+        top -= (len(rows) + 2) * _ROW
+        title = "Radii of the profile about the origin, by the angle from X, ccw"
+        self.sheet.text(complex(self.table_x + 1.5, top + 1.3), title, room=sum(_TABLE_WIDTHS) - 3)
+        count = self._polar_rows() - 2
+        texts = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
+        lines = [[cell for pair in texts[k::count] for cell in pair] for k in range(count)]
+        self._grid(top, [("Angle", "Radius") * _COLUMNS, *lines], (15.0, 19.0) * _COLUMNS, range(2 * _COLUMNS))
+
+    def _polar_rows(self) -> int:
+        """Rows that a cam's table takes, with its title and head."""
+        return -(-len(self.polar) // _COLUMNS) + 2 if self.polar else 0
+
+    def _grid(self, top: float, rows: Sequence[Sequence[str]], widths: Sequence[float], numbers: Sequence[int]) -> None:
+        """A table at the right edge, from its top down; numbers: columns that are set to the right."""
+        edges = self.table_x + np.cumsum((0.0, *widths))
+        for i, row in enumerate(rows):
             y = top - (i + 1) * _ROW
             for k, cell in enumerate(row):
-                number_cell = k in (1, 2)
-                at = complex(edges[k + 1] - 1.5 if number_cell else edges[k] + 1.5, y + 1.3)
-                self.sheet.text(at, cell, 2.5, "right" if number_cell else "left", room=_TABLE_WIDTHS[k] - 2)
+                at = complex(edges[k + 1] - 1.5 if k in numbers else edges[k] + 1.5, y + 1.3)
+                self.sheet.text(at, cell, 2.5, "right" if k in numbers else "left", room=widths[k] - 2)
             self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
-        bottom = top - (len(rows) + 1) * _ROW
         for x in edges[:-1]:
-            self.sheet.line(complex(x, top), complex(x, bottom), layer="TEXT")
-
-    def _layers(self) -> list[tuple[str, str, str, str]]:
-        """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack."""
-        layers, known = self.part.layers, {(hole.place, hole.shape) for _, hole in self.named}
-        rows: list[tuple[str, str, str, str]] = []
-        if len(layers) > _STACK:
-            for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in layers):
-                outers = [fit_arcs(layer.region.outer, self.tolerance) for layer in layers if (layer.z0, layer.z1) == (z0, z1)]
-                size = extent(outers)[1] - extent(outers)[0]
-                overall = f"{number(size.real)} × {number(size.imag)} overall"
-                rows.append(("", "", "", f"z {number(z0)} to {number(z1)}: {overall}"))
-            return rows
-        if len(layers) == 1 and as_circle(layers[0].region.outer):
-            return []
-        told: dict[tuple[tuple[str, str, str], ...], str] = {}
-        for layer in layers:
-            edges, span = edge_rows(layer.region.outer), f"z {number(layer.z0)} to {number(layer.z1)}"
-            same = told.setdefault(tuple(edges), span)
-            rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
-            rows += [("", *row) for row in edges if same is span]
-            own = [hole_of(contour) for contour in layer.region.holes]
-            rows += [("", number(h.place.real), number(h.place.imag), h.shape) for h in own if (h.place, h.shape) not in known]
-        if self.part.crossed is not None:
-            rows.append(("", "X", "Z", "Edges from above:"))
-            rows += [("", *row) for contour in (self.part.crossed.outer, *self.part.crossed.holes) for row in edge_rows(contour)]
-        return rows
+            self.sheet.line(complex(x, top), complex(x, top - len(rows) * _ROW), layer="TEXT")
 
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
@@ -389,7 +419,7 @@ class _Layout:
             lines.append(f"Outline Ø{number(2 * round_one[1])} about X {number(x)}, Y {number(y)}")
         if part.crossed is not None:
             lines.append("Material is what lies within both outlines, along z and from above")
-        if len(part.layers) > _STACK:
+        if len(part.layers) > STACK:
             lines.append(f"{len(part.layers)} layers, see the STL")
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
         lines += [f"Engraved {depth} deep" for depth in depths]
@@ -402,27 +432,3 @@ class _Layout:
         """Notes at the lower left, beside the title block, upwards."""
         for i, line in enumerate(reversed(self.notes)):
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
-
-    def _title_block(self) -> None:
-        right = self.sheet.width - _MARGIN
-        x0, y0 = right - _TITLE[0], _MARGIN
-        scale = f"{number(self.scale)}:1" if self.scale >= 1 else f"1:{number(1 / self.scale)}"
-        wide = _TITLE[0] / max(1, len(self.meta))
-        own = [(key, value, wide * i, 1, wide) for i, (key, value) in enumerate(self.meta.items())]
-        cells = [
-            ("Part", self.part.title, 0, 2, 85),
-            ("File", f"{self.stem}-drawing", 85, 2, 85),
-            *own,
-            ("Quantity", str(self.part.count), 0, 0, 25),
-            ("Scale", scale, 25, 0, 25),
-            ("Sheet", self.size_name, 50, 0, 20),
-            ("Units", "mm", 70, 0, 20),
-            ("Projection", "first angle", 90, 0, 40),
-            ("Made by", f"camgen {__version__}", 130, 0, 40),
-        ]
-        for key, value, x, row, wide in cells:
-            low = complex(x0 + x, y0 + 12 * row)
-            box = (low, low + wide, low + wide + 12j, low + 12j)
-            self.sheet.line(*box, layer="TEXT", closed=True)
-            self.sheet.text(low + 1.5 + 8.6j, key, 1.8)
-            self.sheet.text(low + 1.5 + 2.6j, value, 3.5, room=wide - 3)

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from camgen.errors import FileError
+from camgen.errors import FileError, counted
 from camgen.files.formats import Job
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.distances import point_to_ring
@@ -190,7 +190,7 @@ def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
     kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
     if not kept.all():
         dropped = int(np.count_nonzero(~kept))
-        faults.append(DrawingFault("zero_length", dropped, f"{name} has {dropped} segment(s) of no length"))
+        faults.append(DrawingFault("zero_length", dropped, f"{name} has {counted(dropped, 'segment')} of no length"))
     ring = Ring(points[kept], bulges[kept])
     if len(ring.points) < 2 or (len(ring.points) == 2 and not ring.bulges.any()):
         return None, [*faults, DrawingFault("entity", 1, f"{name} bounds no area")]

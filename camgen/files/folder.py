@@ -30,6 +30,7 @@ MANIFEST = "manifest.json"
 _MOST_LISTED = 10_000_000  # bytes of a manifest
 SPEC = "spec.toml"
 
+_STAGING = re.compile(r"\.(.+)-[a-z0-9_]{8}")
 _EDITED = re.compile(r"spec\.toml\.edited(-\d+)?")
 _LOCK, _MARK = "camgen.lock", b"a build of camgen works here\n"
 _AT_CWD, _EXCHANGE = -100, 2  # of renameat2 [linux/fcntl.h, linux/fs.h]
@@ -111,17 +112,18 @@ class Staged:
             (self._new / name).write_bytes(text)
 
     def _sweep(self) -> None:
-        """Remove the staging folders of builds that were killed; bring back a result that one of them had moved away."""
-        pattern = re.compile(re.escape(f".{self.target.name}-") + "[a-z0-9_]{8}")
+        """Remove the staging folders of killed builds, of any name; bring back a result that one of them had moved away."""
         with suppress(OSError):
             for staging in sorted(self.target.parent.iterdir()):
-                guard = _abandoned(staging) if pattern.fullmatch(staging.name) else None
-                if guard is None:
+                named = _STAGING.fullmatch(staging.name)
+                guard = _abandoned(staging) if named else None
+                if named is None or guard is None:
                     continue
+                target = staging.with_name(named[1])
                 with guard, suppress(OSError):
-                    if (staging / "old").is_dir() and not os.path.lexists(self.target):
-                        os.rename(staging / "old", self.target)
-                _remove(staging, self.target)
+                    if (staging / "old").is_dir() and not os.path.lexists(target):
+                        os.rename(staging / "old", target)
+                _remove(staging, target)
 
     def _discard(self) -> None:
         """Remove what is not part of the result; what cannot be removed is left behind without a word."""

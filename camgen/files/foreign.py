@@ -61,11 +61,11 @@ class Outline:
 
 def read_outline(
     path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None,
-    line_width: float | None = None, scanning: Scanning | None = None,
+    line_width: float | None = None, scanning: Scanning | None = None, probe: float = 0.0,
 ) -> Outline:  # fmt: skip
     """The largest closed contour of a DXF (of one layer, if named), or at a height, mm (half way up): of a mesh's section, or of
     what G-code prints there with lines of its own width, or of line_width, mm, where it says none; or of a
-    scan, or through measured points.
+    scan, or through measured points, which are centres of a probe of that radius, mm.
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
     contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
@@ -92,7 +92,7 @@ def read_outline(
         if kind == ".gcode":
             return _judged(path, _from_gcode(path, height, contour, line_width))
         if kind == ".csv":
-            ring, off, said = read_points(path, content)
+            ring, off, said = read_points(path, content, probe)
             return _judged(path, Outline(ring, (), said, {"points_off_mm": off}))
         if kind in PICTURES:
             return _judged(path, _from_scan(path, contour, scanning or Scanning()))
@@ -290,7 +290,7 @@ def _refuse_bomb(path: Path, drawing: Any) -> None:
         raise FileError(path, f"has a block that holds itself: {error.args[1][0]}") from None
     most = max(counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace)
     if most > _MOST_ENTITIES:
-        said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
+        said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
         raise FileError(path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read")
 
 

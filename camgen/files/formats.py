@@ -51,6 +51,7 @@ FORMATS = {
     "3mf": Format("threemf", "mesh", FLOAT32_ROUNDING, "float32"),
     "step": Format("step", "exact", 0.0, "decimals"),
 }
+READABLE = {**FORMATS, "gcode": Format("gcode", "mesh", 1e-5, "decimals")}  # as well, what other programs make of them
 _HELD = ("drawing", "mesh", "exact")
 DRAWN, SOLID, EXACT = (tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD)
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones

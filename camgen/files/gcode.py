@@ -12,26 +12,29 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from camgen.errors import FileError
-from camgen.geometry.rings import Points, Ring, fit_circle
+from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 
 _MARK = re.compile(r"; ?(?:TYPE|FEATURE):\s*(.*)")
 _WIDTH = re.compile(r"; ?(?:WIDTH|LINE_WIDTH):\s*([\d.]+)")
+_SETTING = re.compile(r"; (\w+) = (.*)")
 _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+_PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers write most moves
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
 _OVERHANG = {"overhang perimeter", "overhang wall"}  # of outer and inner walls alike: one that is part of an outer loop counts
-_MOST_MOVES = 20_000_000
+_MOST_BYTES, _MOST_MOVES = 200_000_000, 20_000_000
 _MOVES = {("G", 0.0), ("G", 1.0), ("G", 2.0), ("G", 3.0)}
 _EXPONENT = re.compile(r"[XYZIJ]\s*[-+]?[\d.]+E")  # no slicer writes one: a number that is damaged
 _NARROWEST, _WIDEST = 0.01, 10.0  # mm, of a line
 _FARTHEST = 1e5  # mm, from the bed's origin
 _SEAM = 3.0  # line widths between the ends of a wall that is closed all the same
 _SAME_LAYER = 1e-4  # mm of height
+_SAME_WIDTH = 1e-4  # mm
 _ROUND = 64  # chords of a quarter of a bead's end
 _CHORDS = 1e-4  # mm, chord tolerance of arcs
 _BORE = 0.03  # mm, by which a hole may differ from a circle and be the bore
@@ -39,11 +42,43 @@ _BORE = 0.03  # mm, by which a hole may differ from a circle and be the bore
 
 @dataclass(frozen=True)
 class Wall:
-    """The centre line of one outer wall, closed; height of its layer and width of its line, mm (nan where nothing says it)."""
+    """The centre line of one outer wall, closed; height of its layer, and width of the bead along each edge, (n,) mm, nan where
+    nothing says it."""
 
     z: float
-    width: float
     ring: Ring
+    widths: Floats
+
+    def edge(self, hole: bool, further: float = 0.0) -> Ring | None:
+        """The edge of what is laid, counter-clockwise: the bead's outer side, or a hole's inner one, `further` off, mm.
+
+        Round at corners of the centre line, as a bead is. None where nothing is left of a hole.
+        """
+        import shapely
+
+        side, halves = -1 if hole else 1, self.widths / 2 + further
+        z = self.ring.facetted(_CHORDS)
+        within = shapely.Polygon(np.column_stack([z.real, z.imag]))
+        if np.ptp(halves) < _SAME_WIDTH:
+            parts = shapely.get_parts(within.buffer(side * float(halves[0]), quad_segs=_ROUND))
+        else:
+            bead = shapely.union_all([
+                shapely.LineString(np.column_stack([run.real, run.imag])).buffer(half, quad_segs=_ROUND)
+                for run, half in self._runs(halves)
+            ])  # fmt: skip
+            parts = shapely.get_parts(shapely.difference(within, bead) if hole else shapely.union(within, bead))
+        if not len(parts):
+            return None
+        edge: Points = shapely.get_coordinates(max(parts, key=lambda part: float(part.area)).exterior)[:-1] @ np.array([1, 1j])
+        return Ring(edge, np.zeros(len(edge))).counter_clockwise()
+
+    def _runs(self, halves: Floats) -> Iterator[tuple[Points, float]]:
+        """The pieces of the centre line, (k,) points, along which the bead is as wide, and half of its width."""
+        ends = self.ring.ends
+        starts = [0, *(np.flatnonzero(np.abs(np.diff(halves)) >= _SAME_WIDTH) + 1).tolist(), len(halves)]
+        for a, b in zip(starts, starts[1:], strict=False):
+            open_ring = Ring(np.append(self.ring.points[a:b], ends[b - 1]), np.append(self.ring.bulges[a:b], 0.0))
+            yield open_ring.facetted(_CHORDS), float(halves[a])
 
 
 @dataclass
@@ -61,6 +96,8 @@ class _State:
     width: float = math.nan
     points: list[complex] = field(default_factory=list)
     bulges: list[float] = field(default_factory=list)
+    widths: list[float] = field(default_factory=list)
+    level: float = 0.0
     kinds: set[str] = field(default_factory=set)
 
 
@@ -71,6 +108,9 @@ def read_gcode(path: Path) -> list[Wall]:
     walls: list[Wall] = []
     state, marked = _State(), False
     try:
+        if path.stat().st_size > _MOST_BYTES:
+            said = f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read"
+            raise FileError(path, f"{said}: slice fewer parts at a time")
         with open(path, "rb") as file:
             if file.read(4) == b"GCDE":
                 raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)")
@@ -88,8 +128,6 @@ def read_gcode(path: Path) -> list[Wall]:
                         if not _NARROWEST <= _number(width[1]) <= _WIDEST:
                             said = f"line {number + 1} says that its lines are {width[1]} mm wide"
                             raise FileError(path, f"{said}; {_NARROWEST:g} to {_WIDEST:g} was expected")
-                        if state.width != float(width[1]):
-                            walls += _ended(state)
                         state.width = float(width[1])
                     continue
                 walls += _command(path, state, line.partition(";")[0], number + 1)
@@ -114,11 +152,15 @@ def _number(text: str) -> float:
 
 def _command(path: Path, state: _State, text: str, line: int) -> Iterator[Wall]:
     """Do one line; walls that it ends. FileError where a move has something else than letters with numbers."""
-    words = dict((letter, float(value)) for letter, value in _WORD.findall(text.upper()))
+    plain = _PLAIN.fullmatch(text) is not None
+    if plain:
+        words = {word[0]: float(word[1:]) for word in text.split()}
+    else:
+        words = {letter: float(value) for letter, value in _WORD.findall(text.upper())}
     if not words:
         return
     code = (next(iter(words)), next(iter(words.values())))
-    if code in _MOVES:
+    if code in _MOVES and not plain:
         bare = re.sub(r"\(.*?\)", "", text.upper())
         odd = _WORD.sub("", bare).strip() or (found[0] if (found := _EXPONENT.search(bare)) else "")
         far = [letter for letter in ("X", "Y", "Z", "I", "J") if not abs(words.get(letter, 0.0)) <= _FARTHEST]
@@ -160,6 +202,7 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
         return
     if not state.points:
         state.points.append(start)
+        state.level = state.z
     bulge = 0.0
     if code in (2, 3):
         if "I" not in words and "J" not in words:
@@ -171,21 +214,43 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
         bulge = math.tan((turn if code == 3 else turn - math.tau) / 4)
     state.points.append(end)
     state.bulges.append(bulge)
+    state.widths.append(state.width)
     state.kinds.add(state.kind)
 
 
 def _ended(state: _State) -> Iterator[Wall]:
     """The wall that the run so far makes, if it is an outer one and closes."""
-    points, bulges, kinds = state.points, state.bulges, state.kinds
-    state.points, state.bulges, state.kinds = [], [], set()
+    points, bulges, widths, kinds = state.points, state.bulges, state.widths, state.kinds
+    state.points, state.bulges, state.widths, state.kinds = [], [], [], set()
     if len(points) < (3 if any(bulges) else 4) or not kinds & _OUTER:  # two arcs close a circle
         return
-    width = state.width if math.isfinite(state.width) else 0.4
-    if abs(points[-1] - points[0]) > _SEAM * width:
+    gap = abs(points[-1] - points[0])
+    if gap > _SEAM * (widths[-1] if math.isfinite(widths[-1]) else 0.4):
         return
-    closed = abs(points[-1] - points[0]) < 1e-9
-    ring = Ring(np.array(points[:-1] if closed else points), np.array(bulges if closed else [*bulges, 0.0]))
-    yield Wall(state.z, state.width, ring)
+    if gap < 1e-9:
+        points = points[:-1]
+    else:  # the seam is closed straight
+        bulges, widths = [*bulges, 0.0], [*widths, widths[-1]]
+    yield Wall(state.level, Ring(np.array(points), np.array(bulges)), np.array(widths))
+
+
+def read_settings(path: Path) -> dict[str, str]:
+    """What the slicer says of its settings in comments, `; key = value` (PrusaSlicer, OrcaSlicer, Bambu Studio)."""
+    with open(path, "rb") as file:
+        lines = (raw.decode("latin-1") for raw in file if raw.startswith(b"; "))
+        return {found[1]: found[2].strip() for line in lines if (found := _SETTING.match(line))}
+
+
+def with_width(walls: Sequence[Wall], path: Path, line_width: float | None) -> list[Wall]:
+    """The walls, as wide as is said where the file does not say it; FileError where nothing does."""
+    if line_width is None and any(np.isnan(wall.widths).any() for wall in walls):
+        raise FileError(path, "does not say how wide its lines are (CuraEngine does not): give it with --line-width, mm")
+    return [replace(wall, widths=np.where(np.isnan(wall.widths), line_width or 0.0, wall.widths)) for wall in walls]
+
+
+def hole_walls(walls: Sequence[Wall]) -> list[bool]:
+    """Which walls of one layer are those of holes: they lie in an odd number of others."""
+    return [sum(_inside(wall.ring, other.ring) for other in walls if other is not wall) % 2 == 1 for wall in walls]
 
 
 def printed_outlines(path: Path, height: float | None = None, line_width: float | None = None) -> tuple[list[Ring], str]:
@@ -202,14 +267,14 @@ def printed_outlines(path: Path, height: float | None = None, line_width: float 
         raise FileError(path, f"has no layer {wanted:g} mm over the bed; its highest one ends at {tops[-1]:g}")
     top = next(z for z in tops if z >= wanted - _SAME_LAYER)
     here = [wall for wall in walls if abs(wall.z - top) <= _SAME_LAYER]
-    widths = [wall.width if math.isfinite(wall.width) else line_width for wall in here]
-    if any(width is None for width in widths):
-        raise FileError(path, "does not say how wide its lines are (CuraEngine does not): give it with --line-width, mm")
-    holes = [sum(_inside(wall.ring, other.ring) for other in here if other is not wall) % 2 == 1 for wall in here]
-    rings = [_reach(wall.ring, (-1 if hole else 1) * float(width or 0) / 2) for wall, hole, width in
-             zip(here, holes, widths, strict=True)]  # fmt: skip
-    said = f"layer {tops.index(top) + 1} of {len(tops)}, up to {top:g} mm: {len(here)} outer walls, lines "
-    said += f"{min(w for w in widths if w is not None):g} mm wide"
+    here = with_width(here, path, line_width)
+    holes = hole_walls(here)
+    edges = [wall.edge(hole) for wall, hole in zip(here, holes, strict=True)]
+    rings = [edge for edge in edges if edge is not None]
+    holes = [hole for hole, edge in zip(holes, edges, strict=True) if edge is not None]
+    widths = np.concatenate([wall.widths for wall in here])
+    wide = f"{widths.min():g}" + (f" to {widths.max():g}" if np.ptp(widths) >= _SAME_WIDTH else "")
+    said = f"layer {tops.index(top) + 1} of {len(tops)}, up to {top:g} mm: {len(here)} outer walls, lines {wide} mm wide"
     bore = _bore(*([ring for ring, hole in zip(rings, holes, strict=True) if hole == empty] for empty in (True, False)))
     if bore is None:
         return rings, f"{said}; no round hole, so places are the printer's"
@@ -220,17 +285,6 @@ def printed_outlines(path: Path, height: float | None = None, line_width: float 
 
 def _inside(ring: Ring, other: Ring) -> bool:
     return abs(other.area) > abs(ring.area) and other.encloses(complex(ring.points[0]))
-
-
-def _reach(ring: Ring, distance: float) -> Ring:
-    """The edge of a bead whose centre line a ring is: moved outwards by a distance, mm (< 0: inwards), round its corners."""
-    import shapely
-
-    z = ring.facetted(_CHORDS)
-    parts = shapely.get_parts(shapely.Polygon(np.column_stack([z.real, z.imag])).buffer(distance, quad_segs=_ROUND))
-    largest = max(parts, key=lambda part: float(part.area))
-    edge: Points = shapely.get_coordinates(largest.exterior)[:-1] @ np.array([1, 1j])
-    return Ring(edge, np.zeros(len(edge))).counter_clockwise()
 
 
 def _bore(holes: Sequence[Ring], outers: Sequence[Ring]) -> tuple[complex, float] | None:

@@ -49,8 +49,8 @@ class Moving:
     copies: Sequence[tuple[str, int, Floats]]
 
 
-def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving]) -> bytes:
-    """The file's bytes."""
+def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int = 1) -> bytes:
+    """The file's bytes; turns: over which the bodies are given."""
     pack = _Pack()
     meshes, materials = [], []
     for k, shape in enumerate(shapes):
@@ -67,7 +67,8 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving]) -> bytes:
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
     frames = len(bodies[0].angle) if bodies else 0
-    time = pack.add(np.linspace(0, SECONDS, frames + 1).astype("<f4"), _FLOAT, "SCALAR", bounds=True) if frames > 1 else -1
+    times = np.linspace(0, turns * SECONDS, frames + 1).astype("<f4")
+    time = pack.add(times, _FLOAT, "SCALAR", bounds=True) if frames > 1 else -1
     for body in bodies:
         number = len(nodes)
         nodes[0]["children"].append(number)

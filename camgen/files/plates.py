@@ -17,15 +17,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.findings import Finding, at_most
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats, Points
 from camgen.parts.catalogue import DENSITY as DENSITY
 from camgen.parts.part import Part
+
+if TYPE_CHECKING:
+    from camgen.files.threemf import Placed
 
 _STEEP = np.cos(np.radians(45)) + 1e-6  # a chamfer of 45 deg prints
 _FLAT = 1e-3  # mm, by which a face that lies on the bed may be off it
@@ -252,6 +255,8 @@ def _cell(f: Footprint, bed: tuple[float, float], gap: float) -> tuple[int, int]
 
 def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, Mesh], key: str) -> list[Path]:
     """Write `<name>-plate.3mf`, `<name>-plate-2.3mf` and so on; key as for `write_3mf`. Returns the paths."""
+    from camgen.files.threemf import write_3mf
+
     paths = []
     for k, spots in enumerate(layout.plates, 1):
         path = folder / (f"{name}-plate.3mf" if k == 1 else f"{name}-plate-{k}.3mf")
@@ -263,6 +268,8 @@ def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, M
 
 def placed(spots: Sequence[Spot]) -> list[Placed]:
     """The copies of a plate."""
+    from camgen.files.threemf import Placed, placing
+
     found = []
     for spot in spots:
         place = placing(spot.angle, spot.position, spot.z, 0.0)
@@ -291,15 +298,15 @@ COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
 
 def parts_list(
     parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None,
-    sides: Mapping[str, Side] = MappingProxyType({}),
+    sides: Mapping[str, Side] = MappingProxyType({}), layer: float | None = None,
 ) -> list[Row]:  # fmt: skip
     """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
 
-    The flow is nozzle * layer * PRINT_SPEED with layers of LAYER_SHARE * nozzle. KeyError for a plastic not in DENSITY
+    The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for a plastic not in DENSITY
     unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
     """
     density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
-    layer = LAYER_SHARE * nozzle
+    layer = layer or LAYER_SHARE * nozzle
     flow = nozzle * layer * PRINT_SPEED
     rows = []
     for part in parts:

@@ -18,10 +18,13 @@ _LEAST, _MOST = 24, 200_000  # points
 _GAP = 0.125  # of the outline's length
 _CHORDS = 14_400  # over the turn
 _BEYOND = 1e6  # mm
+_ROUND = 64  # chords of a quarter of the probe's ball
 
 
-def read_points(path: Path, content: bytes) -> tuple[Ring, float, str]:
+def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, float, str]:
     """Outline through measured points, what the curve between them may be off, mm, and a sentence.
+
+    probe: radius of the ball whose centres the points are, mm: the outline lies so much further in, 0 where it was allowed for.
 
     The first line names the columns, x and y in mm as they follow each other round the outline, or angle in degrees and radius
     in mm in any order; the curve is a cubic spline through every point. FileError where it holds none.
@@ -75,7 +78,20 @@ def read_points(path: Path, content: bytes) -> tuple[Ring, float, str]:
     off = float(max(missed)) / 2  # by every second point; at half the step a corner is off half as much, a smooth curve less
     edge = _curve(z, max(1, math.ceil(_CHORDS / len(z))))
     said = f"{len(z)} measured points, {steps.max():.3f} mm apart at most; the curve between them may be {off:.4f} mm off"
+    if probe:
+        edge = _further_in(path, edge, probe)
+        said += f"; they are centres of a probe's ball, whose radius of {probe:g} mm is taken off"
     return Ring(edge, np.zeros(len(edge))), off, said
+
+
+def _further_in(path: Path, edge: Points, distance: float) -> Points:
+    """An outline moved inwards, mm; FileError where not one piece is left."""
+    import shapely
+
+    moved = shapely.Polygon(np.column_stack([edge.real, edge.imag])).buffer(-distance, quad_segs=_ROUND)
+    if not isinstance(moved, shapely.Polygon) or moved.is_empty:
+        raise FileError(path, f"has an outline of which a probe of radius {distance:g} mm leaves not one piece")
+    return np.asarray(shapely.get_coordinates(moved.exterior)[:-1] @ np.array([1, 1j]))
 
 
 def _half_way(z: Points) -> Points:

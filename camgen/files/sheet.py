@@ -6,8 +6,7 @@ Coordinates are complex, mm of paper, from the sheet's lower left corner. The sh
     Fill     a filled triangle (an arrowhead)
     Text     one line of text
 
-each on a layer that decides its line. PDF text is set in Helvetica, which every PDF
-reader brings along.
+each on a layer that decides its line. PDF text is set in Helvetica, which every PDF reader brings along.
 """
 
 from __future__ import annotations
@@ -16,32 +15,27 @@ import cmath
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
-
-import numpy as np
+from typing import TYPE_CHECKING, Literal
 
 from camgen.files.dxf import add_contour, document
-from camgen.geometry.outlines import Arc, Contour, Line, Piece, start_point
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, start_point
+
+if TYPE_CHECKING:
+    from reportlab.pdfgen.canvas import Canvas
 
 # Layer -> (colour index, line width in 1/100 mm). VIEW holds visible edges that are not cut, HIDDEN those behind material.
-LAYERS = {"CUT": (7, 50), "VIEW": (8, 35), "HIDDEN": (8, 18), "CENTER": (1, 18), "DIM": (5, 18), "TEXT": (7, 25)}
+LAYERS = {
+    "CUT": (7, 50), "VIEW": (8, 35), "HIDDEN": (8, 18), "CENTER": (1, 18), "DIM": (5, 18), "HATCH": (8, 13), "TEXT": (7, 25),
+}  # fmt: skip
 # Dashed layers: line type in a DXF, its pattern there and in a PDF, mm of paper.
-_DASHES = {"CENTER": ("CENTER2", (), "6 1.2 0.8 1.2"), "HIDDEN": ("HIDDEN2", (9.0, 6.0, -3.0), "3 1.5")}
+_DASHES = {"CENTER": ("CENTER2", (), (6, 1.2, 0.8, 1.2)), "HIDDEN": ("HIDDEN2", (9.0, 6.0, -3.0), (3, 1.5))}
 # What a character takes at most in CAD programs, by the height of capitals: of LibreCAD's standard font most letters and
 # digits take 0.78, the space 0.75; the wide ones stand here.
 CAD_ADVANCE = 0.8
 _CAD_WIDE = dict.fromkeys("4BDGHKNOPRSTUZ", 0.9) | dict.fromkeys("mwAMQVXY#&*Ø", 1.0) | dict.fromkeys("W%@_", 1.6)
 _POINT = 72 / 25.4  # PDF units in a millimetre
 
-# Advance widths of Helvetica, 1/1000 of the size, characters 32 to 126. [Adobe Core14 AFM, Helvetica.afm]
-_WIDTHS = (
-    "278 278 355 556 556 889 667 191 333 333 389 584 278 333 278 278 556 556 556 556 556 556 556 556 556 556 278 278 "
-    "584 584 584 556 1015 667 667 722 722 667 611 778 722 278 500 667 556 833 722 778 667 778 722 667 611 722 667 944 "
-    "667 667 611 278 278 278 469 556 333 556 556 500 556 556 278 556 556 222 222 500 222 833 556 556 556 556 333 500 "
-    "278 556 500 722 500 500 500 334 260 334 584"
-)
-_WIDTH = {chr(32 + i): int(width) for i, width in enumerate(_WIDTHS.split())} | {"Ø": 778, "×": 584, "°": 400, "±": 584}
-_CAP = 0.718  # height of its capitals by the size
+_FONT, _CAP = "Helvetica", 0.718  # and the height of its capitals by the size [Adobe Core14 AFM]
 # How DXF readers write what their own fonts may lack.
 _DXF_CODES = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
 
@@ -79,7 +73,9 @@ class Text:
     @property
     def width(self) -> float:
         """Length in Helvetica, mm."""
-        return sum(_WIDTH.get(c, 600) for c in self.text) / 1000 * self.height / _CAP
+        from reportlab.pdfbase.pdfmetrics import stringWidth
+
+        return float(stringWidth(self.text, _FONT, self.height / _CAP))
 
     @property
     def room(self) -> float:
@@ -125,70 +121,58 @@ class Sheet:
         layer: str = "TEXT",
         room: float = math.inf,
     ) -> None:
-        """Add a line of text, smaller where it might be longer than `room` mm."""
-        line = Text(at, text, height, align, direction, layer)
-        shrink = min(1.0, room / line.room) if text else 1.0
-        self.things.append(replace(line, height=height * shrink))
+        """Add a line of text, smaller where it might be longer than `room` mm; nothing where it is empty."""
+        if text:
+            line = Text(at, text, height, align, direction, layer)
+            self.things.append(replace(line, height=height * min(1.0, room / line.room)))
 
 
 def write_pdf(path: Path, sheet: Sheet) -> None:
-    """Write the sheet as a one-page PDF at its true size; no date, no id, no compression."""
-    content = f"{_POINT:.9f} 0 0 {_POINT:.9f} 0 0 cm 1 J 1 j\n" + "".join(map(_operators, sheet.things))
-    box = f"{sheet.width * _POINT:.3f} {sheet.height * _POINT:.3f}"
-    title = sheet.title.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")
-    bodies = [
-        "<< /Type /Catalog /Pages 2 0 R >>",
-        "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-        f"<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {box}] /Contents 4 0 R /Resources << /Font << /F 5 0 R >> >> >>",
-        f"<< /Length {len(content.encode('cp1252'))} >>\nstream\n{content}endstream",
-        "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
-        f"<< /Title ({title}) >>",
-    ]
-    data, places = b"%PDF-1.4\n", []
-    for number, body in enumerate(bodies, 1):
-        places.append(len(data))
-        data += f"{number} 0 obj\n{body}\nendobj\n".encode("cp1252")
-    table = "".join(f"{place:010d} 00000 n \n" for place in places)
-    size = len(bodies) + 1
-    data += f"xref\n0 {size}\n0000000000 65535 f \n{table}".encode()
-    data += f"trailer\n<< /Size {size} /Root 1 0 R /Info 6 0 R >>\nstartxref\n{data.rindex(b'xref')}\n%%EOF\n".encode()
-    path.write_bytes(data)
+    """Write the sheet as a one-page PDF at its true size; no date, no chance id, no compression: same sheet, same bytes."""
+    from reportlab.pdfgen.canvas import Canvas
+
+    paper = Canvas(str(path), (sheet.width * _POINT, sheet.height * _POINT), invariant=1, pageCompression=0)
+    paper.setTitle(sheet.title)
+    paper.scale(_POINT, _POINT)
+    paper.setLineCap(1)
+    paper.setLineJoin(1)
+    for thing in sheet.things:
+        if isinstance(thing, Text):
+            _set(paper, thing)
+            continue
+        line = paper.beginPath()
+        if isinstance(thing, Fill):
+            for k, corner in enumerate(thing.corners):
+                (line.lineTo if k else line.moveTo)(corner.real, corner.imag)
+            paper.drawPath(line, stroke=0, fill=1)
+            continue
+        start = start_point(thing.pieces[0])
+        line.moveTo(start.real, start.imag)
+        for piece in thing.pieces:
+            if isinstance(piece, Arc):
+                box = (piece.centre.real - piece.radius, piece.centre.imag - piece.radius,
+                       piece.centre.real + piece.radius, piece.centre.imag + piece.radius)  # fmt: skip
+                line.arcTo(*box, math.degrees(piece.start), math.degrees(piece.sweep))
+            else:
+                end = end_point(piece)
+                line.lineTo(end.real, end.imag)
+        if thing.closed:
+            line.close()
+        paper.setLineWidth(LAYERS[thing.layer][1] / 100)
+        paper.setDash(*([list(_DASHES[thing.layer][2])] if thing.layer in _DASHES else []))
+        paper.drawPath(line)
+    paper.save()
 
 
-def _operators(thing: Stroke | Fill | Text) -> str:
-    """PDF operators of one thing, in mm."""
-    if isinstance(thing, Text):
-        size = thing.height / _CAP
-        back = {"left": 0.0, "centre": 0.5, "right": 1.0}[thing.align] * thing.width
-        at, u = thing.at - back * thing.direction, thing.direction
-        safe = thing.text.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")
-        safe = safe.encode("cp1252", "replace").decode("cp1252")
-        turn = f"{u.real:.5f} {u.imag:.5f} {-u.imag:.5f} {u.real:.5f}"
-        return f"BT /F {size:.4f} Tf {turn} {_pair(at)} Tm ({safe}) Tj ET\n"
-    if isinstance(thing, Fill):
-        a, b, c = map(_pair, thing.corners)
-        return f"{a} m {b} l {c} l f\n"
-    dash = f"[{_DASHES[thing.layer][2] if thing.layer in _DASHES else ''}] 0 d"
-    steps = [f"{LAYERS[thing.layer][1] / 100:g} w {dash} {_pair(start_point(thing.pieces[0]))} m"]
-    for piece in thing.pieces:
-        if isinstance(piece, Arc):
-            steps += _beziers(piece)
-        else:
-            steps.append(f"{_pair(complex(piece.at(piece.t1)))} l")
-    return "\n".join(steps) + (" s\n" if thing.closed else " S\n")
-
-
-def _beziers(arc: Arc) -> list[str]:
-    """An arc as cubic Bezier curves of at most 45 deg: 4e-6 of the radius off."""
-    n = math.ceil(abs(arc.sweep) / (math.pi / 4))
-    t = np.linspace(arc.t0, arc.t1, n + 1)
-    handle = 4 / 3 * math.tan(arc.sweep / n / 4)
-    z, dz = arc.at(t), arc.at(t, 1) * handle
-    return [f"{_pair(z[i] + dz[i])} {_pair(z[i + 1] - dz[i + 1])} {_pair(z[i + 1])} c" for i in range(n)]
-
-
-def _pair(z: complex) -> str:
-    return f"{z.real + 0.0:.4f} {z.imag + 0.0:.4f}"
+def _set(paper: Canvas, text: Text) -> None:
+    """Set a line of text."""
+    u = text.direction
+    at = text.at - {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align] * text.width * u
+    paper.saveState()
+    paper.transform(u.real, u.imag, -u.imag, u.real, at.real, at.imag)
+    paper.setFont(_FONT, text.height / _CAP)
+    paper.drawString(0, 0, text.text)
+    paper.restoreState()
 
 
 def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> None:

@@ -314,7 +314,7 @@ def _refuse_bomb(path: str | Path) -> None:
         raise FileError(path, f"not a valid 3MF file: there is no object {error.args[0][1]} in it") from None
     most = max(copies.values(), default=0)
     if most > MOST_COPIES:
-        said = str(most) if most < 1e9 else f"some 1e{len(str(most)) - 1}"
+        said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
         raise FileError(path, f"places {said} copies of its objects; {MOST_COPIES} at most are read")
 
 

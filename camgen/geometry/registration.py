@@ -44,12 +44,15 @@ def straightened(w: Points, m: complex) -> Points:
     return np.asarray((w - m * np.conj(w)) / (1 - abs(m) ** 2))
 
 
-def lay(shape: Sequence[Points], others: Sequence[Sequence[Points]], distorted: bool = False) -> tuple[complex, list[Laid]]:
+def lay(
+    shape: Sequence[Points], others: Sequence[Sequence[Points]], distorted: bool = False, start: float | None = None
+) -> tuple[complex, list[Laid]]:
     """Distortion m common to all shapes (0 unless it is asked for), and how the first, straightened, lies on each other one.
 
-    The origin of each is near one point of the body, the first of its edges the outline.
+    The origin of each is near one point of the body, the first of its edges the outline. start: a turn to begin with, rad;
+    without one that at which the outlines' radii are most alike.
     """
-    laid = [Laid(turned(shape[0], other[0]), 0j, np.inf) for other in others]
+    laid = [Laid(turned(shape[0], other[0]) if start is None else start, 0j, np.inf) for other in others]
     own = np.concatenate(shape)
     own = own[:: max(1, len(own) // _MOST_POINTS)]
     targets = [_Target(other) for other in others]

@@ -9,7 +9,7 @@ _PAGES = Path(__file__).parent
 
 # The pages in the order in which one reads them.
 TOPICS = (
-    "first-cam", "own-linkage", "printing", "laser", "report", "findings", "python", "new-machine", "house",
+    "first-cam", "own-linkage", "design", "sweeps", "printing", "laser", "report", "findings", "python", "new-machine", "house",
     "theory-disc-cam", "theory-uniform-swing", "theory-eccentric-drive", "theory-thread-take-up", "theory-chain-stitch-looper",
     "theory-indexing-cam", "theory-linkage",
 )  # fmt: skip

@@ -21,7 +21,7 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.features import Apart, CamOutline, Courses, GearTeeth, Moved, PinEyes, SlideFaces, StandIn
+from camgen.machine.features import Apart, CamOutline, Courses, GearTeeth, Moved, PinEyes, SlideFaces, StandIn, Steady
 from camgen.machine.model import Pose
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
@@ -121,6 +121,9 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
                     if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:
                         yield one.part, other.part, max(0.0, -2 * air) + spare
+            case Steady(far=far, pin=pin) if far.part and pin is not None and pin.part:
+                if (far.diameter - pin.diameter) / 2 <= machine.gap + spare / 2:
+                    yield pin.part, far.part, max(0.0, pin.diameter - far.diameter) + spare
             case SlideFaces(rails=rails, runner=runner) if (rails.width - runner.width) / 2 <= machine.gap + spare / 2:
                 yield runner.part, rails.part, spare
             case Apart(a=a, b=b) if contact.gap <= machine.gap + spare / 2:

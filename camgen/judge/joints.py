@@ -18,7 +18,21 @@ from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.measured import Readings
-from camgen.machine.features import CamOutline, Eye, Faces, Feature, Flat, GearTeeth, Mark, Mount, PinEyes, SlideFaces, SlotFaces
+from camgen.machine.features import (
+    CamOutline,
+    Eye,
+    Faces,
+    Feature,
+    Flat,
+    GearTeeth,
+    Keyed,
+    Mark,
+    Mount,
+    PinEyes,
+    SlideFaces,
+    SlotFaces,
+    Steady,
+)
 from camgen.machine.model import GROUND, Cam, Function, Gear, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
 from camgen.tolerances import SAME_POINT
 
@@ -103,8 +117,8 @@ def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mo
 
     ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
     """
-    builder = _Builder(machine, mounts, found)
-    for kind in (PinEyes, SlideFaces, SlotFaces, CamOutline, GearTeeth):  # cams and gears ask for the pins that hold them
+    builder = _Builder(machine, mounts, keyed(features, mounts, found), found)
+    for kind in (PinEyes, Steady, SlideFaces, SlotFaces, CamOutline, GearTeeth):  # cams and gears ask for the pins that hold them
         for feature in features:
             if isinstance(feature, kind):
                 builder.put(feature)
@@ -114,23 +128,38 @@ def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mo
     return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.outlines, builder.radii)
 
 
+def keyed(features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> list[Mount]:
+    """The mounts, those of parts on a pin with a flat where its holes and flats, as found, put them."""
+    placed = list(mounts)
+    for feature in (feature for feature in features if isinstance(feature, Keyed)):
+        k, n = (next(k for k, mount in enumerate(placed) if mount.part == eye.part) for eye in (feature.a, feature.b))
+        (a, b), on = found.facing[feature], placed[k]
+        turned = on.direction(a) - b
+        centre = on.place(found.eyes[feature.a].centre)
+        placed[n] = replace(placed[n], at=centre - cmath.exp(1j * turned) * found.eyes[feature.b].centre, turned=turned)
+    return placed
+
+
 class _Builder:
     """Joints, put one by one where their features are."""
 
-    def __init__(self, machine: Machine, mounts: Sequence[Mount], found: Readings) -> None:
-        self.mounts, self.found = mounts, found
+    def __init__(self, machine: Machine, mounts: Sequence[Mount], made: Sequence[Mount], found: Readings) -> None:
+        self.mounts, self.made, self.found = mounts, dict(zip(mounts, made, strict=True)), found
         self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
         self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
         self.radii: dict[str, float] = {}
 
-    def put(self, feature: PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth) -> None:
+    def put(self, feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth) -> None:
         """Put the feature's joint where it is."""
         joint = self.joints[feature.joint]
         match feature, joint:
+            case Steady(), Pin():
+                self._steady(feature, joint)
+                new: Joint = joint
             case PinEyes(), Pin():
-                new: Joint = self._pin(feature, joint)
+                new = self._pin(feature, joint)
             case SlideFaces(), Slide():
                 new = self._slide(feature, joint)
             case SlotFaces(), Slot():
@@ -155,7 +184,7 @@ class _Builder:
         if eye.part is None:
             return place
         mount = self._mount(eye.part, place, eye.at)
-        return Place(place.body, place.at + mount.place(self.found.eyes[eye].centre) - mount.place(eye.at))
+        return Place(place.body, place.at + self.made[mount].place(self.found.eyes[eye].centre) - mount.place(eye.at))
 
     def _on(self, part: str | None, body: str) -> bool:
         return any((mount.part, mount.body) == (part, body) for mount in self.mounts)
@@ -170,6 +199,19 @@ class _Builder:
         meant, made = (a.diameter - rings, b.diameter), (self._size(a) - rings, self._size(b))
         self._fit(joint.name, meant, made, shifts, (a, b), feature.pin, a.shaft)
         return new
+
+    def _steady(self, feature: Steady, joint: Pin) -> None:
+        """How far the far end is off the joint's axis is a misfit of the joint, and so are sizes there."""
+        eyes, ground = self.found.eyes, joint.a if joint.a.body == GROUND else joint.b
+        on = [self._mount(eye.part or "", ground, eye.at).place(eyes[eye].centre) for eye in (feature.near, feature.far)]
+        off = abs((on[1] - feature.far.at) - (on[0] - feature.near.at))
+        if feature.webs is not None:
+            body = joint.b if ground is joint.a else joint.a
+            low, high = (self.made[self._mount(eye.part or "", body, eye.at)].place(eyes[eye].centre) for eye in feature.webs)
+            off += abs(high - low)
+        sizes = [abs(eyes[eye].diameter - eye.diameter) for eye in (feature.far, feature.pin)]
+        fit = self.fits[feature.joint]
+        self.fits[feature.joint] = replace(fit, misfit=max(fit.misfit, off, *sizes, eyes[feature.far].spread))
 
     def _size(self, eye: Eye) -> float:
         return self.found.eyes[eye].diameter

@@ -19,6 +19,7 @@ from camgen.machine.features import (
     Feature,
     Flat,
     GearTeeth,
+    Keyed,
     OwnTip,
     SlideFaces,
     SlotFaces,
@@ -159,6 +160,7 @@ class Readings:
     flats: dict[Flat, Flat] = field(default_factory=dict)
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
     teeth: dict[Teeth, Teeth] = field(default_factory=dict)
+    facing: dict[Keyed, tuple[float, float]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
 
 
@@ -208,6 +210,13 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
                         found.lost.append(f"{joint}: no {teeth.count} teeth of {teeth.part} cross the pitch circle")
                     else:
                         found.teeth[teeth] = made
+            case Keyed(a=hole, b=other, facing=facing):
+                pairs = []
+                both = [_facing(eye, facing, files[eye.part or ""]) for eye in (hole, other)]
+                if both[0] is None or both[1] is None:
+                    found.lost.append(f"no flat in {hole.part if both[0] is None else other.part} near {hole.at:.3f}")
+                else:
+                    found.facing[feature] = both[0], both[1]
             case _:
                 continue
         for pair in pairs:
@@ -246,6 +255,20 @@ def measure_teeth(teeth: Teeth, sections: Sections) -> Teeth | None:
         return None
     tooth, thickness = np.mean(found, axis=0)
     return replace(teeth, tooth=float(tooth), thickness=float(thickness))
+
+
+def _facing(eye: Eye, facing: float, sections: Sections) -> float | None:
+    """Where the flat of a hole faces, rad, the mean of all heights: its longest straight side; None where none is so long."""
+    found = []
+    for hole in (hole for shapes in sections for shape in shapes for hole in shape.holes):
+        if abs(hole.centroid - eye.at) > _SAME_HOLE * eye.diameter:
+            continue
+        way = np.where(hole.bulges == 0, hole.ends - hole.points, 0.0)
+        side = way[int(np.argmax(np.abs(way)))]
+        if abs(side) > _FLAT * eye.diameter:
+            off = cmath.phase(complex(side) / 1j / cmath.exp(1j * facing))
+            found.append(math.remainder(off, math.pi))
+    return facing + float(np.mean(found)) if found else None
 
 
 def _outline(sections: Sections, inside: bool) -> Ring | None:

@@ -1,198 +1,30 @@
-"""The judge of machines: closed on what was measured, moved, and compared with what is wanted, output by output.
-
-It knows nothing of loops and dyads, and not what made a curve. Newton's method closes all measured joints at once, from
-where the joints as meant put the bodies; the same Jacobian tells how far a displacement in each joint moves each output.
-"""
+"""The judge of machines: closed on what was measured (`proof`), moved, and compared with what is wanted, output by output."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen import tolerances
-from camgen.files.formats import FORMATS
+from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, at_most
-from camgen.judge.cams import judge_cams, judged_angles, named
-from camgen.judge.joints import Closable, Fit, Outline, Rolled, assembled
+from camgen.judge.cams import judge_cams, named
+from camgen.judge.joints import Closable, Fit, Outline, assembled
 from camgen.judge.measured import Sections, read
-from camgen.machine.constraints import Closed, Constraints
+from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
-from camgen.machine.model import Cam, Law, Machine, Output, bodies_of, unit_of
+from camgen.machine.model import Cam, Clutch, Machine, Output, bodies_of, unit_of
+from camgen.numerics import Floats
 from camgen.study import Table
-
-Floats = NDArray[np.float64]
 
 _RANGE = 0.5  # of an output's range: with more play a mechanism is none
 _ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
-_KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
-_CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
 COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
-
-
-@dataclass(frozen=True)
-class Moved:
-    """One output at n angles, in its own unit: value (complex for a path) and slope to theta, (n,), nan where the machine does
-    not close; reach: by joint, how far a displacement of 1 mm in it can move the output, (n,); play: the same by what all
-    joints' clearances give either way, worst case, first order."""
-
-    value: Any
-    slope: Any
-    reach: Mapping[str, Floats]
-    play: Floats
-
-
-Laws = tuple[tuple[str, Law], ...]  # of cams by name, in place of those of the machine: what undercut outlines give
-
-
-class _Meant:
-    """The machine with its joints where they are meant, from which all others start."""
-
-    def __init__(self, machine: Machine, low: float, high: float) -> None:
-        self.system = Constraints(machine)
-        self._known = self.system.close(np.linspace(low, high, _KNOWN))
-        self._systems: dict[Laws, Constraints] = {(): self.system}
-        self._seen: dict[tuple[str, bytes, Laws], tuple[Any, Any]] = {}
-
-    def near(self, theta: Floats) -> Floats:
-        """Poses from those at the nearest known angle, (n, 3 bodies)."""
-        known = self._known
-        k = np.rint(np.interp(theta, known.theta, np.arange(len(known.theta)))).astype(int)
-        h = (theta - known.theta[k])[:, None]
-        return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
-
-    def when(self, body: str, angles: Floats) -> Floats:
-        """Where between the first and the last angle a body that turns one way alone stands at angles, (n,) rad of any turn."""
-        at = np.asarray(self.system.angle(body, self._known.q) + np.zeros(_KNOWN))
-        sense = np.sign(at[-1] - at[0])
-        if not np.all(sense * np.diff(at) > 0):
-            return np.empty(0)
-        low, high = min(at[0], at[-1]), max(at[0], at[-1])
-        turns = np.arange(math.floor(low / math.tau) - 1, math.ceil(high / math.tau) + 1)
-        every = np.ravel(angles[:, None] + math.tau * turns)
-        every = every[(low <= every) & (every <= high)]
-        return np.asarray(np.interp(sense * every, sense * at, self._known.theta))
-
-    def outcome(self, output: str, theta: Floats, laws: Laws = ()) -> tuple[Any, Any]:
-        """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
-        key = (output, theta.tobytes(), laws)
-        if key in self._seen:
-            return self._seen[key]
-        if laws not in self._systems:
-            self._systems[laws] = Constraints(_with(self.system.machine, laws))
-        system = self._systems[laws]
-        parts = [_outcome(system, output, system.close(part, self.near(part), 1)) for part in _parts(system, theta)]
-        found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
-        if len(theta) > _KNOWN:
-            self._seen[key] = found
-        return found
-
-
-# A machine is the same object for all kinds of its files.
-_meant = lru_cache(maxsize=1)(_Meant)
-
-
-class Proof:
-    """A machine on its measured joints, ready at any angle; laws: what its exact outlines give, where that is not meant."""
-
-    def __init__(self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()) -> None:
-        self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
-        self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
-        self._radii = measured.radii
-        self.plays |= {name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()}
-        for name, (drive, *others) in measured.outlines.items():
-            if others:
-                self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
-        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), Constraints(measured.machine)
-        self._seen: dict[bytes, Mapping[str, Moved]] = {}
-
-    def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
-        """The output and its slope by the joints as they are meant, (n,)."""
-        return self._meant.outcome(output, theta)
-
-    def reachable(self, output: str, theta: Floats) -> tuple[Any, Any]:
-        """The same less what the spec itself undercuts."""
-        return self._meant.outcome(output, theta, self._laws)
-
-    @cached_property
-    def corners(self) -> Floats:
-        """Angles beside those at which a follower goes from one element of its outline to the next, (n,) rad."""
-        cams = [(joint, joint.law) for joint in self.machine.joints if isinstance(joint, Cam)]
-        found = [self._meant.when(joint.cam, law.contact.changes + joint.phase) for joint, law in cams if isinstance(law, Rolled)]
-        return np.concatenate([np.empty(0), *found])
-
-    def moved(self, output: str, theta: Floats) -> Moved:
-        """The output by the joints as they are, (n,)."""
-        key = theta.tobytes()
-        if key not in self._seen:
-            parts = [self._at(part) for part in _parts(self._system, theta)]
-            if len(self._seen) > 3:
-                del self._seen[next(reversed(self._seen))]  # the judged angles, which came first, stay
-            self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
-        return self._seen[key][output]
-
-    def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
-        """Its value and slope alone, (n,)."""
-        if theta.tobytes() in self._seen:
-            moved = self._seen[theta.tobytes()][output]
-            return moved.value, moved.slope
-        return _outcome(self._system, output, self._system.close(theta, self._meant.near(theta), 1))[:2]
-
-    def _at(self, theta: Floats) -> Mapping[str, Moved]:
-        """All outputs by the joints as they are, (n,)."""
-        closed = self._system.close(theta, self._meant.near(theta), 1)
-        poses = np.where(np.isnan(closed.q), 0.0, closed.q)
-        levers: dict[str, Any] = dict(self._radii)
-        levers |= {
-            joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
-            for joint in self.machine.joints
-            if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
-        }
-        found = {}
-        every = self._system.shares([output.name for output in self.machine.outputs], poses, theta)
-        for output, shares in zip(self.machine.outputs, every, strict=True):
-            value, slope, lost = _outcome(self._system, output.name, closed)
-            reach, play = {}, np.zeros(len(theta))
-            for joint in self.machine.joints:
-                share = np.where(lost, np.nan, shares[joint.name])
-                play = play + share * max(self.plays[joint.name], 0.0) / 2
-                if joint.name in levers or joint.name in self.fits:
-                    reach[joint.name] = share / levers.get(joint.name, 1.0)
-            found[output.name] = Moved(value, slope, reach, play)
-        return found
-
-
-def _with(machine: Machine, laws: Laws) -> Machine:
-    """The machine with other laws of its cams."""
-    new = dict(laws)
-    joints = (replace(joint, law=new.get(joint.name, joint.law)) if isinstance(joint, Cam) else joint for joint in machine.joints)
-    return replace(machine, joints=tuple(joints))
-
-
-def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
-    """So few angles at a time that their matrices stay small."""
-    return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
-
-
-def _joined(parts: Sequence[Moved]) -> Moved:
-    """The same at all angles."""
-    reach = {name: np.concatenate([part.reach[name] for part in parts]) for name in parts[0].reach}
-    value, slope, play = (np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play"))
-    return Moved(value, slope, reach, play)
-
-
-def _outcome(system: Constraints, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
-    """An output, its slope to theta, and where it is lost, (n,)."""
-    value, gradient = system.output(output, closed.q)
-    slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
-    slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
-    lost = np.asarray(np.isnan(closed.q).any(axis=1))
-    return np.where(lost, np.nan, value), np.where(lost, np.nan, slope), lost
 
 
 @dataclass(frozen=True)
@@ -223,7 +55,7 @@ def judge_machine(
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
-    kind: of FORMATS; where: said in findings; files: sections (shapes at each height) of each part's file of this
+    kind: of READABLE; where: said in findings; files: sections (shapes at each height) of each part's file of this
     kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
     slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
 
@@ -231,7 +63,7 @@ def judge_machine(
     limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
-    form = FORMATS[kind]
+    form = READABLE[kind]
     found = read(features, files, form.holds == "drawing")
     every = named(where, parts_of(features))
     if found.lost:
@@ -270,7 +102,7 @@ def judge_machine(
 
 
 def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]) -> tuple[NotJudged, ...]:
-    """Joints of parts that are made which no file shows."""
+    """Joints of parts that are made which no file shows; not clutches, which are bought."""
     made, told = {mount.body for mount in mounts}, {getattr(feature, "joint", "") for feature in features}
     for feature in features:
         if isinstance(feature, CamOutline):
@@ -279,7 +111,7 @@ def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mou
     return tuple(
         NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
         for joint in machine.joints
-        if joint.name not in told and made & set(bodies_of(joint))
+        if joint.name not in told and made & set(bodies_of(joint)) and not isinstance(joint, Clutch)
     )
 
 
@@ -305,7 +137,7 @@ class _Closing:
         """The machine driven by these outlines, by cam; own: with the tips that parts have."""
         laws = tuple((name, outline.own if own and outline.own else outline.law) for name, outline in driven.items())
         given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
-        machine = replace(_with(self.measured.machine, laws), outputs=tuple(self.outputs))
+        machine = replace(with_laws(self.measured.machine, laws), outputs=tuple(self.outputs))
         made = replace(self.measured, machine=machine)
         return Proof(self.machine, made, self.theta, tuple((name, law) for name, law in given if law is not None))
 

@@ -18,8 +18,6 @@ import numpy as np
 from camgen import tolerances
 from camgen.errors import counted
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
-from camgen.files.step import read_step
-from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
@@ -147,7 +145,8 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     where = path.name
     if remarks:
         return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
-    said = f"{body.faults} edges without their two faces, {body.bodies} body(ies) of {len(body.faces)} planes and cylinders"
+    bodies = counted(body.bodies, "body", "bodies")
+    said = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
     findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
     if not findings[0].ok:
         return Judged(tuple(findings), None)
@@ -202,6 +201,8 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
 
     places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
     """
+    from camgen.files.threemf import read_3mf
+
     package, where = read_3mf(path), path.name
     remarks = package.remarks
     strange = sorted(set(package.meshes) - set(originals))
@@ -231,6 +232,8 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[t
 
     files: of each part; places: the wanted part and (3, 4) transform of each copy, in any order.
     """
+    from camgen.files.step import read_step
+
     bodies, copies, remarks = read_step(path)
     where = path.name
     if sorted(bodies) != sorted(files) or len(copies) != len(places):

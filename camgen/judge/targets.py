@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from camgen.findings import Finding
-from camgen.judge.motion import Proof
+from camgen.judge.proof import Proof
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, unit_of
 from camgen.machine.targets import Course

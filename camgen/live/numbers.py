@@ -99,30 +99,6 @@ def overrides(settings: object, known: Sequence[Number]) -> list[str]:
     return [f"{key}={text}" for key, text in settings.items()]
 
 
-def edited(text: str, settings: Sequence[str]) -> str:
-    """The text of a spec with some keys set anew: comments, order and layout stay."""
-    import tomlkit
-
-    document = tomlkit.parse(text)
-    data: Data = document.unwrap()
-    for setting in settings:
-        data = specs.override(data, setting)
-        holder: Any = document
-        value: Any = data
-        *tables, last = setting.partition("=")[0].split(".")
-        for step in tables:
-            at = int(step) if isinstance(holder, list) else step
-            holder, value = holder[at], value[at]
-        at = int(last) if isinstance(holder, list) else last
-        if holder[at] != value[at]:
-            before = holder[at]
-            holder[at] = value[at]
-            trivia, longer = holder[at].trivia, len(holder[at].as_string()) - len(before.as_string())
-            if trivia.comment:  # stays in its column
-                trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
-    return tomlkit.dumps(document)
-
-
 def write(path: Path, text: str) -> None:
     """Write a spec whole or not at all, with its rights as they were; FileError where that cannot be done."""
     path = path.resolve()

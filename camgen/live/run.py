@@ -47,11 +47,10 @@ def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
 def _need() -> None:
     try:
         import starlette
-        import tomlkit
         import uvicorn  # noqa: F401
     except ImportError as error:
         raise FileError("a live page", f"needs {error.name}: pip install 'camgen[live]'") from None
-    assert starlette and tomlkit
+    assert starlette
 
 
 def seen(spec: Path) -> dict[str, tuple[int, int]]:

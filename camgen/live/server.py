@@ -29,10 +29,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
-from camgen.live.numbers import Number, edited, numbers, overrides, write
+from camgen.live.numbers import Number, numbers, overrides, write
 from camgen.live.preview import preview, told
 from camgen.machines import MECHANISMS, load
 from camgen.pipeline.build import KINDS, build
+from camgen.pipeline.edits import edited
 from camgen.pipeline.jobs import changed, read_tables
 from camgen.starters import described
 
@@ -160,7 +161,7 @@ class Explorer:
     def _unchanged(self) -> bytes:
         raw = specs.read_bytes(self.spec, 10_000_000, "a spec file")
         if sha256(raw).hexdigest() != self.digest:
-            raise FileError(self.spec, "was changed since this page read it; load the page anew, then it has the new values")
+            raise FileError(self.spec, "was changed since this page read it; reload the page to see the new values")
         return raw
 
     def page(self) -> str:

@@ -9,8 +9,9 @@ have one, on the Jacobian of the judge's.
                         targets: what is wanted by value; joining: several machines as one
     the maker's route   loops: a machine in steps; order: which equations go together; dyads: two unknowns in closed form;
                         newton: larger blocks; jets: quantities with their derivatives; reach: how far the drive can turn
-    the judge's route   constraints: the conditions of all joints, their Jacobian, a machine closed on them
+    the judge's route   constraints: the conditions of all joints, their Jacobian; closing: a machine closed on them
     on either           run: a machine over angles; forces; freedom: counts and rank, drawings closed
+                        centrodes: where instant centres run
     known beforehand    closed_form: four-bars and slider-cranks; landmarks: what stands out on a curve
     cams/               followers, the profile of a disc cam and its limits, cam and follower as a machine
 """
@@ -25,6 +26,7 @@ from camgen.machine.model import (
     Angle,
     Body,
     Cam,
+    Clutch,
     Drive,
     Force,
     Function,
@@ -50,7 +52,7 @@ from camgen.machine.model import (
 from camgen.machine.run import Play, Run, solve
 
 __all__ = [
-    "GROUND", "Along", "Angle", "Body", "Cam", "Drive", "Force", "Forces", "Function", "Gear", "Gravity", "Joint", "Law",
-    "Load", "Machine", "Output", "Path", "Pin", "Place", "Play", "Pose", "Resistance", "Run", "Slide", "Slot", "Spring", "Torque",
-    "TorsionSpring", "Turning", "solve", "thread_length",
+    "GROUND", "Along", "Angle", "Body", "Cam", "Clutch", "Drive", "Force", "Forces", "Function", "Gear", "Gravity", "Joint",
+    "Law", "Load", "Machine", "Output", "Path", "Pin", "Place", "Play", "Pose", "Resistance", "Run", "Slide", "Slot", "Spring",
+    "Torque", "TorsionSpring", "Turning", "solve", "thread_length",
 ]  # fmt: skip

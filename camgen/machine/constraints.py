@@ -1,4 +1,4 @@
-"""The conditions of all joints and their Jacobian; on them the judge's route, Newton's method on the poses of all bodies at once.
+"""The conditions of all joints and their Jacobian; the judge closes a machine on them (`closing`), all bodies at once.
 
 It knows nothing of loops and dyads. Every moving body has a pose (x, y, angle); every joint says by how much it is open
 and how that changes with the poses; measured centres, guide lines and rolled cam laws stand in the same joints. The one
@@ -6,7 +6,7 @@ Jacobian of these conditions gives speeds, accelerations, how far a displacement
 transposed, the forces: those that serve a machine of the maker too (`run`, `forces`, `freedom`).
 
     q       poses, (n, 3 bodies): x mm, y mm, angle rad of each moving body in the machine's order
-    rows    of each joint and drive: Pin x, y; Slide across (mm), turn (rad); Slot across; Gear, Cam, Drive one scalar
+    rows    of each joint and drive: Pin x, y; Slide across (mm), turn (rad); Slot across; Gear, Cam, Clutch, Drive one scalar
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from camgen.machine.model import (
     Along,
     Angle,
     Cam,
+    Clutch,
     Drive,
     Function,
     Gear,
@@ -37,29 +38,6 @@ from camgen.machine.model import (
     Slot,
 )
 from camgen.numerics import Floats, Points, solve
-
-# Steps of Newton's method; five are needed from a near guess.
-STEPS = 20
-# Largest misfit of a closed chain, by the size of its links and of the ground under them.
-CLOSED = 1e-12
-# Angles a turn that are closed one after another from the drawn position.
-FOLLOWED = 72
-# A step of theta below which the chain ends, rad.
-LEAST_STEP = 1e-6
-# A step of theta at which the determinant's sign may change: a larger one has jumped to another branch, rad.
-PASSES = 1e-4
-# A guess that is further from the solution than this is none, rad or share of the machine's size.
-NEAR = 0.1
-
-
-@dataclass(frozen=True)
-class Closed:
-    """Poses and their derivatives to theta, (n, 3 bodies) each; nan where the machine does not close."""
-
-    theta: Floats
-    q: Floats
-    first: Floats
-    second: Floats
 
 
 @dataclass
@@ -207,6 +185,12 @@ class Constraints:
             for body, share in parts:
                 value += share * self.angle(body, q)
             rows.add(value, self._turns(*parts), 0.0)
+        elif isinstance(each, Clutch):
+            apart = each.apart(theta)
+            held, turned = np.isnan(apart), self.angle(each.b, q)
+            together = turned - self.angle(each.a, q) - np.where(held, 0.0, apart)
+            value = np.where(held, turned - each.law(theta, 0), together)
+            rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(held, 0.0, -1.0))), 0.0)
         else:
             self._write_law(each, q, theta, rates, rows)
 
@@ -228,7 +212,7 @@ class Constraints:
                 bend = bend - each.law(angle, 2) * rates[:, k] ** 2
         rows.add(value - each.rest - each.law(angle, 0), slopes, bend)
 
-    def _turns(self, *parts: tuple[str, float]) -> dict[int, Any]:
+    def _turns(self, *parts: tuple[str, Any]) -> dict[int, Any]:
         """Slopes of a sum of angles."""
         slopes: dict[int, Any] = {}
         for body, share in parts:
@@ -244,105 +228,10 @@ class Constraints:
             change[:, self.rows[drive.name].start] = -drive.law(theta, 1)
         return change
 
-    # ---- closing ----
-
-    def close(self, theta: Floats, guess: Floats | None = None, order: int = 2) -> Closed:
-        """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones.
-
-        order: 2, or 1 to leave the second derivatives nan.
-        """
-        self._square()
-        theta = np.asarray(theta, float)
-        if guess is None:
-            guess, signs = self._followed(theta)
-            q, open_ = self._newton(guess, theta)
-            open_ |= signs * self._sign(q, theta) < 0
-        else:
-            q, open_ = self._newton(guess, theta)
-        q[open_] = 0
-        first, second = self.derivatives(q, theta, order)
-        for rows in (q, first, second):
-            rows[open_] = np.nan
-        return Closed(theta, q, first, second)
-
-    def derivatives(self, q: Floats, theta: Floats, order: int = 2) -> tuple[Floats, Floats]:
-        """q', q'' to theta at closed poses; of order 1 the latter is nan."""
-        with np.errstate(all="ignore"):
-            slopes = self.evaluate(q, theta)[1]
-            first = solved(slopes, -self.drift(theta), self.holds)
-            if order < 2:
-                return first, np.full(first.shape, np.nan)
-            bends = self.evaluate(q, theta, first)[2]
-            return first, solved(slopes, -bends, self.holds)
-
-    def _square(self) -> None:
+    def refuse_unequal(self) -> None:
+        """Raise ValueError where there are more or fewer conditions than freedoms."""
         if self.height != self.width:
-            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 freedoms each")
-
-    def _newton(self, guess: Floats, theta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        q = guess.copy()
-        open_ = ~np.isfinite(q).all(axis=1)
-        q[open_] = self.start
-        with np.errstate(all="ignore"):
-            for _ in range(STEPS):
-                misfit, slopes, _ = self.evaluate(q, theta)
-                step = solved(slopes, misfit, self.holds)
-                open_ |= ~np.isfinite(step).all(axis=1)
-                step[open_] = 0
-                q -= step
-                if np.abs(step / self.unit).max(initial=0) <= 1e-9:  # the error left is its square
-                    break
-            misfit = self.evaluate(q, theta)[0]
-        open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * self.size)
-        return q, open_
-
-    def _sign(self, q: Floats, theta: Floats) -> Floats:
-        """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
-        with np.errstate(all="ignore"):
-            return np.asarray(np.linalg.slogdet(self.evaluate(q, theta)[1])[0])
-
-    def _followed(self, theta: Floats) -> tuple[Floats, Floats]:
-        """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
-        determinant's sign that is to be found there, 0 where it changes."""
-        guess, signs = np.full((theta.size, self.width), np.nan), np.zeros(theta.size)
-        origin, lost = self._newton(self.start[None], np.zeros(1))
-        if lost[0]:
-            return guess, signs
-        for sign in (1, -1):
-            mine = np.flatnonzero(theta * sign >= 0 if sign > 0 else theta < 0)
-            if not mine.size:
-                continue
-            far = float(np.abs(theta[mine]).max())
-            step = 2 * np.pi / FOLLOWED
-            here, q, sign_here = 0.0, origin, float(self._sign(origin, np.zeros(1))[0])
-            passed = False
-            rows = [(0.0, q, *self.derivatives(q, np.zeros(1)))]
-            while abs(here) < far and step > LEAST_STEP:
-                to = np.array([here + sign * step])
-                _, at, first, second = rows[-1]
-                h = sign * step
-                aim = at + h * (first + 0.5 * h * second)
-                new, lost = self._newton(aim, to)
-                turned = self._sign(new, to)[0] != sign_here
-                v, a = self.derivatives(new, to)
-                back = new - h * (v - 0.5 * h * a) - at
-                away = np.abs(np.concatenate([new - aim, back]) / self.unit).max()
-                if lost[0] or not away < NEAR or (turned and step > PASSES):
-                    step /= 2
-                    continue
-                passed |= bool(turned)
-                sign_here = -sign_here if turned else sign_here
-                here = float(to[0])
-                rows.append((here, new, v, a))
-                step = min(2 * step, 2 * np.pi / FOLLOWED)
-            knots = np.array([abs(row[0]) for row in rows])
-            q, first, second = (np.concatenate([row[k] for row in rows]) for k in (1, 2, 3))
-            nearest = np.searchsorted((knots[1:] + knots[:-1]) / 2, np.abs(theta[mine]))
-            h2 = (theta[mine] - sign * knots[nearest])[:, None]
-            guess[mine] = q[nearest] + h2 * (first[nearest] + 0.5 * h2 * second[nearest])
-            guess[mine[np.abs(theta[mine]) > knots[-1] + LEAST_STEP]] = np.nan
-            signs[mine] = 0.0 if passed else sign_here
-        return guess, signs
+            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 degrees of freedom each")
 
     # ---- outputs ----
 
@@ -396,7 +285,7 @@ class Constraints:
 
         One transposed solve for all. Of a Slide the displacement across its guide counts.
         """
-        self._square()
+        self.refuse_unequal()
         slopes = self.evaluate(q, theta)[1]
         gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)

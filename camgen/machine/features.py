@@ -16,11 +16,13 @@ import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from camgen.machine.model import Law, Output, Pose
-from camgen.machine.targets import Target
 from camgen.numerics import Floats
+
+if TYPE_CHECKING:
+    from camgen.machine.targets import Advance, Target
 
 
 @dataclass(frozen=True)
@@ -188,13 +190,37 @@ class GearTeeth:
 
 
 @dataclass(frozen=True)
+class Keyed:
+    """Two parts of one body on one pin with a flat: its hole in either, and where the flat faces, rad in both parts' frames.
+
+    The first part tells where the second one stands, whatever its mount says: hole on hole, flat beside flat.
+    """
+
+    a: Eye
+    b: Eye
+    facing: float
+
+
+@dataclass(frozen=True)
+class Steady:
+    """The other end of what a Pin of the ground turns on, in a second plate: the hole that its joint knows, this one, and what
+    goes through. webs: the driven body's eye on the axis, and that of the part which ends there, where it is not one piece."""
+
+    joint: str
+    near: Eye
+    far: Eye
+    pin: Eye
+    webs: tuple[Eye, Eye] | None = None
+
+
+@dataclass(frozen=True)
 class Mark:
     """An eye whose centre is a place of an output: a thread guide, the hole of a pen."""
 
     eye: Eye
 
 
-Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | Mark
+Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | Keyed | Steady | Mark
 
 
 @dataclass(frozen=True)
@@ -245,7 +271,7 @@ class Asked:
     motion: Callable[[Floats, int], Any] | None = None
     stroke: bool = False
     lash: float = math.inf
-    targets: tuple[Target, ...] = ()
+    targets: tuple[Target | Advance, ...] = ()
     judged: bool = True
 
 
@@ -346,6 +372,7 @@ def eyes(feature: Feature) -> Iterator[Eye]:
     """All eyes of a feature that make its joint; not a cam's bore."""
     names = (each.name for each in fields(feature) if each.name != "bore")
     yield from (value for name in names if isinstance(value := getattr(feature, name), Eye))
+    yield from (feature.webs or ()) if isinstance(feature, Steady) else ()
 
 
 def parts_of(features: Iterable[Feature]) -> set[str]:

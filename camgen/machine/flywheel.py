@@ -35,3 +35,16 @@ def fluctuation_of(energy: float, inertia: float, speed: float) -> float:
     """Swing of the speed as a share of its mean; inf without inertia."""
     stored = inertia * speed**2
     return energy / stored if stored else float("inf")
+
+
+def spring_on_shaft(turned: Floats, torque: Floats) -> tuple[float, float, float]:
+    """The spring that evens the torque best: from a place on the ground to a pin of the evenly turning shaft.
+
+    turned: the shaft's angle, (n,) rad evenly over one turn, both ends; torque: that the drive gives, (n,) N m. A spring whose
+    pull grows from nothing gives the shaft k e d sin(place - phi), with e and d from the axis to its ends, by its energy
+    -k e d cos(phi - place): one harmonic, the turn's first, of which it takes all.
+    Returns k e d, N m, `place` of its end on the ground, rad, where its pin is at phi, and the peak that is left, N m.
+    """
+    first = 2 * np.mean((torque * np.exp(-1j * turned))[:-1])
+    left = torque - np.real(first * np.exp(1j * turned))
+    return float(np.abs(first)), float(np.angle(1j * np.conj(first)) % (2 * np.pi)), float(np.max(np.abs(left)))

@@ -9,7 +9,7 @@ and each multiplier is the force, or torque, that keeps its condition. A gear's 
 own motion: the torque or force along s is exact, and so are the drives; the part of the contact force across s loads only
 the bearings of the two bodies. A cam that says how it is touched has that part too: the force there is the effort along s
 over the way that the follower gives, along the force, for a unit of s with the cam held; and friction's part with it.
-Friction elsewhere is left out.
+Friction of joints that have it is in all reactions (`friction`).
 
 Units: mm, kg, N, N m, J, W, s. A force on a body is positive along the ground's axes.
 """
@@ -17,18 +17,23 @@ Units: mm, kg, N, N m, J, W, s. A force on a body is positive along the ground's
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
+from camgen.machine import friction
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import (
     MM,
     Angle,
     Cam,
+    Clutch,
+    Effort,
     Force,
     Gear,
     Gravity,
+    Path,
     Pin,
     Resistance,
     Slide,
@@ -47,14 +52,15 @@ class Forces:
     reactions: of each pin, complex N, the force of b on a.
     normals: of each slide and slot, N, on the runner, to the left of the line.
     moments: of each slide, N m, on the runner.
-    gears: torque on b, N m.
+    gears: torque on b, N m; of a clutch that by which it turns b, or holds it.
     contacts: of each cam along s, on the follower: N m where it swings, N where it slides.
     pressing: of each cam that says how it is touched, N, between the two surfaces: below 0 it would have to pull, inf where
     friction jams it.
     drives: torque N m (or force N on a driven slide); power_in: what all drives give, W.
     loads: what all loads give, W, springs and gravity too.
-    energy: kinetic, J; power: its rate of change, W; power = power_in + loads.
+    energy: kinetic, J; power: its rate of change, W; power = power_in + loads - rubs.
     shaking: the inertia force of all bodies on the ground, complex N.
+    rubs: what friction of the joints takes, W; smooth: drives without it; locks: where it locks the machine, all else is nan.
     """
 
     reactions: Mapping[str, Points]
@@ -69,25 +75,40 @@ class Forces:
     energy: Floats
     power: Floats
     shaking: Points
+    rubs: Floats = field(default_factory=lambda: np.zeros(0))
+    smooth: Mapping[str, Floats] = field(default_factory=dict)
+    locks: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
 
 
 def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:
     """Forces at poses q and their derivatives to theta, (n, 3 bodies), theta growing steadily at `speed` rad/s."""
     n, joints = len(q), system.machine.joints
-    pressing: dict[str, Floats] = {}
+    rubs, locks = np.zeros(n), np.zeros(n, bool)
     with np.errstate(all="ignore"):
-        slopes = system.evaluate(q, theta)[1]
-        wanted, energy, power, shaking = _inertia(system, q, first * speed, second * speed**2)
-        acting = _acting(system, q, first * speed)
-        given = np.sum(acting * first, axis=1) * speed * MM
-        multipliers = solve(np.swapaxes(slopes, 1, 2), wanted - acting)
-        touched = [joint for joint in joints if isinstance(joint, Cam) and joint.touches]
-        across = np.zeros(q.shape)
-        for cam in touched:
-            pressing[cam.name], extra = _touched(cam, system, q, first * speed, slopes, multipliers)
-            across += extra
-        if touched:
-            multipliers = solve(np.swapaxes(slopes, 1, 2), wanted - acting - across)
+        slopes, rates = system.evaluate(q, theta)[1], first * speed
+        turned = np.swapaxes(slopes, 1, 2)
+        wanted, energy, power, shaking = _inertia(system, q, rates, second * speed**2)
+        acting = _acting(system, theta, q, rates)
+        given = np.sum(acting * rates, axis=1) * MM
+        multipliers = solve(turned, wanted - acting)
+        touched = {
+            joint.name: (system.rows[joint.name].start, *_touched(joint, system, q, rates, slopes, multipliers))
+            for joint in joints if isinstance(joint, Cam) and joint.touches
+        }  # fmt: skip
+        efforts = {name: multipliers[:, row] for name, (row, _, _) in touched.items()}
+        for row, _, acts in touched.values():
+            multipliers = multipliers - multipliers[:, row, None] * solve(turned, acts)
+        smooth = multipliers
+        if rubbing := friction.rubbing(system, q, rates):
+            units = solve(turned, -np.stack([each.acts for each in rubbing], axis=2))
+            for row, _, acts in touched.values():
+                units = units - units[:, row, None, :] * solve(turned, acts)[:, :, None]
+            loads, locks = friction.loads(rubbing, multipliers, units)
+            multipliers = multipliers + np.sum(units * loads[:, None, :], axis=2)
+            multipliers[locks] = np.nan
+            efforts = {name: multipliers[:, row] for name, (row, _, _) in touched.items()}
+            rubs = -MM * sum(loads[:, k] * np.sum(each.acts * rates, axis=1) for k, each in enumerate(rubbing))
+        pressing = {name: np.where(efforts[name] == 0, 0.0, efforts[name] * per) for name, (_, per, _) in touched.items()}
 
     def of(name: str, k: int = 0) -> Floats:
         rows = system.rows[name]
@@ -98,23 +119,27 @@ def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, 
     for drive in system.machine.drives:
         drives[drive.name] = of(drive.name) * (1.0 if drive.slide else MM)
         power_in += of(drive.name) * drive.law(theta, 1) * speed * MM
+    drives_smooth = {
+        drive.name: smooth[:, system.rows[drive.name].start] * (1.0 if drive.slide else MM) for drive in system.machine.drives
+    }  # fmt: skip
     lost = ~np.isfinite(multipliers).all(axis=1)
-    for values in (given, energy, power, shaking):
+    for values in (given, energy, power, shaking, rubs):
         values[lost] = np.nan
     return Forces(
         {j.name: of(j.name) + 1j * of(j.name, 1) for j in joints if isinstance(j, Pin)},
         {j.name: of(j.name) for j in joints if isinstance(j, Slide | Slot)},
         {j.name: of(j.name, 1) * MM for j in joints if isinstance(j, Slide)},
-        {j.name: of(j.name) * MM for j in joints if isinstance(j, Gear)},
+        {j.name: of(j.name) * MM for j in joints if isinstance(j, Gear | Clutch)},
         {j.name: of(j.name) * (1.0 if j.slide else MM) for j in joints if isinstance(j, Cam)},
-        pressing, drives, power_in, given, energy, power, shaking,
+        pressing, drives, power_in, given, energy, power, shaking, rubs, drives_smooth, locks,
     )  # fmt: skip
 
 
 def _touched(
     cam: Cam, system: Constraints, q: Floats, rates: Floats, slopes: Floats, multipliers: Floats
 ) -> tuple[Floats, Floats]:
-    """Force between cam and follower, (n,) N, and what it does on the bodies besides the effort along s, (n, 3 bodies)."""
+    """By a unit of effort along s: force between cam and follower, (n,), inf where friction jams it, and what it does on the
+    bodies besides that effort, (n, 3 bodies)."""
     row = system.rows[cam.name].start
     effort, unit = multipliers[:, row], np.zeros(multipliers.shape)
     unit[:, row] = 1.0
@@ -141,9 +166,9 @@ def _touched(
             wrench[:, c + 1] += sign * push.imag
             wrench[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
         lever = np.sum(wrench * gives, axis=1)
-        size = np.where(lever * side > 0, effort / lever, np.where(effort == 0, 0.0, np.inf))
+        size = np.where(lever * side > 0, 1 / lever, np.inf * np.sign(effort))
         force = np.where(bears, size, force)
-        acts += np.where((bears & (size != 0))[:, None], size[:, None] * wrench - effort[:, None] * slopes[:, row], 0.0)
+        acts += np.where((bears & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0)
     return force, acts
 
 
@@ -174,7 +199,7 @@ def _inertia(system: Constraints, q: Floats, v: Floats, a: Floats) -> tuple[Floa
     return wanted, energy, power, shaking
 
 
-def _acting(system: Constraints, q: Floats, rates: Floats) -> Floats:
+def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Floats:
     """What all loads do on the bodies, (n, 3 bodies): N and N mm about each body's origin."""
     acting = np.zeros(q.shape)
     for load in system.machine.loads:
@@ -201,6 +226,8 @@ def _acting(system: Constraints, q: Floats, rates: Floats) -> Floats:
             if load.law is not None:
                 force = force + load.law(value)
             acting += (force / (MM if isinstance(load.of, Angle) else 1.0))[:, None] * gradient[:, 0]
+        elif isinstance(load, Effort):
+            acting += _effort(load, system, theta, q, rates)
         else:
             a, b = (load.on, load.by) if isinstance(load, Torque) else (load.a, load.b)
             torque = _torque(load, system, q) / MM
@@ -208,6 +235,20 @@ def _acting(system: Constraints, q: Floats, rates: Floats) -> Floats:
                 if system.column[name] >= 0:
                     acting[:, system.column[name] + 2] += sign * torque
     return acting
+
+
+def _effort(load: Effort, system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Floats:
+    """What an effort does on the bodies, (n, 3 bodies)."""
+    gradient = system.measured(load.of, q)[1]
+    speed = np.sum(gradient * rates[:, None, :], axis=2)
+    force = np.asarray(load.law(theta, 0))[:, None] / (MM if isinstance(load.of, Angle) else 1.0)
+    if load.moving:
+        fast = np.sqrt(np.sum(speed**2, axis=1, keepdims=True))
+        force = np.where(fast > 0, force * speed / np.where(fast > 0, fast, 1.0), 0.0)
+    elif isinstance(load.of, Path):
+        way = load.way * np.exp(1j * (system.angle(load.of.of.body, q) if load.turns else 0.0)) * np.ones(len(q))
+        force = force * np.stack([way.real, way.imag], axis=1)
+    return np.asarray(np.sum(force[:, :, None] * gradient, axis=1))
 
 
 def _torque(load: Torque | TorsionSpring, system: Constraints, q: Floats) -> Floats:

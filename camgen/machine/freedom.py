@@ -87,29 +87,33 @@ def refuse_unsound(machine: Machine) -> Freedom:
             raise DesignError(
                 "number of drives", found.drives, found.drives - found.spare, "", _joints(found.bound),
                 f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
-                f"{found.drives} drives for {counted(found.drives - found.spare, 'freedom')} ({_tally(found)})",
+                f"{found.drives} drives for {_degrees(found.drives - found.spare)} ({_tally(found)})",
             )  # fmt: skip
         if second:
-            raise DesignError("freedoms to drive", 0, 1, "", _joints(found.bound), "take away a joint or a link",
-                              f"the chain is rigid: {_joints(found.bound)} leave no freedom to drive ({_tally(found)})")
+            raise DesignError("degrees of freedom to drive", 0, 1, "", _joints(found.bound), "take away a joint or a link",
+                              f"the chain is rigid: {_joints(found.bound)} leave no degree of freedom to drive ({_tally(found)})")
         raise _locked(found)
     if found.moves:
         remedy = "join it to another link, or drive it" if len(found.loose) == 1 else "drive one of them, or join them"
-        said = f"{counted(found.moves, 'freedom')} left over: {listed('link', found.loose, NAMED)} still "
+        said = f"{_degrees(found.moves)} left over: {listed('link', found.loose, NAMED)} still "
         said += f"{'moves' if len(found.loose) == 1 else 'move'} with the drive held ({_tally(found)})"
-        raise DesignError("freedoms left", found.moves, 0, "", listed("link", found.loose, NAMED), remedy, said)
+        raise DesignError("degrees of freedom left", found.moves, 0, "", listed("link", found.loose, NAMED), remedy, said)
     return found
 
 
 def _locked(found: Freedom) -> DesignError:
     said = f"over-constrained: {_joints(found.bound)} hold the same links {counted(found.spare, 'time')} too often"
-    return DesignError("conditions too many", found.spare, 0, "", _joints(found.bound),
+    return DesignError("excess conditions", found.spare, 0, "", _joints(found.bound),
                        "take away a link, or make one of its pins a slot", f"{said} ({_tally(found)})")
 
 
 def _tally(found: Freedom) -> str:
     sum_ = f"3 x {found.bodies} - 2 x {found.pairs} - {found.half_pairs} = {found.count}"
-    return f"{sum_} {'freedom' if found.count == 1 else 'freedoms'}, {found.drives} driven"
+    return f"{sum_} degree{'' if found.count == 1 else 's'} of freedom, {found.drives} driven"
+
+
+def _degrees(count: int) -> str:
+    return counted(count, "degree of freedom", "degrees of freedom")
 
 
 def _joints(names: Sequence[str]) -> str:

@@ -15,9 +15,13 @@ from camgen.machine.model import (
     Along,
     Angle,
     Body,
+    Clutch,
+    Effort,
     Function,
     Gravity,
+    Joint,
     Law,
+    Load,
     Machine,
     Path,
     Pin,
@@ -107,13 +111,25 @@ class Module:
         lost = self.lost(machine)
         return Machine(
             tuple(replace(body, name=self.name(body.name)) for body in own),
-            tuple(self.renamed(joint) for joint in machine.joints if joint.name not in lost),
+            tuple(self._ahead(self.renamed(joint)) for joint in machine.joints if joint.name not in lost),
             tuple(replace(self.renamed(d), law=Ahead(d.law, self.phase)) for d in machine.drives if d.name not in lost),
             {self.name(name): Pose(complex(pose.place[0]) + self.at, float(pose.angle[0])) for name, pose in poses.items()},
-            tuple(load if isinstance(load, Gravity) else self.renamed(load) for load in machine.loads),
+            tuple(self._loaded(load) for load in machine.loads),
             tuple(self.renamed(output) for output in machine.outputs if output.name not in lost),
             machine.speed,
         )
+
+    def _ahead(self, joint: Joint) -> Joint:
+        """A joint; a clutch, which knows theta, so far ahead."""
+        if not isinstance(joint, Clutch):
+            return joint
+        return replace(joint, law=Ahead(joint.law, self.phase), apart=lambda theta: joint.apart(theta + self.phase))
+
+    def _loaded(self, load: Load) -> Load:
+        """A load; one over theta so far ahead."""
+        if isinstance(load, Effort):
+            return replace(self.renamed(load), law=Ahead(load.law, self.phase))
+        return load if isinstance(load, Gravity) else self.renamed(load)
 
     def lost(self, machine: Machine) -> set[str]:
         """Joints, drives and outputs that it has no more, since their bodies ride on others."""

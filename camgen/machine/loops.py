@@ -21,7 +21,7 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.machine import dyads, newton
 from camgen.machine.jets import Jet, Spin, minus, plus, product, stacked, times, turned, unit_turn
-from camgen.machine.model import GROUND, Along, Angle, Machine, Output, Path, Pin, Place, Turning
+from camgen.machine.model import GROUND, Along, Angle, Clutch, Machine, Output, Path, Pin, Place, Turning
 from camgen.machine.newton import Block, Known, Vectors, relation_jet
 from camgen.machine.order import NO_LEVER, Groups, Key, Relation, components, group_bodies, places, relations
 from camgen.numerics import Floats, Points
@@ -54,7 +54,8 @@ class Chain:
     """A machine parted into steps. Raises DesignError where equations and unknowns do not match."""
 
     def __init__(self, machine: Machine) -> None:
-        self.drives = {drive.name: drive.law for drive in machine.drives}
+        self.driven = {drive.name for drive in machine.drives}  # whose laws are of theta
+        self.driven |= {joint.name for joint in machine.joints if isinstance(joint, Clutch)}
         self.groups: Groups = group_bodies(machine)
         self.route: dict[str, Vectors] = {GROUND: _from(GROUND)}
         self.steps: list[Step] = []
@@ -68,7 +69,7 @@ class Chain:
         ordered = components(machine, self.groups)
         if ordered.loose or ordered.over:
             names = list(ordered.over) or list(dict.fromkeys(name for _, name in ordered.loose))
-            short = "says more than there is to decide" if ordered.over else "is held by nothing"
+            short = "is held by more conditions than it needs" if ordered.over else "is held by nothing"
             raise DesignError(
                 "conditions less unknowns", len(ordered.over) - len(ordered.loose), 0, "", ", ".join(names), short
             )
@@ -314,7 +315,7 @@ class State:
         if relation.argument is not None and relation.argument not in unknown:
             argument = self.value(relation.argument)
         elif relation.law is not None and relation.argument is None:
-            drive = relation.name in self.chain.drives
+            drive = relation.name in self.chain.driven
             argument = [self.theta, 1.0, 0] if drive else [np.zeros(self.theta.shape), 0, 0]
         if isinstance(relation.law, Turning) and argument is not None:  # a steady rate costs no sums
             law = relation.law

@@ -3,7 +3,7 @@
     body      a rigid link; its frame is its own, its points complex mm in it; the body "ground" stands still
     place     a point of a body, in the body's frame
     pose      where a body's frame is on the ground: ground = place + exp(i angle) * own
-    joint     holds two bodies together: Pin, Slide, Slot, Gear, Cam
+    joint     holds two bodies together: Pin, Slide, Slot, Gear, Cam, Clutch
     drive     says a body's angle, or a place along a slide, as a function of theta
     theta     the machine's independent variable, rad; it grows at the machine's speed, rad/s of either sign
     law       a callable (theta, order) -> (n,): value and derivatives to theta, order 0..2, for theta (n,) rad
@@ -64,12 +64,14 @@ class Body:
 
 @dataclass(frozen=True)
 class Pin:
-    """A turning joint: both places coincide. Its reaction is the force of b on a, N. clearance: diametral, mm."""
+    """A turning joint: both places coincide. Its reaction is the force of b on a, N. clearance: diametral, mm; friction:
+    radius of its friction circle, mm."""
 
     name: str
     a: Place
     b: Place
     clearance: float = 0.0
+    friction: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Slide:
 
     The runner's place lies on the line through the guide's place at `angle` (rad, in the guide's frame); the runner's
     frame stands at `turn` rad to the guide's. The length along the line from the guide's place is the slide's place.
-    clearance: across, mm.
+    clearance: across, mm; friction: its coefficient.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Slide:
     angle: float = 0.0
     turn: float = 0.0
     clearance: float = 0.0
+    friction: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,7 @@ class Slot:
     runner: Place
     angle: float = 0.0
     clearance: float = 0.0
+    friction: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -139,7 +143,23 @@ class Cam:
     friction: float = 0.0
 
 
-Joint = Pin | Slide | Slot | Gear | Cam
+@dataclass(frozen=True)
+class Clutch:
+    """Two freewheels on one shaft: b turns with a while a turns forwards, and is held on the ground while it does not.
+
+    law: the angle of b, rad, over theta, which grows from turn to turn; apart(theta): angle of b less that of a while they
+    turn together, (n,) rad, nan while b is held.
+    """
+
+    name: str
+    a: str
+    b: str
+    law: Law
+    apart: Callable[[Floats], Floats]
+    clearance: float = 0.0
+
+
+Joint = Pin | Slide | Slot | Gear | Cam | Clutch
 
 
 @dataclass(frozen=True)
@@ -246,9 +266,6 @@ class Resistance:
     law: Callable[[Floats], Floats] | None = None
 
 
-Load = Force | Torque | Spring | TorsionSpring | Gravity | Resistance
-
-
 @dataclass(frozen=True)
 class Path:
     """The path of a place on the ground, complex mm."""
@@ -269,6 +286,25 @@ class Function:
 
 
 @dataclass(frozen=True)
+class Effort:
+    """What acts on a measure as it grows, over theta: law(theta, 0), N, or N m on an angle.
+
+    On a path it is a force that way, a unit vector of the ground, or with `turns` of the path's body. moving: it acts the way
+    that the measure moves, below 0 against it, and not at rest.
+    """
+
+    name: str
+    of: Angle | Along | Path | Function
+    law: Law
+    way: complex = 1 + 0j
+    turns: bool = False
+    moving: bool = False
+
+
+Load = Force | Torque | Spring | TorsionSpring | Gravity | Resistance | Effort
+
+
+@dataclass(frozen=True)
 class Output:
     """What is wanted and judged."""
 
@@ -282,7 +318,7 @@ def unit_of(output: Output) -> tuple[str, float]:
     return ("deg", math.degrees(1)) if isinstance(output.of, Angle) else ("mm", 1.0)
 
 
-Named = Body | Joint | Drive | Force | Torque | Spring | TorsionSpring | Resistance | Output
+Named = Body | Joint | Drive | Force | Torque | Spring | TorsionSpring | Resistance | Effort | Output
 N = TypeVar("N", bound=Named)
 
 
@@ -295,6 +331,8 @@ def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
             return each.a, each.b, each.carrier
         case Cam():
             return each.cam, each.follower
+        case Clutch():
+            return each.a, each.b
         case Drive():
             return (each.body,)
         case Force():
@@ -303,11 +341,11 @@ def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
             return each.on, each.by
         case TorsionSpring():
             return each.a, each.b
-        case Resistance(of=Angle() as of) | Output(of=Angle() as of):
+        case Resistance(of=Angle() as of) | Effort(of=Angle() as of) | Output(of=Angle() as of):
             return of.body, of.on
-        case Output(of=Path() as of):
+        case Effort(of=Path() as of) | Output(of=Path() as of):
             return (of.of.body,)
-        case Output(of=Function() as of):
+        case Effort(of=Function() as of) | Output(of=Function() as of):
             return tuple(place.body for place in of.of)
     return ()
 
@@ -316,7 +354,7 @@ def slide_of(each: Joint | Drive | Load | Output) -> str | None:
     """Name of the slide or slot along which a cam or drive moves its body, or a resistance or output is measured."""
     if isinstance(each, Cam | Drive):
         return each.slide
-    return each.of.slide if isinstance(each, Resistance | Output) and isinstance(each.of, Along) else None
+    return each.of.slide if isinstance(each, Resistance | Effort | Output) and isinstance(each.of, Along) else None
 
 
 def _named(name: str, among: Sequence[N], what: str) -> N:

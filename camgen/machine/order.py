@@ -17,7 +17,7 @@ from graphlib import TopologicalSorter
 
 import numpy as np
 
-from camgen.machine.model import GROUND, Cam, Drive, Gear, Joint, Law, Machine, Pin, Place, Slide, Slot
+from camgen.machine.model import GROUND, Cam, Clutch, Drive, Gear, Joint, Law, Machine, Pin, Place, Slide, Slot
 
 Key = tuple[str, str]
 # A lever shorter than this is none, mm.
@@ -96,6 +96,9 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
         if isinstance(each, Gear):
             constant = add(each.b, 1.0) + add(each.a, -each.ratio) + add(each.carrier, each.ratio - 1.0) - each.phase
             found.append(Relation(each.name, {k: v for k, v in shares.items() if v}, constant))
+        elif isinstance(each, Clutch):
+            constant = add(each.b, 1.0)
+            found.append(Relation(each.name, shares, constant, each.law))
         elif isinstance(each, Cam | Drive):
             if each.slide is not None:
                 shares["length", each.slide] = 1.0

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -214,7 +214,42 @@ class TimeRatio(Record):
         return at_most(self.code, abs(made - self.value), self.tolerance, "1", where, said)
 
 
+class Advance(Record):
+    """How far a freewheel turns on in a turn, whose wheel swings to and fro as an angle says."""
+
+    code: ClassVar[str] = "ADVANCE_ERROR"
+
+    value: Size = Field(description="deg, wanted")
+    tolerance: Size = Field(description="deg, how far it may differ")
+    lost: Annotated[float, Field(ge=0, le=360)] = Field(0.0, description="deg, that the wheel turns before the freewheel locks")
+    forwards: Literal[-1, 1] = Field(1, description="sense of the angle in which it locks")
+    time: Literal[-1, 1] = Field(1, description="sense in which theta runs")
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """ADVANCE_ERROR."""
+        made = advance(self.forwards * course.value[:: self.time], self.lost)
+        said = (
+            f"{made:.6f} deg a turn, {self.value:g} wanted, with {self.lost:g} deg lost before the freewheel locks; what yours "
+            "loses more or less is missing or over"
+        )
+        return at_most(self.code, abs(made - self.value), self.tolerance, "deg", where, said)
+
+
 Target = Stroke | Through | Straight | Dwell | TimeRatio
+
+
+def advance(angle: Floats, lost: float) -> float:
+    """How far a freewheel turns on in one period of its wheel's angle, (n,), both ends included: it locks where the wheel is
+    `lost` further than it has been drawn back, and goes with it from there. In the unit of the angle."""
+    ways = angle.tolist()
+    ahead, turned = math.inf, 0.0  # where it locks; how far it has come
+    for k, place in enumerate([*ways, *ways]):  # the first time round it finds its places
+        turned = 0.0 if k == len(ways) else turned
+        ahead = min(ahead, place + lost)
+        if place > ahead:
+            turned += place - ahead
+            ahead = place
+    return turned
 
 
 def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> list[tuple[float, float]]:

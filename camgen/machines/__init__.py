@@ -9,13 +9,14 @@ if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
 MECHANISMS = {
-    "disc-cam": "camgen.machines.disc_cam:DiscCamDrive",
+    "disc-cam": "camgen.machines.disc_cam.mechanism:DiscCamDrive",
     "uniform-swing": "camgen.machines.uniform_swing.mechanism:UniformSwing",
     "thread-take-up": "camgen.machines.thread_take_up.mechanism:ThreadTakeUp",
     "eccentric-drive": "camgen.machines.eccentric_drive.mechanism:EccentricDrive",
     "indexing-cam": "camgen.machines.indexing_cam.mechanism:IndexingCam",
     "chain-stitch-looper": "camgen.machines.chain_stitch_looper.mechanism:ChainStitchLooper",
     "linkage": "camgen.machines.linkage.mechanism:Linkage",
+    "coupon": "camgen.machines.coupon.mechanism:Coupon",
 }
 
 

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Protocol
 
 import numpy as np
 
@@ -20,15 +21,19 @@ from camgen.errors import DesignError
 from camgen.machine.cams.followers import FlatFace, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import Courses, StandIn
+from camgen.machine.features import Courses, Feature, Mount, StandIn
 from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Pose, Spring
 from camgen.machine.run import Run, solve
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Scaled
-from camgen.machines.linkage.layout import Layout, Stretched
-from camgen.machines.linkage.stacking import laid
-from camgen.machines.linkage.tables import Gear, Parts
-from camgen.parts.catalogue import Bought, turning_text
+from camgen.machines.linkage.joined import Stretched
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.stacking import lacking, laid
+from camgen.machines.linkage.tables import Gear
+from camgen.machines.linkage.troughs import open_rails
+from camgen.parts.catalogue import Bearing, Bought, turning_text
+from camgen.parts.part import Part
 from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
 from camgen.spec import Print
 
@@ -64,13 +69,60 @@ class Strung:
     way: tuple[float, float]
 
 
+def _made(layout: Layout, run: Run) -> Bodies:
+    """The bodies of a layout; DesignError with the keys of a bench, whose sizes are in [bodies]."""
+    try:
+        return Bodies(laid(layout, run))
+    except DesignError as error:
+        of, where, remedy, said = (
+            re.sub(r"\bparts\.(?!make)", "bodies.", words)
+            for words in (error.quantity, error.where, error.remedy, str(error).removesuffix(f"; {error.remedy}"))
+        )
+        raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
+
+
+class Beneath(Protocol):
+    """What hangs under the plate and drives what stands on it, as parts of its own."""
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """All of them."""
+
+    @property
+    def mounts(self) -> Sequence[Mount]:
+        """All copies on their bodies."""
+
+    @property
+    def feet(self) -> Sequence[complex]:
+        """Where it is screwed to the plate, mm."""
+
+    def features(self) -> Iterable[Feature]:
+        """Of its joints."""
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """Its motor."""
+
+    def bought(self) -> Sequence[Bought]:
+        """Drive and screws."""
+
+    def above(self, machine: Machine) -> Machine:
+        """The machine without it."""
+
+    def joined(self, machine: Machine) -> Machine:
+        """That one with it, as it is made."""
+
+    def upper(self, sizes: Parts) -> Parts:
+        """Sizes of what stands on the plate."""
+
+
 @dataclass(frozen=True, eq=False)
 class Bench:
     """The machine of `cams.machine` as one that is made.
 
     drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
     is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
-    by body; strung: further springs, by name; gravity: what weight pulls with, or nothing.
+    by body; strung: further springs, by name; gravity: what weight pulls with, or nothing; freewheels, marks: as a layout has
+    them; driven: what drives the cam; beneath: what hangs under the plate and drives that.
     """
 
     drawn: Machine
@@ -86,6 +138,10 @@ class Bench:
     more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
     strung: Mapping[str, Strung] = field(default_factory=dict)
     gravity: Sequence[Gravity] = ()
+    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
+    marks: Mapping[str, complex] = field(default_factory=dict)
+    driven: str = "cam"
+    beneath: Beneath | None = None
 
     @cached_property
     def machine(self) -> Machine:
@@ -96,6 +152,7 @@ class Bench:
     def _weighed(self, bodies: Bodies) -> Machine:
         """With masses of its solids and their weight, and all springs but that which returns the follower."""
         machine = bodies.weighed(self.density, self.heavy)
+        machine = machine if self.beneath is None else self.beneath.joined(machine)
         return replace(machine, loads=(*machine.loads, *self.pulls, *self.gravity))
 
     @property
@@ -111,6 +168,11 @@ class Bench:
             for each in self.strung.values()
         ]
 
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of its rails."""
+        return open_rails(self.bodies.layout)
+
     @cached_property
     def bodies(self) -> Bodies:
         """What is made."""
@@ -118,13 +180,33 @@ class Bench:
             return self._bare
         layout = self._layout(self._named(True))
         spring = Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside)
-        return Bodies(laid(replace(layout, springs={"spring": spring, **layout.springs}), self._run))
+        return _made(replace(layout, springs={"spring": spring, **layout.springs}), self._run)
 
     def bought(self) -> list[Bought]:
         """Drive, screws, spring."""
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
+        if self.beneath is not None:
+            found = [*self.beneath.bought(), *(each for each in found if each.name != "drive")]
         found += [] if self.spring is None else [self.spring.bought(*self.way)]
         return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
+
+    @cached_property
+    def parts(self) -> Sequence[Part]:
+        """Of the machine, and what hangs under it."""
+        return [*self.bodies.parts, *([] if self.beneath is None else self.beneath.parts)]
+
+    @property
+    def mounts(self) -> Sequence[Mount]:
+        """All copies of them on their bodies."""
+        return [*self.bodies.mounts, *([] if self.beneath is None else self.beneath.mounts)]
+
+    def features(self) -> Sequence[Feature]:
+        """Of all joints."""
+        return [*self.bodies.features(), *([] if self.beneath is None else self.beneath.features())]
+
+    def stand_ins(self) -> Sequence[StandIn]:
+        """The motor."""
+        return self.bodies.stand_ins() if self.beneath is None else self.beneath.stand_ins()
 
     # ---- springs in the sweep ---------------------------------------------------------------------------------------
 
@@ -167,15 +249,20 @@ class Bench:
     def _bare(self) -> Bodies:
         """What is made, without a spring."""
         layout = self._layout(self._named(False))
-        lacking = layout.lacking()
-        if lacking is not None:
-            raise lacking
-        return Bodies(laid(layout, self._run))
+        fault = lacking(layout)
+        if fault is not None:
+            raise fault
+        return _made(layout, self._run)
 
     def _layout(self, machine: Machine) -> Layout:
         springs = {name: Stretched(each.a, each.b, each.wire.outside) for name, each in self.strung.items()}
+        sizes, feet = self.sizes, list[tuple[complex, float]]()
+        if self.beneath is not None:
+            machine, sizes = self.beneath.above(machine), self.beneath.upper(sizes)
+            feet = [(place, sizes.mount_diameter) for place in self.beneath.feet]
         return Layout(
-            machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears, springs=springs
+            machine, self.driven, sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears, springs=springs,
+            freewheels=self.freewheels, marks=self.marks, feet=feet,
         )  # fmt: skip
 
     @cached_property
@@ -304,7 +391,7 @@ class Bench:
     def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way
         raise DesignError(
-            "return springs of round wire", 0, 1, "", f"{asked}, way from {shortest:.4g} to {longest:.4g} mm",
+            "return springs of round wire", 0, 1, "", f"{asked}, length from {shortest:.4g} to {longest:.4g} mm",
             "ask for another spring ([spring], load.closing_n_m), less load or speed, or another closure",
         )  # fmt: skip
 

@@ -11,7 +11,9 @@ from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.machines.disc_cam_tables import LoadTable, SpringTable
+from camgen.machines.disc_cam.tables import LoadTable, SpringTable
+from camgen.motion.polydyne import NEEDED, rough
+from camgen.motion.program import Program
 from camgen.study import Plot, Study
 
 
@@ -32,6 +34,16 @@ def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool
         )  # fmt: skip
         found += [] if what is None else [what]
     return found
+
+
+def polydyne_faults(load: LoadTable, wanted: Program) -> list[Fault]:
+    """What a correction for the follower's elasticity lacks."""
+    found = []
+    if load.stiffness is None:
+        found.append(Fault("load.stiffness", "", "missing: load.polydyne corrects for it"))
+    if not load.mass_kg and not load.inertia_kg_m2:
+        found.append(Fault("load.mass_kg", "0", "above 0 with load.polydyne (or inertia_kg_m2 of an arm): what moves behind it"))
+    return [*found, *(Fault(f"segment.{k}.law", repr(wanted.segments[k].law.name), NEEDED) for k in rough(wanted.segments))]
 
 
 def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:

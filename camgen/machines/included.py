@@ -15,23 +15,30 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
+from camgen.geometry.outlines import Arc
 from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
+from camgen.machines.linkage.joined import Merged, Sleeve, Stand
+from camgen.machines.linkage.layout import SLEEVE
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.merged import Merging, merging
 from camgen.motion.segments import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
 from camgen.study import Sketch, Study
+from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
+    from camgen.machines.linkage.sizes import Parts
     from camgen.machines.linkage.tables import Include
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
 _ANGLES = 1440  # at which bodies that ride are compared with their own motion
+_BEHIND = "from behind"  # so end the names of screws that hold a frame where it stands by itself
 _DRIVES = ("drive", "motor")  # what is bought once
 
 
@@ -44,6 +51,9 @@ class Included:
     host: Machine
     source: str | None = None
     tolerance: float = 0.0
+    mounted: bool = False
+    sleeve: Sleeve | None = None
+    merged: tuple[Merging, Merged] | None = None
 
     def tables(self) -> Mapping[str, Any]:
         """Its own [[include]], with everything filled in."""
@@ -51,6 +61,7 @@ class Included:
         where = {"at": (m.at.real, m.at.imag), "phase_deg": math.degrees(m.phase), "z": m.z}
         source = {} if self.source is None else {"source": self.source}
         ride = {"ride": {each.body: each.link for each in m.rides}, "ride_tolerance": self.tolerance} if m.rides else {}
+        where |= {"mounted": True} if self.mounted else {}
         return {"name": m.prefix, **where, **ride, **source, "spec": data}
 
     # ---- the model --------------------------------------------------------------------------------------------------
@@ -63,12 +74,17 @@ class Included:
         """On what of its parts its joints are measured."""
         lost = self.module.lost(self.mechanism.model)
         held = (each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost)
-        return [self.module.renamed(each) for each in held]
+        found = [self.module.renamed(each) for each in held]
+        if self.merged is None:
+            return found
+        named = {part.name: self.module.part(part.name) for part in self.mechanism.parts()}
+        return [self.merged[0].feature(each, named) for each in found]
 
     @cached_property
     def mounts(self) -> Sequence[Mount]:
         """Its parts on its bodies."""
-        return [self.module.mount(mount) for mount in self.mechanism.mounts()]
+        mounts = self.mechanism.mounts()
+        return [self.module.mount(mount) for mount in (self.merged[0].mounts(mounts) if self.merged else mounts)]
 
     def asked(self) -> Sequence[Asked]:
         """What is asked of its outputs."""
@@ -80,7 +96,9 @@ class Included:
     @cached_property
     def parts(self) -> Sequence[Part]:
         """Its parts."""
-        return [replace(part, name=self.module.part(part.name)) for part in self.mechanism.parts()]
+        parts = self.mechanism.parts()
+        left = self.merged[0].parts(parts, self.mechanism.mounts()) if self.merged else parts
+        return [replace(part, name=self.module.part(part.name)) for part in left]
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made and in the way."""
@@ -118,8 +136,15 @@ class Included:
         """What is bought for it; what turns the shaft is bought once."""
         name = self.module.prefix
         turned = Bought(f"coupling or toothed belt 1 : 1, {name}", "", "turns its shaft with the machine's; not made", 1)
-        own = [replace(each, name=f"{each.name}, {name}") for each in self.mechanism.bought() if each.name not in _DRIVES]
-        return [*([turned] if self._shafts else []), *own]
+        left = [each for each in self.mechanism.bought() if not (self.mounted and each.name.endswith(_BEHIND))]  # posts hold it
+        own = [replace(each, name=f"{each.name}, {name}") for each in left if each.name not in _DRIVES]
+        return [*([turned] if self._shafts and not (self.sleeve or self.merged) else []), *own]
+
+    @property
+    def stand(self) -> Stand:
+        """Its frame on the second plate."""
+        places = tuple(z + self.module.at for z, _ in self.mechanism.fixings())
+        return Stand(self.module.part("")[:-1], places, self.module.z, self.sleeve, self.merged[1] if self.merged else None)
 
     @property
     def _shafts(self) -> bool:
@@ -164,6 +189,13 @@ class Included:
         """What a builder joins: a body that rides has no hole or post of its own for it."""
         name = self.module.prefix
         plate = f"{name} stands by itself, {self.module.z:g} mm up: nothing is made that joins its plate and shaft to the rest."
+        if self.mounted:
+            plate = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; "
+            if self.merged:
+                plate = f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the "
+                plate += "machine's shaft turns it."
+                return [plate, *(f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides)]
+            plate += "a sleeve joins both shafts." if self.sleeve else "its shaft is turned by a belt or coupling."
         rides = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
         return [*([plate] if self._shafts else []), *rides]
 
@@ -200,12 +232,27 @@ def distinct(found: Sequence[Included], parts: Sequence[Part], machine: Callable
         raise refused(str(told).rpartition(": ")[2], str(told)) from None
 
 
+@dataclass(frozen=True)
+class Line:
+    """The upper end of the host's shaft: its axis on the ground, None where it does not reach the second plate, where it ends in
+    a sleeve, mm, how its link is turned at theta = 0, rad, the sizes of the host's parts, the shaft's name, and the height of
+    the plate's underside, mm."""
+
+    axis: complex | None
+    end: float
+    angle: float
+    sizes: Parts
+    shaft: str
+    ceiling: float
+
+
 def stacked(
-    includes: Sequence[Include], host: Mapping[str, Any], rpm: float, chain: Machine, top: float, gap: float
-) -> tuple[Included, ...]:
+    includes: Sequence[Include], host: Mapping[str, Any], rpm: float, chain: Machine, top: float, gap: float,
+    line: Line | None = None,
+) -> tuple[Included, ...]:  # fmt: skip
     """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm.
 
-    host: the tables of the spec that includes them; chain: its own model.
+    host: the tables of the spec that includes them; chain: its own model; line: its shaft, where it has a second plate.
     """
     found: list[Included] = []
     for k, each in enumerate(includes):
@@ -217,10 +264,64 @@ def stacked(
             raise DesignError(f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said) from None
         low, high = min(low for low, _ in levels), max(high for _, high in levels)
         z = top + gap - low if each.z is None else each.z
+        sleeve = merged = None
+        if each.mounted and line is not None:
+            _refuse_unfixed(f"include.{k}.mounted", mechanism, line.sizes.mount_diameter)
+            z, sleeve, merged = _in_line(each, mechanism, line, gap) or (z, None, None)
         top = max(top, z + high)
         module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
         module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
-        found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance))
+        found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance, each.mounted, sleeve, merged))
+    return tuple(found)
+
+
+def _refuse_unfixed(key: str, mechanism: Mechanism, core: float) -> None:
+    """Raise SpecError where no screws of posts fit into a frame."""
+    wide = {diameter for _, diameter in mechanism.fixings()}
+    if not wide:
+        raise SpecError([Fault(key, "true", "nothing here: this machine has no frame with holes for screws from behind")])
+    if wide != {core}:
+        right = f"screw holes of its frame as wide as parts.mount_diameter of this machine, {core:g} mm"
+        raise SpecError([Fault(key, f"{max(wide):g} mm", right)])
+
+
+Joined = tuple[float, Sleeve | None, tuple[Merging, Merged] | None]
+
+
+def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joined | None:
+    """How far a machine is raised whose shaft is in line with the host's, mm, and what joins them, where both are alike and its
+    frame is flat below the plate and shaft that both have; None where they are not in line."""
+    shaft = next(iter(mechanism.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None)
+    making = getattr(mechanism, "making", None)
+    if shaft is None or making is None or line.axis is None:
+        return None
+    if abs(complex(shaft.place[0]) + complex(*each.at) - line.axis) > SAME_POINT:
+        return None
+    phase, sizes = math.radians(each.phase_deg), line.sizes
+    if (making.shaft_diameter, making.shaft_flat) == (sizes.shaft_diameter, sizes.shaft_flat):
+        found = merging(mechanism, complex(*each.at), phase, line.angle, line.shaft, sizes.base_thickness, sizes.wall)
+        if found is not None:
+            return line.ceiling + sizes.base_thickness - found[2], None, found[:2]
+    room = min(mount.z for mount in mechanism.mounts() if mount.part != "shaft") - shaft.z - gap
+    up = min(SLEEVE * making.shaft_diameter, room)
+    if up < making.shaft_diameter / 2:
+        raise DesignError(
+            "room for a sleeve on the shaft", up, making.shaft_diameter / 2, "mm", _name(each),
+            "let it stand out further under its frame: a longer parts.shaft_length there",
+        )  # fmt: skip
+    turn = float(shaft.angle[0]) - line.angle
+    return line.end - shaft.z, Sleeve(making.shaft_diameter, making.shaft_flat, turn, up), None
+
+
+def kept(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> tuple[tuple[complex, float], ...]:
+    """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm."""
+    found: list[tuple[complex, float]] = []
+    for each in (each for each in includes if each.mounted):
+        mechanism = _mechanism(each, host, rpm)
+        frame = next((part for part in mechanism.parts() if part.name == mechanism.frame_part), None)
+        holes = frame.layers[0].region.holes if frame else ()
+        arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
+        found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
     return tuple(found)
 
 

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,11 +43,13 @@ from camgen.machine.features import (
 )
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
-from camgen.machines.loads.assess import drives_of
+from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
@@ -81,6 +83,7 @@ class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
     load: Weight | None = None
+    frame_part: ClassVar[str] = ""  # name of the flat part that stands still under all others
 
     @abstractmethod
     def machine(self) -> Machine:
@@ -88,8 +91,11 @@ class Mechanism(Spec, ABC):
 
     @cached_property
     def model(self) -> Machine:
-        """The same, made once."""
-        return self.machine()
+        """The same with the loads that the spec applies, made once."""
+        machine = self.machine()
+        if self.load is None or not self.load.on:
+            return machine
+        return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
@@ -176,7 +182,8 @@ class Mechanism(Spec, ABC):
     @property
     def drives(self) -> Drives | None:
         """What the motor can give, as the spec says it."""
-        return drives_of(self)
+        motor = getattr(self, "motor", None)
+        return motor if isinstance(motor, Drives) else None
 
     @property
     def shaft_needed(self) -> float | None:
@@ -187,6 +194,11 @@ class Mechanism(Spec, ABC):
     def motor_frame(self) -> str:
         """The motor's frame, such as "nema-17"; "" where it has none."""
         return ""
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The hub that a set screw holds on the shaft that drives."""
+        return None
 
     @property
     def roller_bearing(self) -> Bearing | None:
@@ -232,6 +244,11 @@ class Mechanism(Spec, ABC):
         return 0.0, math.tau
 
     @property
+    def shown_turns(self) -> int:
+        """Turns of the drive after which all of it is where it was, as far as it is shown."""
+        return 1
+
+    @property
     def sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
         return -1 if self.speed < 0 else 1
@@ -247,6 +264,10 @@ class Mechanism(Spec, ABC):
             *tables, last = key.split(".")
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Core holes in the underside of its frame, at z = 0, by which it is screwed on: place on the ground and diameter, mm."""
+        return ()
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""
@@ -277,8 +298,12 @@ class Mechanism(Spec, ABC):
         return max(0.0, 0.8 * self.print.slide_clearance / 2 - 2 * self.accuracy.chord_tolerance)
 
     def printed(self) -> Sequence[Part]:
-        """Parts that are laid out on plates."""
-        return [part for part in self.parts() if part.made == "printed"]
+        """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+        return [part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)]
+
+    def cut_of_sheet(self, part: Part) -> bool:
+        """Whether a part is cut of the laser's sheet."""
+        return self.laser is not None and not why_not(part, self.laser.thickness)
 
     def steps(self) -> Table:
         """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
@@ -305,9 +330,17 @@ class Mechanism(Spec, ABC):
         columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
         return Table("Assembly from the bottom up, by height", columns, rows, [laid for _, laid in sorted(copies.items())])
 
+    def idle(self) -> Sequence[str]:
+        """Keys that were set and say nothing of this machine, dotted."""
+        return ()
+
     def beforehand(self, kinds: int) -> str:
         """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
         return ""
+
+    def remarks(self) -> Sequence[str]:
+        """What a build prints beside its findings."""
+        return ()
 
     def texts(self) -> Mapping[str, str]:
         """Further text files of the folder, by what follows the spec's name in theirs."""

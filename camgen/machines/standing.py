@@ -6,21 +6,26 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
-from camgen.machines.bench import Bench
-from camgen.machines.linkage.posts import posts
-from camgen.machines.linkage.tables import Parts
+from camgen.machines.linkage import sheets
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.loads.journals import Post
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought
+from camgen.parts.disc_cams import Parts as DiscParts
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
 from camgen.study import Table
+
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
 
 
 class Sizes(Parts):
@@ -42,12 +47,20 @@ class StandingCams(Mechanism):
         """Of the machine's bodies."""
         return self.bodies or Sizes.model_validate({})
 
-    def size_faults(self, *links: str) -> list[Fault]:
-        """What is wrong with [bodies] of a machine with these links."""
+    @model_validator(mode="before")
+    @classmethod
+    def _of_sheet(cls, data: Any) -> Any:
+        return sheets.filled(data, "bodies")
+
+    def size_faults(self, *links: str, slides: bool = False, grooves: bool = False) -> list[Fault]:
+        """What is wrong with [bodies] of a machine with these links; slides, grooves: whether it has such."""
         if self.bodies is None:
             return []
         faults = self.bodies.faults(("ground", *links), self.print.nozzle)
-        return [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
+        if self.bodies.shaft != "through":
+            faults.append(Fault("parts.shaft", self.bodies.shaft, '"through": no link turns on a point of the cam'))
+        found = [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
+        return [*found, *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves))]
 
     # ---- the cams alone ---------------------------------------------------------------------------------------------
 
@@ -76,6 +89,14 @@ class StandingCams(Mechanism):
         """The same, made once."""
         return self._stood()
 
+    def idle(self) -> Sequence[str]:
+        """Keys of [parts] that are set and that those of [bodies] replace."""
+        making = getattr(self, "making", None)
+        if making is None or not self.standing:
+            return ()
+        asked = {key for key, field in type(making).model_fields.items() if getattr(making, key) != field.default}
+        return [f"parts.{key}" for key in type(making).model_fields if key in asked - {"make"}]
+
     # ---- either -----------------------------------------------------------------------------------------------------
 
     def machine(self) -> Machine:
@@ -84,7 +105,7 @@ class StandingCams(Mechanism):
 
     @cached_property
     def _parts(self) -> Sequence[Part]:
-        return self.bench.bodies.parts if self.standing else self._cams()
+        return self.bench.parts if self.standing else self._cams()
 
     def parts(self) -> Sequence[Part]:
         """The cams, or the whole machine."""
@@ -98,7 +119,7 @@ class StandingCams(Mechanism):
         meant = iter(outlines)
         return [
             replace(each, meant=next(meant).meant) if isinstance(each, CamOutline) else each
-            for each in self.bench.bodies.features()
+            for each in self.bench.features()
         ]
 
     def features(self) -> Sequence[Feature]:
@@ -107,11 +128,11 @@ class StandingCams(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """All parts on their bodies."""
-        return self.bench.bodies.mounts if self.standing else self._beside()
+        return self.bench.mounts if self.standing else self._beside()
 
     def stand_ins(self) -> Sequence[StandIn]:
         """The follower's tips, where they are not made; a machine's motor."""
-        return self.bench.bodies.stand_ins() if self.standing else super().stand_ins()
+        return self.bench.stand_ins() if self.standing else super().stand_ins()
 
     def moved(self) -> Moved:
         """What the sweep needs, springs too."""
@@ -122,7 +143,28 @@ class StandingCams(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
-        return self.bench.bought() if self.standing else ()
+        if self.standing:
+            return self.bench.bought()
+        made, hub = getattr(self, "making", None), self.hub
+        return hub.bought(made.hub_diameter / 2) if hub is not None and isinstance(made, DiscParts) else ()
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """Of a machine the collar on its motor's shaft, of a cam alone its own."""
+        if self.standing:
+            return self.bench.bodies.collar
+        made, allowed = getattr(self, "making", None), getattr(self, "allowed", None)
+        return made.hub(allowed.min_wall) if isinstance(made, DiscParts) and allowed is not None else None
+
+    @property
+    def shaft_needed(self) -> float | None:
+        """Of the motor under the plate."""
+        return self.bench.bodies.shaft_reach if self.standing and self.sizes.face is not None else super().shaft_needed
+
+    @property
+    def motor_frame(self) -> str:
+        """Its frame."""
+        return self.sizes.motor if self.standing and self.sizes.face is not None else super().motor_frame
 
     @property
     def return_spring(self) -> Mounted | None:
@@ -134,6 +176,8 @@ class StandingCams(Mechanism):
         """Of a machine the pins of its springs and its roller."""
         if not self.standing:
             return ()
+        from camgen.machines.linkage.posts import posts
+
         bench, pulls = self.bench, {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()}
         pulls |= {} if bench.spring is None else {"spring": bench.spring.force(bench.way[1])}
         return tuple(posts(bench.bodies.layout, pulls, self.material.name))

@@ -116,20 +116,24 @@ def measured(name: str, formula: Formula, source: str, breaks: tuple[float, ...]
 # ---- polynomials -----------------------------------------------------------------------------------------------------
 
 
-def polynomial(*coefficients: float) -> Formula:
-    """Formula of a polynomial law, coefficients from u^0 upwards; Horner's scheme."""
-    orders = [coefficients]
-    for _ in range(3):
-        orders.append(tuple(k * c for k, c in enumerate(orders[-1]))[1:] or (0.0,))
+@dataclass(frozen=True)
+class Polynomial:
+    """Formula of a polynomial law, its coefficients from u^0 upwards; of any order."""
 
-    def formula(u: Floats, order: int) -> Floats:
-        *rest, value = orders[order]
-        result = np.full(u.shape, float(value))
+    coefficients: tuple[float, ...]
+
+    def __call__(self, u: Floats, order: int) -> Floats:
+        """Values of the derivative, by Horner's scheme."""
+        *rest, value = [math.perm(k, order) * c for k, c in enumerate(self.coefficients)][order:] or [0.0]
+        result = np.full(np.shape(u), float(value))
         for c in reversed(rest):
             result = result * u + c
         return result
 
-    return formula
+
+def polynomial(*coefficients: float) -> Polynomial:
+    """The same of coefficients one by one."""
+    return Polynomial(coefficients)
 
 
 Condition = tuple[float, int, float]

@@ -287,10 +287,10 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
 
 
 def with_tables(data: Data, folder: Path) -> Data:
-    """Copy of a spec's tables in which each law's `file`, seen from the folder, is replaced by its points and its name.
+    """Copy of a spec's tables in which each law's and each load's `file` is replaced by its points and its name.
 
-    So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of [drive] and of each [[cam]], and
-    of [geometry]; what is no such table is left for `validate` to find.
+    Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
+    [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
     """
     data = copy.deepcopy(data)
 
@@ -305,4 +305,9 @@ def with_tables(data: Data, folder: Path) -> Data:
             name = law.pop("file")
             law["points"] = [list(point) for point in read_points(folder / name)]
             law.setdefault("source", name)
+    for load in listed(data.get("load"), "on"):
+        if isinstance(load, dict) and isinstance(load.get("file"), str) and "points" not in load:
+            name = load.pop("file")
+            load["points"] = [list(point) for point in read_points(folder / name)]
+            load.setdefault("source", name)
     return data

@@ -140,6 +140,7 @@ class Bought:
 # (generic_pla.xml.fdm_material and its neighbours, element <density>).
 DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
+TURNED = "turned of steel"  # how pins are made that a print does not bear
 STEEL = 7.85  # g/cm^3, of what is bought to turn on
 
 # Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
@@ -174,6 +175,13 @@ BEARINGS = {
         Bearing("626", 6, 19, 6, rating=2.34),
         Bearing("608", 8, 22, 7, rating=3.45),
     )
+}
+
+# Drawn cup roller clutches with bearings at both ends, on hardened shafts: by bore, the clutch and its torque, N m (INA, HFL).
+CLUTCHES = {
+    6.0: (Bearing("HFL0615", 6, 10, 15, ""), 1.76),
+    8.0: (Bearing("HFL0822", 8, 12, 22, ""), 3.15),
+    10.0: (Bearing("HFL1022", 10, 14, 22, ""), 5.3),
 }
 
 SHOULDER_LENGTHS = (10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0)  # mm, of the shoulder

@@ -8,13 +8,14 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record
 
 Thickness = Annotated[float, Field(ge=0.1, le=1000)]
@@ -22,10 +23,20 @@ Thickness = Annotated[float, Field(ge=0.1, le=1000)]
 _LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 
 
+def _no_laser(make: object) -> object:
+    """What is asked of sheet is told where it is had."""
+    if make == "laser":
+        raise ValueError(
+            '"machine" or "cams": [laser] cuts cams as thick as its sheet, without a hub; bodies.make = "laser" makes the bench '
+            "of a disc cam or an indexing cam of sheet; tapered collet, headed axles and posts of a uniform swing are no sheets"
+        )
+    return make
+
+
 class ShaftHole(Record):
     """A cam's bore, and what keeps it from turning on its shaft. make: "machine" makes all of it, by the sizes of [bodies]."""
 
-    make: Literal["machine", "cams"] = "cams"
+    make: Annotated[Literal["machine", "cams"], BeforeValidator(_no_laser)] = "cams"
     thickness: Thickness = 6.0
     bore: Length = 8.0
     shaft: Literal["plain", "keyway", "d-flat"] = "plain"
@@ -67,9 +78,28 @@ class Parts(ShaftHole):
 
     hub_diameter: Length = 16.0
     hub_height: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = "none"
     pin_diameter: Length = 3.0
     rim: Length = 8.0
     back: Thickness = 3.0
+
+    def hub(self, min_wall: float) -> SetScrewHub | None:
+        """The hub with its set screw; None where it has none."""
+        if self.set_screw == "none":
+            return None
+        flat = self.flat_depth if self.shaft == "d-flat" else 0.0
+        return SetScrewHub(self.set_screw, self.bore, flat, min_wall, min_wall)
+
+    def misfits(self) -> list[Fault]:
+        """Keys that are no match for the bore, a hub that its set screw does not fit."""
+        found, hub = super().misfits(), self.hub(0.8)
+        if hub is not None and self.shaft == "keyway":
+            said = 'nothing here: it is square to a key; "d-flat" or "plain"'
+            found.append(Fault("parts.set_screw", repr(self.set_screw), said))
+        elif hub is not None and self.hub_height < hub.height:
+            said = f"at least {hub.height:.4g} mm: its nut stands in it"
+            found.append(Fault("parts.hub_height", f"{self.hub_height:g}", said))
+        return found
 
 
 def turning_note(sense: int) -> str:
@@ -120,7 +150,9 @@ def _cam(made: Parts, name: str, title: str, outline: Contour, pins: list[Contou
     holes = holes_in(made, name, outline, lambda rim, reach: pins, hub)
     layers = [Layer(Region(outline, holes), 0.0, made.thickness)]
     if made.hub_height:
-        layers.append(Layer(Region(circle(0j, hub / 2), holes[:1]), made.thickness, made.thickness + made.hub_height))
+        held = made.hub(min_wall)
+        plain = Layer(Region(circle(0j, hub / 2), holes[:1]), made.thickness, made.thickness + made.hub_height)
+        layers += [plain] if held is None else held.layers(hub / 2, made.thickness, made.hub_height)
     centres = (0j, *(pin.centroid for pin in pins))
     return Part(name, title, tuple(layers), 1, (), centres, made.notes(), made.bore, min_wall)
 

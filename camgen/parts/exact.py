@@ -105,7 +105,7 @@ def exact(part: Part, tolerance: float) -> Brep:
     if part.crossed is not None:
         raise DesignError(
             "exact solid", 1, 0, "", "", "take its STL or 3MF",
-            f"{part.name} is what two outlines share that are extruded crosswise, and no exact solid of it can be written",
+            f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written",
         )  # fmt: skip
     layers = [*part.layers, *part.engraved]
     points, strokes, runs = _divided([_outlines(layer, tolerance) for layer in layers])

@@ -179,7 +179,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
     walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
     if part.crossed is not None:
-        said = f"{part.name} is crossed, and cannot be compensated for the print"
+        said = f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
         remedy = "leave its keys of [print] at 0, and let the slicer compensate"
         raise DesignError("print fits of a crossed part", 1, 0, "", part.name, remedy, said)
     if not -0.5 < fit.shrinkage < 0.5:

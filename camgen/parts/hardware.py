@@ -201,10 +201,10 @@ def headed(
 
 def grooved(
     name: str, title: str, diameter: float, length: float, wide: float, head: float, groove: float, count: int = 1,
-    notes: tuple[str, ...] = (),
+    notes: tuple[str, ...] = (), made: str = "printed",
 ) -> Part:  # fmt: skip
     """A headed pin with a shoulder as wide and high as its head: between both a groove as high as asked for, mm."""
-    plain = headed(name, title, diameter, length, wide, head, count, notes)
+    plain = headed(name, title, diameter, length, wide, head, count, notes, made)
     (top, disc), (_, shank) = ((layer, layer.region) for layer in plain.layers)
     ends = (head + groove, head + groove + head, head + length)
     layers = (top, Layer(shank, head, ends[0]), Layer(disc, ends[0], ends[1]), Layer(shank, ends[1], ends[2]))

@@ -4,6 +4,8 @@
              what must lie beside each other, such as a cam and its roller, are bands of one level
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
+    far      an axis of the ground between two plates goes through from one to the other, or leaves out the levels between two
+             of its links, where others pass: then it is two stubs, one on each plate
     wall     stands beside a link that slides, on the link or plate that guides it, as high as the link, or its cover over it
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
@@ -58,7 +60,8 @@ class Axis:
     """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
 
     links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
-    link; under: the same of what is under its lowest.
+    link; under: the same of what is under its lowest; far: whether there is a second plate over all, low, high: links that
+    must be on the lower, on the upper one of two stubs.
     """
 
     name: str
@@ -70,6 +73,9 @@ class Axis:
     under: int = 0
     slim: str = ""
     move: str = ""
+    far: bool = False
+    low: tuple[str, ...] = ()
+    high: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -180,7 +186,7 @@ def _to_side(z: Points, a: Points, b: Points) -> Floats:
     return np.asarray(np.abs(off - share * way))
 
 
-def _ways(corners: Points) -> Floats:
+def ways(corners: Points) -> Floats:
     """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
     steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
     return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
@@ -200,7 +206,7 @@ class _Way:
 def _way(thing: Thing) -> _Way:
     corners = thing.place[None] if isinstance(thing, Axis) else thing.corners
     centre = corners.mean(axis=0)
-    return _Way(thing, corners, centre, np.abs(corners - centre).max(axis=0), _ways(corners))
+    return _Way(thing, corners, centre, np.abs(corners - centre).max(axis=0), ways(corners))
 
 
 def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
@@ -233,11 +239,17 @@ def levels(
     things: list[Thing] = [*bands, *axes, *walls]
     ways = [_way(thing) for thing in things]
     rules = [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
-    found = None if searched else search(bands, axes, rules, given, over)
+    found: dict[str, int] | None = None
+    if any(axis.far for axis in axes):
+        found = integer_program(bands, axes, rules, given, over, strict=True)
+    elif not searched:
+        found = search(bands, axes, rules, given, over)
     if found is not None or not explain:
         return found
     found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
-    broken = [rule for rule in rules if not _kept(rule, found)]
+    assert found is not None, "rules may be broken"
+    ends = {axis.name: cut(axis, rules, found) for axis in axes if axis.far}
+    broken = [rule for rule in rules if not _kept(rule, found, ends)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
         raise Crowded(rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1)
@@ -254,7 +266,53 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
     return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
 
 
-def _kept(rule: _Rule, level: Mapping[str, int]) -> bool:
+def cuts(
+    bands: Sequence[Band], axes: Sequence[Axis], walls: Sequence[Wall], gap: float, level: Mapping[str, int]
+) -> dict[str, int]:
+    """Of each axis between two plates that is two stubs, by its name, the highest level of the lower one: 0 where all of its
+    links are on the upper plate's."""
+    far = {axis.name: axis for axis in axes if axis.far}
+    things: list[Thing] = [*bands, *axes, *walls]
+    pairs = combinations([_way(thing) for thing in things], 2)
+    asked = ((a, b) for a, b in pairs if far.keys() & {a.thing.name, b.thing.name})
+    rules = [rule for a, b in asked if (rule := _meets(a, b, gap))]
+    found = {name: cut(axis, rules, level) for name, axis in far.items()}
+    return {name: at for name, at in found.items() if at is not None}
+
+
+def cut(axis: Axis, rules: Sequence[_Rule], level: Mapping[str, int]) -> int | None:
+    """Highest level of the lower stub of an axis between two plates, such that most of its rules hold; None: it goes through."""
+    spans = [span(other, level) for rule in rules for other in _others(rule, axis)]
+    if not spans and not axis.high:
+        return None
+    held = [level[link] for link in axis.links]
+    least = max((level[link] for link in axis.low), default=0)
+    most = min((level[link] for link in axis.high), default=max(held) + 1)
+    ways = sorted(at for at in {0, *held} if least <= at < most)
+
+    def passing(at: int) -> int:
+        low, high = _gap(axis, at, level)
+        return sum(low < one and other < high for one, other in spans)
+
+    return max(ways, key=passing)
+
+
+def _others(rule: _Rule, axis: Axis) -> list[Thing]:
+    return [other for one, other in ((rule.a, rule.b), (rule.b, rule.a)) if one is axis]
+
+
+def _gap(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[float, float]:
+    """Between which levels an axis lets others pass, both taken, whose lower stub ends so high."""
+    higher = [value for link in axis.links if (value := level[link]) > at]
+    return at + axis.over * (at > 0), min(higher) - axis.over if higher else math.inf
+
+
+def _kept(rule: _Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
+    """Whether two things share no level; ends: the cuts of axes between two plates."""
+    for axis in (thing for thing in (rule.a, rule.b) if isinstance(thing, Axis) and thing.far):
+        at, (one, other) = ends[axis.name], span(_others(rule, axis)[0], level)
+        low, high = (math.inf, 0) if at is None else _gap(axis, at, level)
+        return low < one and other < high
     (a0, a1), (b0, b1) = span(rule.a, level), span(rule.b, level)
     return a1 < b0 or b1 < a0
 
@@ -342,9 +400,9 @@ def _length(axis: Axis, level: Mapping[str, int]) -> int:
 
 def integer_program(
     bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (),
-) -> dict[str, int]:  # fmt: skip
-    """The same by branch and bound; rules that cannot be kept are broken at a price."""
+    over: Sequence[tuple[str, str]] = (), strict: bool = False,
+) -> dict[str, int] | None:  # fmt: skip
+    """The same by branch and bound; rules that cannot be kept are broken at a price, or `strict`: None where one cannot be."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
     least = _least(bands, axes)
@@ -361,12 +419,19 @@ def integer_program(
     rows += [({0: 1, k: -1}, 0) for k in level.values()]
     rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in over]
     axis_ends: dict[str, tuple[int, int]] = {}
-    for axis in axes:
+    big, plate = 2.0 * most + 4, column(0, 0, 0)
+    for axis in (axis for axis in axes if axis.far):  # top of the lower stub, bottom of the upper one: others pass between
+        low, high = axis_ends[axis.name] = column(0, 0, most + 1), column(0, 0, most + 2)
+        rows.append(({high: 1, low: -1}, 0))
+        for link in axis.links:
+            upper = column(0, float(link in axis.high), float(link not in axis.low))
+            rows.append(({low: 1, level[link]: -1, upper: big}, axis.over))
+            rows.append(({high: -1, level[link]: 1, upper: -big}, axis.over - big))
+    for axis in (axis for axis in axes if not axis.far):
         low, high = axis_ends[axis.name] = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
         for link in axis.links:
             rows.append(({high: 1, level[link]: -1}, axis.over))
             rows.append(({level[link]: 1, low: -1}, axis.under))
-    big, plate = 2.0 * most + 4, column(0, 0, 0)
 
     def ends(thing: Thing) -> tuple[int, int, int, int]:
         """Column of the lowest level and what is added to it, and the same of the highest."""
@@ -379,7 +444,18 @@ def integer_program(
     for rule in rules:
         (a0, a, a1, a_over), (b0, b, b1, b_over) = ends(rule.a), ends(rule.b)
         short = (rule.needed - rule.distance) / rule.needed
-        broken, upper = column(_BROKEN * (1 + max(0.0, short)), 0, 1), column(0, 0, 1)
+        broken = column(_BROKEN * (1 + max(0.0, short)), 0, 0 if strict else 1)
+        far = [axis for axis in (rule.a, rule.b) if isinstance(axis, Axis) and axis.far]
+        if len(far) == 2:
+            rows.append(({broken: 1}, 1))  # both begin on the lower plate
+            continue
+        if far:
+            if far[0] is rule.a:
+                (a0, a, a1, a_over), (b0, b, b1, b_over) = (b0, b, b1, b_over), (a0, a, a1, a_over)
+            rows.append(({a0: 1, b0: -1, broken: big}, 1 - a))  # over the lower stub, and under the upper one
+            rows.append(({b1: 1, a1: -1, broken: big}, 1 + a_over))
+            continue
+        upper = column(0, 0, 1)
         rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over))  # a over b where `upper` is 0
         rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b + a_over - big))
     table = np.zeros((len(rows), len(cost)))
@@ -389,6 +465,8 @@ def integer_program(
         cost, integrality=np.ones(len(cost)), bounds=Bounds(*np.array(bounds).T),
         constraints=LinearConstraint(table, np.array([right for _, right in rows]), np.inf), options={"time_limit": 10.0},
     )  # fmt: skip
+    if found.x is None and strict:
+        return None
     if found.x is None:
         raise _no_levels()
     return {name: round(found.x[k]) for name, k in level.items()}

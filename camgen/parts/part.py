@@ -251,9 +251,11 @@ def _part(piece: Piece, t0: float, t1: float) -> Piece:
     return Arc(piece.centre, piece.radius, t0, t1 - t0)
 
 
-def rod(name: str, title: str, diameter: float, length: float, count: int = 1, notes: tuple[str, ...] = ()) -> Part:
+def rod(
+    name: str, title: str, diameter: float, length: float, count: int = 1, notes: tuple[str, ...] = (), made: str = "printed"
+) -> Part:
     """A round pin, upright on its end."""
-    return Part(name, title, (Layer(Region(circle(0j, diameter / 2)), 0.0, length),), count, (), (0j,), notes)
+    return Part(name, title, (Layer(Region(circle(0j, diameter / 2)), 0.0, length),), count, (), (0j,), notes, made=made)
 
 
 def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndarray:

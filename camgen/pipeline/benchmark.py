@@ -40,8 +40,9 @@ from camgen.parts.fits import compensated
 from camgen.parts.part import Part
 from camgen.parts.solids import solid
 from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
-from camgen.pipeline.judging import Read, judge_motion, judge_part, pass_by
+from camgen.pipeline.judging import pass_by
 from camgen.pipeline.making import compensation
+from camgen.pipeline.reading import Read, judge_motion, judge_part
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 KINDS, JUDGED = USUAL, ("dxf", "stl")  # a 3MF holds the numbers of the STL

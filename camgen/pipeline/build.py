@@ -13,11 +13,8 @@ from camgen.files.formats import FORMATS, SOLID, USUAL
 from camgen.findings import at_most
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
-from camgen.pipeline.judging import judge
-from camgen.pipeline.laser import sheet_files
-from camgen.pipeline.machining import table_files
+from camgen.pipeline.judging import cut_files, judge
 from camgen.pipeline.making import make
-from camgen.pipeline.shown import animation, scene
 from camgen.report.report import Report, write_csv, write_html, write_json
 
 KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
@@ -41,7 +38,7 @@ def build(
     mechanism = read_mechanism(spec, overrides)
     if said := mechanism.beforehand(len(only & FORMATS.keys())):
         progress(f"note: {said}")
-    mechanism = mechanism.resolved()
+    hints, mechanism = mechanism.hints, mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
     staged = Staged(out / mechanism.name)
@@ -50,20 +47,24 @@ def build(
         case = Case(mechanism, folder)
         plates, seen = make(case, only, workers, progress), None
         if "report" in only and only & set(SOLID):
+            from camgen.pipeline.shown import scene
+
             seen = scene(mechanism, plates)
             case.file("assembly", "glb").write_bytes(seen.glb)
         report, columns = judge(case, [kind for kind in ANY_KIND if kind in only], workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
+            from camgen.pipeline.shown import animation
+
             for name, text in mechanism.texts().items():
                 (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
             write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
-    said = f"{staged.target / 'spec.toml'} was changed since its build, and is written anew; the changed one is kept as"
-    remarks = [f"{said} {name}" for name in staged.kept]
+    said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
+    remarks = [*hints, *mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
@@ -83,7 +84,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
     with Workers(jobs) as workers:
         report = judge(case, kinds, workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
-    sheets = {path.name for path in (*sheet_files(case), *table_files(case))}
+    sheets = {path.name for path in cut_files(case)}
     judged |= {name for name in listed if name.endswith((".3mf", ".svg", ".step")) or name in sheets}
     differ = changed_files(folder)
     as_they_are = [name for name in differ if name in judged]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from camgen.geometry.outlines import Floats
-from camgen.judge.motion import Proof
+from camgen.judge.proof import Proof
 from camgen.machine.model import Output, unit_of
 from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG

@@ -78,13 +78,13 @@ def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], 
     sections, engraved = [], []
     for z0, z1 in _spans(part):
         regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == (z0, z1)]
-        shapes = tuple(_facetted(region, tolerance) for region in regions)
+        shapes = tuple(facetted(region, tolerance) for region in regions)
         bottom = max(z0, low)
         pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
         top = min((layer.z0 for layer in pockets), default=z1)
         sections.append(Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes))
         if pockets and len(shapes) == 1 and part.crossed is None:
-            sunk = tuple(_facetted(layer.region, tolerance).outer for layer in pockets)
+            sunk = tuple(facetted(layer.region, tolerance).outer for layer in pockets)
             middle = (top + min(layer.z1 for layer in pockets)) / 2
             engraved.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
     return sections, engraved
@@ -92,7 +92,7 @@ def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], 
 
 def _crossings(part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]) -> list[Section]:
     """The sections of a crossed body, whose layers those given are."""
-    face = _facetted(crossed, tolerance)
+    face = facetted(crossed, tolerance)
     cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
     through = []
     level = _level_facets(crossed)
@@ -117,7 +117,8 @@ def _level_facets(crossed: Region) -> Floats:
     return np.concatenate(found)
 
 
-def _facetted(region: Region, tolerance: float) -> Shape:
+def facetted(region: Region, tolerance: float) -> Shape:
+    """A region with its curves as chords, within the tolerance, mm."""
     rings = [facet_contour(contour.counter_clockwise(), tolerance) for contour in (region.outer, *region.holes)]
     outer, *holes = (Ring(points, np.zeros(len(points))) for points in rings)
     return Shape(outer, tuple(holes))

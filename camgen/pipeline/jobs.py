@@ -7,20 +7,24 @@ another process; the results are the same, in the same order.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from camgen import spec as specs
+from camgen.errors import DesignError
 from camgen.machines import MECHANISMS, load
-from camgen.machines.included import opened
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.segments import with_tables
 from camgen.parts.part import Part
+from camgen.settings import override
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future, ProcessPoolExecutor
 
 T = TypeVar("T")
 
@@ -56,15 +60,23 @@ def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
         data, source, folder = specs.tables(spec), "spec", Path()
     else:
         data, source, folder = specs.read(Path(spec)), str(spec), Path(spec).parent
-    return opened(data, folder), source, folder
+    if "include" in data:
+        from camgen.machines.included import opened
+
+        data = opened(data, folder)
+    return data, source, folder
 
 
 def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str] = ()) -> Mechanism:
     """The mechanism of some tables with some keys set anew."""
-    for override in overrides:
-        data = specs.override(data, override)
+    for setting in overrides:
+        data = override(data, setting)
     data = with_tables(data, folder)
-    return specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
+    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
+    if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later
+        with suppress(DesignError):
+            made.model  # noqa: B018
+    return made
 
 
 @dataclass(frozen=True)
@@ -96,7 +108,11 @@ class Workers:
     """`with Workers(jobs) as workers:` does tasks on as many cores; on an exception what has not begun is dropped."""
 
     def __init__(self, jobs: int = 1) -> None:
-        self._pool = ProcessPoolExecutor(jobs, initializer=_left_to_the_parent) if jobs > 1 else None
+        self._pool: ProcessPoolExecutor | None = None
+        if jobs > 1:
+            from concurrent.futures import ProcessPoolExecutor
+
+            self._pool = ProcessPoolExecutor(jobs, initializer=_left_to_the_parent)
 
     def start(self, task: Callable[..., T], *arguments: object) -> Callable[[], T]:
         """Begin a task; what is returned gives its result, or raises what it raised."""

@@ -8,49 +8,34 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.errors import DesignError
 from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
-from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats
-from camgen.geometry.rings import Ring, Shape
-from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import (
-    Undo,
     judge_copies,
-    judge_drawing,
-    judge_exact,
     judge_exact_copies,
-    judge_mesh,
     judge_solid,
 )
-from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.exact import exact
-from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.pipeline.laser import sheet_files
-from camgen.pipeline.machining import judge_tables, table_files
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
-from camgen.pipeline.scope import ANY, Stage, not_judged, reading, unheard
+from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
+from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, reading, unheard
 from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
 
 if TYPE_CHECKING:
-    from camgen.judge.measured import Sections
-    from camgen.judge.motion import Verdict
+    from camgen.geometry.mesh import Mesh
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
@@ -58,22 +43,6 @@ _CLOCKWISE = (
     "curves over them; speeds and torques are positive counter-clockwise."
 )
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
-_ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What one stage found, for the report."""
-
-    findings: Sequence[Finding] = ()
-    numbers: Mapping[str, float] = field(default_factory=dict)
-    plots: Sequence[Plot] = ()
-    tables: Sequence[Table] = ()
-    columns: Mapping[str, Floats] = field(default_factory=dict)
-    not_judged: Sequence[NotJudged] = ()
-
-
-Read = dict[str, "Sections"]  # what was read from one part's files, by kind: the pieces at each height
 
 
 def judge(
@@ -99,8 +68,8 @@ def judge(
         outcome, read[name] = next(reading)
         parts.append(outcome)
     progress("letting the parts touch", 0.65)
-    moved, columns, more = _moved(mechanism, files, read)
-    budget = _budget(case, read, [study.numbers, moved.numbers]) if "report" in kinds else None
+    moved, columns, more = moved_by(mechanism, files, read)
+    budget = budget_of(case, read, [study.numbers, moved.numbers]) if "report" in kinds else None
     stages = []
     for k, (what, outcome_of) in enumerate(waiting):
         progress(f"looking at {what or 'the design'}", 0.7 + 0.15 * k / len(waiting))
@@ -123,7 +92,7 @@ def judge(
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
         (*not_judged(asked, files, findings, lacks), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
-        unheard(mechanism, files),
+        (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
     )  # fmt: skip
     return report, columns
 
@@ -136,43 +105,6 @@ def _merged(outcomes: Sequence[Outcome]) -> list[NotJudged]:
     return [NotJudged(code, "; ".join(whys), needs) for (code, needs), whys in found.items()]
 
 
-# ---- a part by itself ------------------------------------------------------------------------------------------------
-
-
-def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
-    """Read one part's files."""
-    mechanism, part = case.mechanism, case.parts[name]
-    features, tolerance, fit = mechanism.features(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
-    findings: list[Finding] = []
-    read: Read = {}
-    refused: list[NotJudged] = []
-    for kind in kinds:
-        path = case.file(name, kind)
-        if kind in EXACT and not path.exists():
-            refused += _without(part, tolerance)
-            continue
-        solid = FORMATS[kind].solid
-        sent, marked = (fit, False) if solid else (None, mechanism.output.center_marks)
-        meant = expected(part, tolerance, features, sent, marked)
-        judged = _JUDGES[FORMATS[kind].holds](path, meant)
-        findings += judged.findings
-        if judged.shape is not None:
-            read[kind] = judged.sections
-    return Outcome(findings, not_judged=refused), read
-
-
-_JUDGES = {"drawing": judge_drawing, "mesh": judge_mesh, "exact": judge_exact}
-
-
-def _without(part: Part, tolerance: float) -> list[NotJudged]:
-    """Why a part has no exact solid."""
-    try:
-        exact(part, tolerance)
-    except DesignError as error:
-        return [NotJudged("ROUND_TRIP", f"no STEP of {part.name}: {error}", "STL or 3MF")]
-    return []
-
-
 def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:
     return {
         "name": part.name,
@@ -183,102 +115,6 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
         "area_mm2": part.region.area,
         "files": [file.name for kind in kinds if (file := case.file(part.name, kind)).exists() or kind not in EXACT],
     }
-
-
-# ---- the motion ------------------------------------------------------------------------------------------------------
-
-
-def judge_motion(
-    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats, where: str = ""
-) -> tuple[Verdict, Sequence[Feature]] | None:
-    """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
-    is not there. Of cams those count whose parts are there; where: said in findings.
-    """
-    from camgen.judge.motion import judge_machine
-
-    files = {name: part[kind] for name, part in read.items() if kind in part}
-    lost = read.keys() - files.keys()
-    features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
-    if not features or parts_of(features) & lost:
-        return None
-    fit = compensation(mechanism) if FORMATS[kind].solid else None
-    slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
-    verdict = judge_machine(
-        kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
-        mechanism.accuracy.chord_tolerance, slack, mechanism.asked(),
-    )  # fmt: skip
-    return verdict, features
-
-
-def _moved(
-    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
-) -> tuple[Outcome, dict[str, Floats], Study]:
-    """The motion over a turn as the files give it: findings, plots of each output, its speed, error and play, as columns of
-    motion.csv; and what follows from the recovered motion."""
-    from camgen.judge.cams import judged_angles
-    from camgen.judge.targets import judge_targets
-    from camgen.pipeline.curves import Curves
-
-    features = mechanism.features()
-    if not features:
-        return Outcome(), {}, Study()
-    (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
-    theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
-    judged = low + judged_angles() * ((high - low) / math.tau)
-    outputs = judged_outputs(mechanism.model.outputs, wishes.values())
-    cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)
-    curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
-    for curve in curves:
-        motion = wishes[curve.output.name].motion if curve.output.name in wishes else None
-        if motion is not None:
-            curve.want(motion(theta, 0), motion(theta, 1))
-    findings: list[Finding] = []
-    numbers: dict[str, float] = {}
-    tables, nominal = [], []
-    for kind in kinds:
-        found = judge_motion(mechanism, kind, read, judged)
-        if found is None:
-            continue
-        verdict = found[0]
-        findings += verdict.findings
-        numbers |= verdict.numbers
-        nominal += [each for each in verdict.not_judged if each not in nominal]
-        if verdict.proof is not None and verdict.table is not None:
-            tables += [verdict.table] if verdict.table.rows else []
-            for curve in curves:
-                curve.add(kind, verdict.proof)
-            findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
-    columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
-    for curve in curves:
-        columns |= curve.columns
-    plots = [plot for curve in curves for plot in curve.plots()]
-    more = mechanism.recovered(theta, curves[0].recovered)
-    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, more
-
-
-def _budget(case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]) -> Table | None:
-    """What each stage from law to file adds to the error of the outline that drives; `found`: the figures of today."""
-    mechanism = case.mechanism
-    drive = next((feature for feature in mechanism.features() if isinstance(feature, CamOutline)), None)
-    if drive is None or not read[drive.part]:
-        return None
-    from camgen.judge.budget import error_budget
-
-    part, tolerance, fit = case.parts[drive.part], mechanism.accuracy.chord_tolerance, compensation(mechanism)
-    numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
-    return error_budget(
-        part.region.outer, _facets(part, tolerance, fit), mechanism.model, drive, mechanism.mounts(), tolerance, read[drive.part],
-        numbers,
-    )  # fmt: skip
-
-
-def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
-    """The facets of a part's outline, as they print."""
-    if fit is None:
-        points = facet_contour(part.region.outer, tolerance)
-        return Ring(points, np.zeros(len(points)))
-    points = facet_contour(compensated(part, fit).region.outer, tolerance)
-    return printed(Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage).outer
 
 
 # ---- the whole, from its files alone ---------------------------------------------------------------------------------
@@ -299,7 +135,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
-    if mechanism.output.profile_step_deg is not None or mechanism.output.cutter_radius is not None:
+    if mechanism.output.machining:
         stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
     if any(kind in EXACT for kind in kinds):
         stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
@@ -328,6 +164,8 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """ROUND_TRIP of the assembly: every copy of every part as designed, where it belongs at theta = 0."""
+    from camgen.files.threemf import read_3mf
+
     mechanism, path = case.mechanism, case.file("assembly", "3mf")
     originals, findings = _written(case), []
     if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
@@ -362,11 +200,15 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
     """Tables for machine tools, against the outlines in the parts' drawings."""
+    from camgen.pipeline.machining import judge_tables
+
     return Outcome(judge_tables(case))
 
 
 def _written(case: Case) -> dict[str, Mesh]:
     """The solid of each part's 3MF, judged there by itself."""
+    from camgen.files.threemf import read_3mf
+
     return {name: item.mesh for name in case.parts for item in read_3mf(case.file(name, "3mf")).items[:1]}
 
 
@@ -397,6 +239,7 @@ def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
     from camgen.files.plates import bed_fit, within
+    from camgen.files.threemf import read_3mf
     from camgen.judge.slabs import judge_plate
 
     mechanism, plates, written = case.mechanism, _plates(case), _written(case)
@@ -421,7 +264,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.plates import bed_fit, within
 
     findings, bed = [], case.mechanism.print
-    for part in case.parts.values():
+    for part in case.mechanism.printed():
         rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
         corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
         findings.append(bed_fit(part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height)[1])
@@ -429,11 +272,20 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The list of parts, with mass and print time of all that is printed, and the steps of assembly."""
-    table = parts_table(case.mechanism, lying_sides(case.mechanism, _written(case) if "3mf" in kinds else {}))
+    """The list of parts, with mass and print time of all that is printed, what of it needs supports, faces between layers, and
+    the steps of assembly."""
+    from camgen.pipeline.whole_layers import between
+
+    mechanism = case.mechanism
+    sides = lying_sides(mechanism, _written(case) if "3mf" in kinds else {})
+    table = parts_table(mechanism, sides)
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    return Outcome(numbers={"mass_g": mass, "print_time_h": minutes / 60}, tables=[table, case.mechanism.steps()])
+    numbers = {"mass_g": mass, "print_time_h": minutes / 60}
+    if sides:
+        numbers["supports_mm2"] = sum(part.count * sides[part.name].overhang for part in mechanism.printed())
+    layers, said = between(mechanism, sides)
+    return Outcome(numbers=numbers, tables=[table, mechanism.steps(), *([layers] if layers.rows else [])], warnings=said)
 
 
 def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -462,5 +314,19 @@ def _machine_files(case: Case) -> list[str]:
     fixed = [*(case.file("assembly", ending) for ending in ("3mf", "glb", "step")), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
     drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
-    others = (*_plates(case), *sheet_files(case), *table_files(case), *more, *drawings)
+    others = (*_plates(case), *cut_files(case), *more, *drawings)
     return [path.name for path in (*fixed, *others) if path.exists()]
+
+
+def cut_files(case: Case) -> list[Path]:
+    """Sheets for the laser and tables for machine tools that are there."""
+    found: list[Path] = []
+    if case.mechanism.laser is not None:
+        from camgen.pipeline.laser import sheet_files
+
+        found += sheet_files(case)
+    if case.mechanism.output.machining:
+        from camgen.pipeline.machining import table_files
+
+        found += table_files(case)
+    return found

@@ -21,35 +21,20 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.nesting import Spot, nest
 from camgen.parts.part import Part
+from camgen.parts.sheets import why_not
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case
 from camgen.spec import Laser
 from camgen.study import Table
 
-_SAME = 1e-6  # mm, thicknesses that are one
 _PACKED = 0.02  # mm, chord tolerance of outlines that are only to be nested
 _COLUMNS = ("sheet", "part", "copy", "x_mm", "y_mm", "angle_deg")
-
-
-def why_not(part: Part, laser: Laser) -> str:
-    """Why a part cannot be cut of a sheet; "" where it can."""
-    if part.crossed is not None:
-        return "crossed: its outline changes with height"
-    if part.made != "printed":
-        return part.made
-    if len({(layer.z0, layer.z1) for layer in part.layers}) > 1:
-        return "stepped: its layers have different outlines"
-    if len(part.layers) > 1:
-        return "of separate pieces"
-    if abs(part.thickness - laser.thickness) > _SAME:
-        return f"{part.thickness:g} mm thick, the sheet is {laser.thickness:g}"
-    return ""
 
 
 def sheet_parts(mechanism: Mechanism) -> list[Part]:
     """The parts that are cut of sheets."""
     laser = mechanism.laser
-    return [part for part in mechanism.parts() if laser is not None and not why_not(part, laser)]
+    return [part for part in mechanism.parts() if laser is not None and not why_not(part, laser.thickness)]
 
 
 def _path(part: Part, laser: Laser) -> Part:
@@ -153,7 +138,7 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
         numbers = {"sheets": float(len(listed)), "sheet_density": _density(listed, parts, laser)}
     for part in mechanism.parts():
         if part.name not in parts:
-            rows.append(("none", part.name, part.count, "", why_not(part, laser)))
+            rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
         if part.name not in sections and case.file(part.name, "dxf").exists():
             drawn = expected(part, tolerance, features, None, mechanism.output.center_marks)
             judged = judge_drawing(case.file(part.name, "dxf"), drawn)

@@ -15,18 +15,16 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
-from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, Bought
-from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
+from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.pipeline.laser import make_sheets
-from camgen.pipeline.machining import make_tables
 from camgen.study import Plate, Table
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
+    from camgen.files.threemf import Placed
     from camgen.geometry.mesh import Mesh
 
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
@@ -50,13 +48,19 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
     if "dxf" in only and mechanism.laser is not None:
+        from camgen.pipeline.laser import make_sheets
+
         make_sheets(case)
-    if "dxf" in only:
+    if "dxf" in only and mechanism.output.machining:
+        from camgen.pipeline.machining import make_tables
+
         make_tables(case)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:
         return []
+    from camgen.files.threemf import write_3mf
+
     progress("putting the assembly together", 0.4)
     write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
     if not listed:
@@ -78,7 +82,7 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
     from camgen.files.plates import lying_side, side
 
     drawn = mechanism.print.elephant_foot > 0
-    printed = [part.name for part in mechanism.parts() if part.made == "printed" and part.name in meshes]
+    printed = [part.name for part in mechanism.printed() if part.name in meshes]
     down = np.array([0.0, 0.0, -1.0])
     return {name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed}
 
@@ -103,13 +107,14 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
 
-        write_drawing(case.folder, mechanism.name, part, tolerance, {"Mechanism": mechanism.mechanism})
+        write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
     return None if mesh is None or sent is None else (mesh, sent)
 
 
 def write_exact_assembly(case: Case) -> None:
     """Write the exact solids of all parts that have one, every copy where it is at theta = 0; nothing where none has."""
     from camgen.files.step import write_step
+    from camgen.parts.exact import exact
 
     mechanism = case.mechanism
     parts = [part for part in case.parts.values() if case.file(part.name, "step").exists()]
@@ -134,6 +139,8 @@ def compensation(mechanism: Mechanism) -> Compensation | None:
 
 def assembled(mechanism: Mechanism) -> list[Placed]:
     """Every copy of every part where it is at theta = 0."""
+    from camgen.files.threemf import Placed, placing
+
     poses = mechanism.poses(np.zeros(1))
     return [
         Placed(
@@ -147,7 +154,7 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
 
 
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
-    """The list of parts: what is printed, with material, mass and time of all copies, then what is turned or bought.
+    """The list of parts: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
 
     sides: on which printed parts lie on the bed, where their solids are known.
     """
@@ -156,16 +163,17 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     material = mechanism.material
     density = (material.density or DENSITY[material.name]) * material.infill
     parts = mechanism.parts()
-    printed = [part for part in parts if part.made == "printed"]
+    printed = mechanism.printed()
     rows: list[tuple[object, ...]] = [
         ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
-        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides)
+        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer)
     ]
     blank: tuple[object, ...] = ("",) * 5
     for part in (part for part in parts if part not in printed):  # what is bought has a size, what is turned a volume
         bought = part.made == "bought"
         what, volume = (": ".join([part.title, *part.notes[:1]]), "") if bought else (part.title, part.count * part.volume)
-        rows.append((part.made, part.name, what, part.count, volume, *blank))
+        made = "cut of sheet" if mechanism.cut_of_sheet(part) else part.made
+        rows.append((made, part.name, what, part.count, volume, *blank))
     things = list(mechanism.bought())
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {thing.name for thing in things}:
         things.append(Bought("glue", "", "for all that is glued", 1))

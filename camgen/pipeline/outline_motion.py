@@ -123,7 +123,7 @@ def roll(
 @dataclass(frozen=True)
 class Request:
     """What `camgen motion` was asked for; second: outline file of the second tip, the first one's where it is None; against: the
-    spec of the cam that the outline was measured on.
+    spec of the cam that the outline was measured on; probe: radius of the ball of whose centres the points are, mm.
     """
 
     follower: str
@@ -135,6 +135,7 @@ class Request:
     line_width: float | None = None
     scanning: Scanning = Scanning()
     against: Path | None = None
+    probe: float = 0.0
 
 
 def run(path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None) -> Report:
@@ -153,6 +154,8 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
         raise SpecError([Fault("--against", str(request.against), "one follower, on the outside of a cam")], "command line")
     if request.scanning != Scanning() and path.suffix.lower() not in PICTURES:
         raise SpecError([Fault("--dpi, --second-scan, --across", path.name, f"a scan, {', '.join(PICTURES)}")], "command line")
+    if request.probe and path.suffix.lower() != ".csv":
+        raise SpecError([Fault("--probe", path.name, "measured points, .csv")], "command line")
     # what is rolled on: file and contour, one or two
     wanted = {(path, follower.contour): None}
     if other is not None:
@@ -160,7 +163,8 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     outlines = []
     for file, contour in wanted:
         progress(f"reading {file.name}")
-        outlines.append(read_outline(file, request.height, request.layer, contour, request.line_width, request.scanning))
+        how = (request.height, request.layer, contour, request.line_width, request.scanning, request.probe)
+        outlines.append(read_outline(file, *how))
     findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
     rings = [outline.ring for outline in outlines if outline.ring is not None]
     name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
@@ -231,7 +235,7 @@ def _report(
     shown = [
         ("Follower", name, key), (f"Speed, {passed}", f"{name} per rad", f"speed_{name}_rad"),
         (f"Acceleration, {passed}", f"{name} per rad²", f"acceleration_{name}_rad2"),
-        ("Pressure angle, positive ccw of the follower's way out", "deg", "pressure_angle_deg"),
+        ("Pressure angle, positive ccw of the follower's outward motion", "deg", "pressure_angle_deg"),
         ("Lash of the pair", name, f"lash_{name}"),
     ]  # fmt: skip
     plots = [Plot(title, label, unit, [(title, theta, turn[key])]) for title, unit, key in shown if key in turn]
@@ -255,7 +259,7 @@ def _counted(follower: FollowerTable, found: Recovered) -> str:
         way = f"The angle of the {what} is counter-clockwise positive, "
         from_ = math.degrees(np.angle(follower.reference) + found.start)
     else:
-        way = "The follower's way is positive outwards, "
+        way = "The follower's displacement is positive outwards, "
         from_ = (follower.at or 0.0) + found.start
     kind = "" if follower.anchored else "its innermost position, "
     return way + f"from {kind}{from_:.6g} " + ("deg" if follower.motion == "oscillating" else "mm from the shaft") + "."

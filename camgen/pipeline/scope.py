@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
+from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
-from camgen.pipeline.laser import why_not
+from camgen.parts.sheets import why_not
+from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
     from camgen.pipeline.jobs import Case
@@ -21,6 +23,19 @@ READ = (*ANY, *EXACT)  # part by part
 
 # Keys of [print] that change what is sent to a printer.
 _FITS = ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one stage found, for the report."""
+
+    findings: Sequence[Finding] = ()
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    plots: Sequence[Plot] = ()
+    tables: Sequence[Table] = ()
+    columns: Mapping[str, Floats] = field(default_factory=dict)
+    not_judged: Sequence[NotJudged] = ()
+    warnings: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -98,10 +113,13 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     if mechanism.laser is not None and "dxf" in kinds:
         kerf = mechanism.laser.kerf
         found.append(f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn")
-        if all(why_not(part, mechanism.laser) for part in mechanism.parts()):
+        if all(why_not(part, mechanism.laser.thickness) for part in mechanism.parts()):
             found.append(f"laser.thickness = {mechanism.laser.thickness:g}: no part is flat and as thick, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
+    idle = mechanism.idle()
+    if idle:
+        found.append(f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]')
     curves = mechanism.output.curves
     if curves != "bulge" and any(kind in kinds for kind in SOLID) and not any(kind in kinds for kind in DRAWN):
         found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')

@@ -30,7 +30,10 @@ _FRAMES_3D = 360  # fewer leave 0.07 mm at a sharp reversal
 
 
 def _turn(mechanism: Mechanism, frames: int) -> Floats:
-    """Angles of so many frames, rad, as time goes on."""
+    """Angles of so many frames a turn, rad, as time goes on."""
+    turns = mechanism.shown_turns
+    if turns > 1:
+        return np.asarray(mechanism.sense * np.linspace(0, turns * math.tau, turns * frames, endpoint=False))
     theta = np.linspace(0, math.tau, frames, endpoint=False)
     return np.mod(-theta, math.tau) if mechanism.sense < 0 else theta
 
@@ -51,7 +54,7 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
     unit, scale = unit_of(output)
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit)
+    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit, mechanism.shown_turns)
 
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
@@ -69,7 +72,8 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         k = number[mount.part]
         stands = placing(mount.turned, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
-    moving = [Moving(name, *_over(courses[name]), held) for name, held in bodies.items()]
+    frames = mechanism.shown_turns * _FRAMES_3D
+    moving = [Moving(name, *_over(courses[name], frames), held) for name, held in bodies.items()]
     order = [copy for held in bodies.values() for copy, _, _ in held]
     table = mechanism.steps()
     steps = []
@@ -77,12 +81,12 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
         words = f"{row[1]}: {row[2]}" if table.columns[2] == "how" else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
         steps.append(Step(words, found))
-    return Scene(glb(mechanism.name, shapes, moving), order, plates, steps)
+    return Scene(glb(mechanism.name, shapes, moving, mechanism.shown_turns), order, plates, steps)
 
 
-def _over(pose: Pose) -> tuple[Floats, Points]:
+def _over(pose: Pose, frames: int) -> tuple[Floats, Points]:
     """Angle and place of a body at every frame."""
-    return np.broadcast_to(pose.angle, _FRAMES_3D), np.broadcast_to(np.asarray(pose.place, complex), _FRAMES_3D)
+    return np.broadcast_to(pose.angle, frames), np.broadcast_to(np.asarray(pose.place, complex), frames)
 
 
 def _coarse(part: Part, tolerance: float) -> Mesh:

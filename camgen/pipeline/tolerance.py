@@ -16,6 +16,7 @@ import numpy as np
 
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape
+from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, judged_outputs
 from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Slide, Slot, unit_of
@@ -93,6 +94,8 @@ def spread_of(mechanism: Mechanism) -> Spread:
     outputs = judged_outputs(machine.outputs, mechanism.asked())
     exact = [joint.name for joint in machine.joints if isinstance(joint, Cam)] if mechanism.roller_bearing else []
     theta = np.linspace(*mechanism.range, _ANGLES)
+    if not machine.joints:
+        return Spread(mechanism, theta, sizes, (), outputs, {})
     modes, found = sensitivities(solve(machine, theta, 0), [each.name for each in outputs], sizes, exact)
     sound = np.ones(len(theta), bool)
     for each in found.values():
@@ -227,7 +230,7 @@ def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
         laws[joint.name] = rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1]
     joints = tuple(replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in shifted.joints)
     system = Constraints(replace(shifted, joints=joints))
-    closed = system.close(spread.theta, solve(machine, spread.theta, 0).poses(), 1)
+    closed = close(system, spread.theta, solve(machine, spread.theta, 0).poses(), 1)
     return {output.name: system.output(output.name, closed.q)[0] for output in spread.outputs}
 
 

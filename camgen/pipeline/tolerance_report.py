@@ -11,6 +11,7 @@ from camgen.machine.model import Output, unit_of
 from camgen.numerics import Floats
 from camgen.pipeline.jobs import Progress, Source, read_mechanism, silent
 from camgen.pipeline.tolerance import Copies, Spread, copies_of, drawn_again, rolled, spread_of
+from camgen.pipeline.tolerance_targets import MOST, Kept, Loop, loops, targets
 from camgen.report.report import Report
 from camgen.study import Plot, Table
 
@@ -45,12 +46,15 @@ def tolerance(
     progress("working out what each error does", 0.1)
     spread = spread_of(mechanism)
     if not spread.modes:
-        raise DesignError("joints that a print can put off", 0, 1, "", mechanism.name, "its bodies follow laws by themselves")
+        why = "its bodies follow laws by themselves"
+        raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
     progress("printing copies", 0.3)
     copies = copies_of(spread, samples, seed)
     numbers: dict[str, float] = {}
     tables, plots = [spread.budget(), _quantiles(spread, copies, numbers)], list[Plot]()
     tables += _yields(spread, copies, numbers)
+    few = drawn_again(spread, seed, range(min(samples, MOST)))
+    tables += _kept(targets(spread, few), numbers) + _loops(loops(spread, few, seed), numbers)
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
@@ -100,7 +104,7 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
             rows.append(("LASH", output.name, limit * scale, unit, 100 * float(np.mean(play <= limit))))
             good &= play <= limit
     for (name, cam), (_, least, air) in copies.held.items():
-        rows.append(("INTERFERENCE", f"{cam} nowhere jams, {name}", 0.0, "mm", 100 * float(np.mean(least >= 0))))
+        rows.append(("INTERFERENCE", f"{cam} jams nowhere, {name}", 0.0, "mm", 100 * float(np.mean(least >= 0))))
         numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(np.quantile(air, 0.99))
         good &= least >= 0
     if not rows:
@@ -111,8 +115,29 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
     if copies.held:
         shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for (_, cam), (_, _, air) in copies.held.items()]
         heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
-        told.append(Table("Air at both tips, mm, with which a pair nowhere jams: a tip so much smaller in radius", heads, shares))
+        told.append(Table("Clearance at both tips, mm, with which no pair jams: their radius smaller by so much", heads, shares))
     return told
+
+
+def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
+    """Share of copies that keep what is wanted of the outputs by value."""
+    rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds))) for each in found]
+    if found:
+        numbers["targets_yield_percent"] = 100 * float(np.mean(np.all([each.holds for each in found], axis=0)))
+        rows.append(("all", "", "", "", numbers["targets_yield_percent"]))  # type: ignore[arg-type]
+    title = f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies" if found else ""
+    return [Table(title, ("finding", "output", "limit", "unit", "copies that hold, %"), rows)] if found else []
+
+
+def _loops(found: Sequence[Loop], numbers: dict[str, float]) -> list[Table]:
+    """Share of copies in which the smallest loop of a path is left."""
+    for each in found:
+        shares = {"printed": each.printed, "loose": each.loose}
+        numbers |= {f"{each.output.replace(' ', '_')}_loop_{how}_percent": 100 * share for how, share in shares.items()}
+    rows = [(each.output, float(np.degrees(each.begins)), float(np.degrees(each.ends)), each.extent, 100 * each.printed,
+             100 * each.loose) for each in found]  # fmt: skip
+    heads = ("path", "from, deg", "to, deg", "extent, mm", "left in copies, %", "and with the play of their pins, %")
+    return [Table("Smallest loops of paths", heads, rows)] if found else []
 
 
 def _worst(

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from camgen.errors import Fault, SpecError
-from camgen.spec import dotted, split_setting
+from camgen.settings import dotted, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")

@@ -42,7 +42,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Animation:
-    """One turn: `theta` (n,) rad, evenly spaced from 0, the end point left out; the poses' arrays are (n,) too.
+    """So many turns: `theta` (n,) rad, evenly spaced from 0, the end point left out; the poses' arrays are (n,) too.
 
     Each angle is a frame of the page, which interpolates between: 120 (3 deg) are exact to 0.04 % of a radius.
     output: (n,) the follower's value in `output_unit`, shown as `output_name`. A pose that is nan hides its body.
@@ -53,6 +53,7 @@ class Animation:
     output: Floats | None = None
     output_name: str = "output"
     output_unit: str = ""
+    turns: int = 1
 
 
 def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
@@ -154,6 +155,7 @@ def frames(animation: Animation) -> dict[str, object]:
     output = [] if animation.output is None else np.asarray(animation.output, float).tolist()
     return {
         "frames": len(animation.theta),
+        **({"turns": animation.turns} if animation.turns > 1 else {}),
         "poses": poses,
         "flipped": [pose.flipped for _, pose in _copies(animation)],
         "courses": {str(k): _rounded(body.course) for k, body in enumerate(animation.bodies) if body.course is not None},

@@ -5,7 +5,8 @@ const camgen = (() => {
   const byId = id => document.getElementById(id);
   const followers = [];
   const secondsPerTurn = 8;
-  let deg = 0, running = false, before = 0;
+  const turns = data.turns || 1;  // of the drive, after which all is where it was
+  let deg = 0, lap = 0, running = false, before = 0;
 
   function show(angle) {
     deg = angle;
@@ -15,7 +16,8 @@ const camgen = (() => {
     followers.push(what);
     what(deg);
   }
-  const page = { follow, show, solid: false };  // solid: a viewer shows the machine, the drawing rests
+  // solid: a viewer shows the machine, the drawing rests; turned: share of all turns at an angle of this one
+  const page = { follow, show, solid: false, turned: angle => (lap + angle / 360) / turns };
   let folded = [];  // what is unfolded to be printed
   addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("details:not([open])")];
@@ -33,7 +35,7 @@ const camgen = (() => {
   follow(() => {
     slider.value = deg;
     byId("angle").value = deg.toFixed(1);
-    const place = (deg % 360) / 360 * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
     if (data.output.length) {
       const a = data.output[i], b = data.output[j];
       byId("value").value = a === null || b === null ? "\u2013" : between(a, b, share).toFixed(3).replace("-", "\u2212");
@@ -41,7 +43,7 @@ const camgen = (() => {
     if (!page.solid) draw();
   });
   function draw() {
-    const place = (deg % 360) / 360 * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
     Object.entries(data.courses).forEach(([k, rows]) => {
       const line = rows[i].map((value, n) => between(value, rows[j][n], j ? share : 0).toFixed(2));  // a turn may begin anew
       document.querySelector("#body-" + k + " path").setAttribute("d", "M" + line.join(" "));
@@ -146,7 +148,9 @@ const camgen = (() => {
 
   function step(now) {
     if (!running) return;
-    show((deg + (now - before) / 1000 * 360 / secondsPerTurn) % 360);
+    const next = deg + (now - before) / 1000 * 360 / secondsPerTurn;
+    lap = (lap + Math.floor(next / 360)) % turns;
+    show(next % 360);
     before = now;
     requestAnimationFrame(step);
   }

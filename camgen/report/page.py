@@ -143,9 +143,15 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]])
 
     rows = list(rows)
     models = rows[0] if rows else columns
-    head = "".join(f'<th scope="col"{kind(m)}>{escape(column)}</th>' for column, m in zip(columns, models, strict=True))
+    heads = (f'<th scope="col"{kind(m)}>{escape(c)}</th>' if c else "<td></td>" for c, m in zip(columns, models, strict=True))
+    head = "".join(heads)
     head = f"<caption>{escape(title)}</caption><thead><tr>{head}</tr></thead>"
-    return f'<div class="scroll"><table>{head}<tbody>{"".join(map(line, rows))}</tbody></table></div>'
+    return _scrolling(title, f"<table>{head}<tbody>{''.join(map(line, rows))}</tbody></table>")
+
+
+def _scrolling(title: str, table: str) -> str:
+    """A table that scrolls sideways where it is too wide, by the arrow keys too."""
+    return f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(title)}">{table}</div>'
 
 
 def _folded(table: Table) -> str:
@@ -267,7 +273,7 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         )
     columns = "".join(f'<th scope="col">{words}</th>' for words in head)
     head_row = f"<thead><tr>{columns}</tr></thead>"
-    return f'<div class="scroll"><table class="rows">{head_row}<tbody>{"".join(rows)}</tbody></table></div>'
+    return _scrolling("Findings", f'<table class="rows">{head_row}<tbody>{"".join(rows)}</tbody></table>')
 
 
 def _cell(group: Sequence[Finding], kind: str) -> str:

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,8 +22,10 @@ from numpy.typing import ArrayLike
 from camgen import __version__
 from camgen.errors import FileError
 from camgen.findings import Finding, NotJudged, left_out
-from camgen.report.animation import Animation
 from camgen.study import Plot, Scene, Table
+
+if TYPE_CHECKING:
+    from camgen.report.animation import Animation
 
 Path = str | PathLike[str]
 
@@ -67,10 +69,10 @@ class Report:
 
     @property
     def verdict(self) -> str:
-        """One line: how many checks hold or fail, and what was not judged."""
+        """One line: how many findings hold or fail, and what was not judged."""
         failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
-        held = {0: "Nothing is judged here", 1: "The one check holds"}.get(count, f"All {count} checks hold")
-        said = f"{failed} of {count} checks fail{'s' if failed == 1 else ''}" if failed else held
+        held = {0: "Nothing is judged here", 1: "The one finding holds"}.get(count, f"All {count} findings hold")
+        said = f"{failed} of {count} findings fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
     def _repr_html_(self) -> str:

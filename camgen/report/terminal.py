@@ -10,8 +10,11 @@ import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from shutil import get_terminal_size
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import click
 
 from camgen.errors import printable
 from camgen.report.words import NOISE
@@ -58,68 +61,69 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
     quiet: what fails alone, and what this run did beside the result, for that is written nowhere; verbose: every finding by
     itself and in words, every file by name.
     """
-    from rich.console import Console
-    from rich.text import Text
-
     from camgen.findings import left_out, told_once
-
-    class Terminal(Console):
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError  # `main` knows what to do; rich would end with the code of a finding that fails
-
-    # A table that goes to a file or a pipe is as wide as it needs to be.
-    console = Terminal(highlight=False, width=None if sys.stdout.isatty() else 240)
-
-    def say(text: str, style: str = "") -> None:
-        console.print(Text(printable(text), style), soft_wrap=True)
 
     failed = [finding for finding in report.findings if not finding.ok]
     if quiet and not failed:
         for text in report.remarks:
-            say(f"note: {report.name}: {text}")
+            _say(f"note: {report.name}: {text}")
         return
     if not quiet:
-        _print_table(console, report, verbose)
+        _print_table(report, verbose)
     for finding, where in told_once(failed):
-        say(_in_words(finding, where))
+        _say(_in_words(finding, where))
     for finding in report.findings if verbose else ():
         if finding.ok:
-            say(_in_words(finding, finding.where))
+            _say(_in_words(finding, finding.where))
     for text in report.remarks if quiet else (*report.warnings, *report.remarks):
-        say(f"note: {text}")
+        _say(f"note: {text}")
     count = len(report.findings)
     held = "the one finding holds" if count == 1 else f"all {count} findings hold"
     verdict = f"{len(failed)} of {count} findings {'FAILS' if len(failed) == 1 else 'FAIL'}" if failed else held
     open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
-    say(f"{report.name}: {verdict}{open_}", "bold red" if failed else "bold green" if not open_ else "bold")
+    _say(f"{report.name}: {verdict}{open_}", "red" if failed else "green" if not open_ else None, bold=True)
     codes = list(dict.fromkeys(finding.code for finding in failed))
     if codes:
-        say(f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}")
+        _say(f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}")
     for text in () if quiet or report.folder is None else _where_to_go(report, Path(report.folder), verbose):
-        say(text)
+        _say(text)
 
 
-def _print_table(console: Any, report: Report, every: bool) -> None:
-    """The findings as a table of the console's width, those that fail first."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+def _say(text: str, colour: str | None = None, **style: bool) -> None:
+    """Print a line of any text."""
+    _print(click.style(printable(text), colour, **style))
 
+
+def _print(line: str) -> None:
+    """Print a line; with its colours on a terminal alone, and not where NO_COLOR asks for none."""
+    click.echo(line if sys.stdout.isatty() and not os.environ.get("NO_COLOR") else click.unstyle(line))
+
+
+def _print_table(report: Report, every: bool) -> None:
+    """The findings as a table of the terminal's width, those that fail first."""
     findings = [(finding, 1) for finding in report.findings] if every else _condensed(report.findings)
     bad = [_cells(report, finding, of) for finding, of in findings if not finding.ok]
-    open_ = [dict.fromkeys(_COLUMNS, "") | {"finding": each.code, "where": each.why, "": _OPEN} for each in report.not_judged]
+    blank = dict.fromkeys(_COLUMNS, "")
+    open_ = [blank | {"finding": each.code, "where": printable(each.why), "": _OPEN} for each in report.not_judged]
     rows = [*bad, *open_, *(_cells(report, finding, of) for finding, of in findings if finding.ok)]
-    widths = _widths(rows, console.width)
-    console.width = max(console.width, sum(widths.values()) + _BETWEEN * len(widths))
-    table = Table(title=Text(printable(f"{report.name} ({report.mechanism})")), title_justify="left", box=box.SIMPLE_HEAD,
-                  pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))  # fmt: skip
-    for column in (name for name in _COLUMNS if name in widths):
-        justify: Any = "right" if column in ("measured", "limit", "margin") else "left"
-        table.add_column(column, justify=justify, overflow="ellipsis", no_wrap=True, width=widths[column])
-    styles = {"ok": "green", "FAIL": "bold red", _OPEN: "bold yellow"}
+    # a table that goes to a file or a pipe is as wide as it needs to be
+    widths = _widths(rows, get_terminal_size().columns if sys.stdout.isatty() else 240)
+    shown = [name for name in _COLUMNS if name in widths]
+    line = "\u2500" if (sys.stdout.encoding or "").lower().startswith("utf") else "-"
+    _say(f"{report.name} ({report.mechanism})", italic=True)
+    _say((" " * _BETWEEN).join(_filled(name, name, widths[name]) for name in shown), bold=True)
+    _print(line * (sum(widths.values()) + _BETWEEN * (len(widths) - 1)))
+    colours = {"ok": "green", "FAIL": "red", _OPEN: "yellow"}
     for row in rows:
-        table.add_row(*(Text(text, styles.get(text, "") if not name else "") for name, text in row.items() if name in widths))
-    console.print(table)
+        *cells, verdict = (_filled(name, row[name], widths[name]) for name in shown)
+        colour = colours.get(row[""])
+        _print((" " * _BETWEEN).join([*cells, click.style(verdict, colour, bold=row[""] != "ok")]))
+
+
+def _filled(column: str, text: str, width: int) -> str:
+    """A cell as wide as its column."""
+    text = text if len(text) <= width else f"{text[: width - 1]}\u2026"
+    return f"{text:>{width}}" if column in ("measured", "limit", "margin") else f"{text:<{width}}"
 
 
 def number(value: float, noise: float = NOISE) -> str:

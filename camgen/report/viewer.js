@@ -144,7 +144,7 @@
     const q = new THREE.Quaternion(), p = new THREE.Vector3();
     function turn(deg) {
       bodies.forEach(body => body.channels.forEach(({ path, values }) => {
-        const wide = path === "rotation" ? 4 : 3, n = values.length / wide - 1, place = deg / 360 * n;
+        const wide = path === "rotation" ? 4 : 3, n = values.length / wide - 1, place = camgen.turned(deg) * n;
         const i = Math.min(n - 1, Math.floor(place)), share = place - i;
         if (path === "rotation") body.group.quaternion.fromArray(values, 4 * i).slerp(q.fromArray(values, 4 * i + 4), share);
         else body.group.position.fromArray(values, 3 * i).lerp(p.fromArray(values, 3 * i + 3), share);

@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "machine"))
 from chains import CHAINS  # noqa: E402
 
 from camgen.machine import solve  # noqa: E402
+from camgen.machine.closing import close  # noqa: E402
 from camgen.machine.constraints import Constraints  # noqa: E402
 from camgen.machine.loops import Chain, Dyad, chain_of  # noqa: E402
 from camgen.machine.newton import Block  # noqa: E402
@@ -51,7 +52,7 @@ def main() -> None:
         again = best(lambda chain=chain: chain.state(theta, 2), 50)
         system, run = Constraints(machine), solve(machine, theta)
         guess = run._poses[0]
-        judge = best(lambda system=system, guess=guess: system.close(theta, guess), 1)
+        judge = best(lambda system=system, guess=guess: close(system, theta, guess), 1)
         forces = best(lambda machine=machine: solve(machine, theta).forces(), 1)
         blocks = [step for step in chain.steps if isinstance(step, Dyad | Block)]
         kinds = " ".join(step.kind if isinstance(step, Dyad) else f"Newton:{step.size}" for step in blocks)

@@ -189,7 +189,7 @@ with folders.Staged(target) as folder:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
 @pytest.mark.parametrize("when, left", [("work", "first"), ("between", None), ("after", "killed")])
 def test_what_a_killed_build_left_is_swept_and_brought_back(tmp_path: Path, when: str, left: str | None) -> None:
-    """The next build finds a result, even if it comes to nothing itself, and nothing else lies about."""
+    """The next build, of whatever name, finds a result, even if it comes to nothing itself, and nothing else lies about."""
     target = tmp_path / "cam"
     make(target)
     before = tree(tmp_path)
@@ -198,7 +198,7 @@ def test_what_a_killed_build_left_is_swept_and_brought_back(tmp_path: Path, when
     assert len(list(tmp_path.iterdir())) == (2 if left else 1) and target.exists() is bool(left)
     if left:
         assert (target / "a.txt").read_text() == left
-    with pytest.raises(ValueError), Staged(target):
+    with pytest.raises(ValueError), Staged(tmp_path / "other"):
         raise ValueError
     assert [path.name for path in tmp_path.iterdir()] == ["cam"]
     assert left == "killed" or tree(tmp_path) == before

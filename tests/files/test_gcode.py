@@ -118,6 +118,10 @@ def test_what_is_refused(tmp_path):
         read_gcode(path)
     with pytest.raises(FileError, match="cannot be read"):
         read_gcode(tmp_path / "none.gcode")
+    with open(path, "wb") as file:
+        file.truncate(201_000_000)
+    with pytest.raises(FileError, match="is 201 MB large, 200 MB at most"):
+        read_gcode(path)
 
 
 def test_an_outline_of_a_plate_of_two(tmp_path):
@@ -154,3 +158,23 @@ def test_damaged_numbers_are_no_motion(tmp_path, old, new, said):
     path.write_text(text[:at] + new + text[at + len(old) :])
     with pytest.raises(FileError, match=said):
         read_gcode(path)
+
+
+def test_a_bore_laid_as_walls_of_two_widths(tmp_path):
+    """Each half's centre line lies half of its own width inside the material: the bore is round; a wall keeps its height."""
+    half = [(4 + w / 2) * np.exp(1j * np.linspace(a, a + math.pi, 200)) for w, a in ((0.4, 0.0), (0.6, math.pi))]
+    lines = ["M83", *(f"{mark}" for mark in (PRUSA[0], ";WIDTH:0.45"))]
+    for k in range(3):
+        outer = [*circle(20 - WIDTH / 2, 400), 20 - WIDTH / 2]
+        for z, width in ((outer, 0.45), (half[0], 0.4), (half[1], 0.6)):
+            lines += [] if width == 0.6 else [f"G1 X{z[0].real:.5f} Y{z[0].imag:.5f} Z{0.2 * (k + 1):.1f}"]
+            lines += [f";WIDTH:{width}", *(f"G1 X{p.real:.5f} Y{p.imag:.5f} E.01" for p in z[1:])]
+        lines.append(f"G1 X{half[0][0].real:.5f} Y0 E.01")
+    path = tmp_path / "p.gcode"
+    path.write_text("\n".join(lines))
+    assert [round(wall.z, 1) for wall in read_gcode(path)] == [0.2, 0.2, 0.4, 0.4, 0.6, 0.6]
+    rings, said = printed_outlines(path)
+    bore = min(rings, key=lambda ring: abs(ring.area))
+    turned = np.abs(np.angle(bore.points)) % math.pi
+    round_part = bore.points[(turned > 0.2) & (turned < math.pi - 0.2)]
+    assert np.abs(np.abs(round_part) - 4).max() < 2e-3 and "0.4 to 0.6 mm wide" in said

@@ -89,3 +89,15 @@ def test_points_out_of_order_cross(tmp_path: Path) -> None:
     z[[10, 14]] = z[[14, 10]]
     outline = read_outline(places(tmp_path / "p.csv", z=z))
     assert outline.ring is None and not outline.findings[-1].ok
+
+
+def test_centres_of_a_probe(tmp_path: Path) -> None:
+    """A ball of radius 2 rolled round the disc: its centres lie on a circle of 22; the disc's own motion is recovered."""
+    path = places(tmp_path / "p.csv", z=E + (A + 2) * np.exp(1j * np.radians(np.arange(360))))
+    outline = read_outline(path, probe=2.0)
+    assert outline.ring is not None and outline.ring.area == pytest.approx(np.pi * A**2, rel=1e-6)
+    assert "radius of 2 mm is taken off" in outline.remark
+    found = recover(outline.ring, read_follower("translating,shape=flat,at=0"))
+    assert found.s == pytest.approx(A + E * np.sin(found.theta), abs=1e-5)
+    with pytest.raises(FileError, match="a probe of radius 30 mm leaves not one piece"):
+        read_outline(path, probe=30.0)

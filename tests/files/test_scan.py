@@ -16,7 +16,7 @@ from scans import FOLLOWER, Glass, apart, cam, saved
 
 from camgen.cli import main
 from camgen.errors import FileError
-from camgen.files.foreign import read_outline
+from camgen.files.foreign import Outline, read_outline
 from camgen.files.scan import Scanning, read_scan
 from camgen.geometry.rings import Floats, Points
 from camgen.judge.follower_table import read_follower
@@ -33,7 +33,10 @@ DISC = (ring(5, 20), ring(0, 3))
 
 
 def moved(path: Path, how: Scanning | None = None) -> Floats:
-    outline = read_outline(path, scanning=how)
+    return moved_by(read_outline(path, scanning=how))
+
+
+def moved_by(outline: Outline) -> Floats:
     assert outline.ring is not None and all(finding.ok for finding in outline.findings)
     return recover(outline.ring, read_follower(FOLLOWER)).s
 
@@ -127,9 +130,9 @@ def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
     assert outline.numbers["scanner_shear_percent"] == pytest.approx(2 * true[0, 1] * share, abs=0.01)
     assert "scanner_off_mm" in outline.numbers, "its common scale is still unknown"
     assert apart(moved(first), wanted) > 0.1
-    known = Scanning(others=others, across=width)
-    assert apart(moved(first, known), wanted) < 0.012
-    assert "scanner_off_mm" not in read_outline(first, scanning=known).numbers
+    known = read_outline(first, scanning=Scanning(others=others, across=width))
+    assert apart(moved_by(known), wanted) < 0.012
+    assert "scanner_off_mm" not in known.numbers
 
 
 def test_scans_that_lie_alike_tell_nothing_of_the_scanner(tmp_path: Path) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from functools import reduce
+from itertools import pairwise
 from pathlib import Path
 
 import ezdxf
@@ -10,14 +13,17 @@ import ezdxf.path
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from ezdxf.layouts import Modelspace
 
-from camgen.files.dimensions import holes_of
+from camgen.files.dimensions import free, holes_of, number
 from camgen.files.drawing import write_drawing
 from camgen.files.sheet import LAYERS
 from camgen.files.stl import read_stl, write_stl
+from camgen.files.title_block import Facts
+from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
@@ -25,6 +31,7 @@ from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 NAMES = sorted(path.stem for path in SPECS.glob("*.toml"))
+FACTS = Facts("m", "PLA", 12.3, "ISO 2768-m", "K-104-01", "2026-05-31", (), 10.0)
 FACETS = 0.02  # mm, of the solids and of what is read from the sheets
 # Widths of LibreCAD's standard.lff in ninths of the height of capitals, each with its letter spacing of 3; the space has 6.75.
 CAD_WIDTHS = {
@@ -55,7 +62,7 @@ class Drawn:
 
 
 def drawn(part: Part, folder: Path, tolerance: float = FACETS / 4) -> Drawn:
-    path, _ = write_drawing(folder, "x", part, tolerance, {"Mechanism": "m", "Material": "PLA"})
+    path, _ = write_drawing(folder, "x", part, tolerance, FACTS)
     space = ezdxf.readfile(path).modelspace()
     frames = [np.array(e.get_points("xy")) @ [1, 1j] for e in space.query("LWPOLYLINE[layer=='TEXT']") if len(e) == 4]
     frame = max(frames, key=lambda z: np.ptp(z.real))
@@ -85,6 +92,8 @@ def views(sheet: Drawn) -> tuple[list[shapely.Polygon], list[shapely.Polygon], l
         # a path's splines leave a large circle by 3e-4 of its radius
         line = (entity if entity.dxftype() == "CIRCLE" else ezdxf.path.make_path(entity)).flattening(5e-4)
         ring = shapely.Polygon([(v.x, v.y) for v in line]).buffer(0)
+        if entity.dxf.layer == "HIDDEN" and ring.area > shapely.box(*ring.bounds).area - 1e-9:
+            continue  # a bore
         found[1 if ring.bounds[0] > right + 1e-6 else 2 if ring.bounds[3] < low - 1e-6 else 0].append(ring)
     return found  # type: ignore[return-value]
 
@@ -133,12 +142,37 @@ def test_views_are_the_shadows_of_the_body_that_is_made(sheets: list[Drawn], tmp
         assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
         # heights stand beside each other: the view from the left is not moved up or down, the one from above not sideways
         assert drawn_side.bounds[1::2] == pytest.approx(seen.bounds[1::2], abs=FACETS), name
-        assert (len(above) > 0) == (sheet.part.crossed is not None), name
-        if above:
+        if sheet.part.crossed is not None:
             seen = shadow(mesh, 1, (0, 2), -1)
             drawn_above = filled(shapely.union_all(above))
             assert unlike(moved_to(drawn_above, seen), seen) < FACETS, name
             assert drawn_above.bounds[::2] == pytest.approx(seen.bounds[::2], abs=FACETS), name
+        else:
+            assert_section_is_that_of_the_body(sheet, mesh, above)
+
+
+def plane_of(sheet: Drawn) -> float | None:
+    """The y at which the arrows of a section stand; None where there is none."""
+    titles = [e.dxf.text for e in sheet.texts if e.dxf.text[1:2] == "-" and e.dxf.text[:1] == e.dxf.text[2:]]
+    marks = [e.dxf.align_point.y for e in sheet.texts if titles and e.dxf.text == titles[0][0] and e.dxf.layer == "TEXT"]
+    return marks[0] - 1.2 / sheet.scale if titles else None
+
+
+def assert_section_is_that_of_the_body(sheet: Drawn, mesh: Mesh, faces: list[shapely.Polygon]) -> None:
+    """Cut faces have the area and the places of a cut through the body itself, and only parts with steps have any."""
+    y, name = plane_of(sheet), sheet.part.name
+    assert (y is not None) == (len(faces) > 0), name
+    steps = len({layer.region for layer in sheet.part.layers}) > 1 and any(layer.region.holes for layer in sheet.part.layers)
+    assert y is not None or not steps, name
+    if y is None:
+        return
+    turned = Mesh(mesh.vertices[:, (0, 2, 1)] * (1, 1, -1), mesh.faces)
+    rings = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (ring.points for ring in slice_mesh(turned, 1e-4 - y))]
+    wanted = reduce(shapely.symmetric_difference, rings)
+    drawn_faces = shapely.transform(reduce(shapely.symmetric_difference, faces), lambda points: points * (1, -1))
+    assert drawn_faces.area == pytest.approx(wanted.area, abs=FACETS * wanted.length), name
+    assert unlike(moved_to(drawn_faces, wanted), wanted) < 2 * FACETS, name
+    assert drawn_faces.bounds[::2] == pytest.approx(wanted.bounds[::2], abs=FACETS), name
 
 
 def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> None:
@@ -171,8 +205,24 @@ def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> 
 def test_what_lies_behind_material_is_dashed(tmp_path: Path) -> None:
     (upper,) = [p for p in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts() if p.name == "upper-spreader"]
     sheet = drawn(upper, tmp_path)
-    (hidden,) = sheet.space.query("*[layer=='HIDDEN']")
-    assert hidden.dxf.linetype == "HIDDEN2" and "HIDDEN" in LAYERS
+    hidden = sheet.space.query("*[layer=='HIDDEN']")
+    assert {entity.dxf.linetype for entity in hidden} == {"HIDDEN2"} and "HIDDEN" in LAYERS
+    assert len(hidden) == 3  # the layer below the upper one, and its bore from the left and from above
+
+
+def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None:
+    """Each hole along z between two dashed lines at its least and greatest y, and of a blind one its end."""
+    for sheet in sheets:
+        right = max(sheet_box(layer.region)[2] for layer in sheet.part.layers)
+        boxes = [ezdxf.path.make_path(e) for e in sheet.space.query("LWPOLYLINE[layer=='HIDDEN']")]
+        sides = [box for path in boxes if (box := shapely.LineString([v.vec2 for v in path.flattening(1)]).bounds)[0] > right]
+        for layer in sheet.part.layers:
+            for hole in layer.region.holes:
+                _, low, _, high = sheet_box(Region(hole))
+                mine = [box for box in sides if abs(box[1] - low) + abs(box[3] - high) < FACETS]
+                assert mine, (sheet.part.name, low, high)
+                long = layer.z1 - layer.z0 if sheet.part.crossed is None else 0.0
+                assert max(box[2] - box[0] for box in mine) > long - FACETS, sheet.part.name
 
 
 # ---- words ------------------------------------------------------------------------------------------------------------
@@ -186,6 +236,76 @@ def test_notes_end_before_the_title_block_in_librecad(sheets: list[Drawn]) -> No
         for note in notes:
             end = note.dxf.insert.x + cad_width(note.dxf.text, note.dxf.height)
             assert end < left, (sheet.part.name, note.dxf.text)
+
+
+def text_box(text: ezdxf.entities.Text) -> shapely.Polygon:
+    """Where a text stands in LibreCAD's font, with its hooks below the line."""
+    wide, h = cad_width(text.dxf.text, text.dxf.height), text.dxf.height
+    share = {0: 0.0, 1: 0.5, 2: 1.0}[text.dxf.halign]
+    at = text.dxf.insert if text.dxf.halign == 0 else text.dxf.align_point
+    box = shapely.box(-share * wide, -0.25 * h, (1 - share) * wide, h)
+    return shapely.affinity.translate(shapely.affinity.rotate(box, text.dxf.rotation, origin=(0, 0)), at.x, at.y)
+
+
+def test_no_text_leaves_the_frame_or_runs_into_the_title_block(sheets: list[Drawn]) -> None:
+    """What stands in the block stays in its own cell, all else outside it; a number or table never runs into another text."""
+    for sheet in sheets:
+        low, high = sheet.low, sheet.high
+        block = shapely.box(high.real - 170 / sheet.scale, low.imag, high.real, low.imag + 36 / sheet.scale)
+        inner = shapely.box(low.real, low.imag, high.real, high.imag)
+        boxes = [(text.dxf.text, text_box(text)) for text in sheet.texts]
+        outside = [(name, box) for name, box in boxes if not block.buffer(1e-6).contains(box)]
+        assert len(boxes) - len(outside) == 26, sheet.part.name  # 13 cells, a name and a value each
+        for name, box in outside:
+            assert inner.buffer(1e-6).contains(box) and not block.intersects(box), (sheet.part.name, name)
+        for k, (name, box) in enumerate(boxes):
+            for other, its in boxes[:k]:
+                assert box.intersection(its).area < 0.02 * box.area, (sheet.part.name, name, other)
+
+
+def test_title_block_says_what_a_workshop_asks(sheets: list[Drawn]) -> None:
+    for sheet in sheets:
+        texts = [text.dxf.text for text in sheet.texts]
+        said = {key: texts[texts.index(key) + 1] for key in ("Material", "Mass", "General tolerance", "Date", "Drawing number")}
+        assert said == dict(zip(said, ("PLA", "12.3 g", "ISO 2768-m", "2026-05-31", "K-104-01"), strict=True))
+        # first angle: the cone's frustum left of its view from the small end, two circles about one axis [ISO 5456-2]
+        at = next(text.dxf.insert for text in sheet.texts if text.dxf.text == "Projection")
+        near = [e for e in sheet.space.query("ARC CIRCLE[layer=='TEXT']") if abs(e.dxf.center.y - at.y) * sheet.scale < 6]
+        small, large = sorted(near, key=lambda e: e.dxf.radius)
+        assert small.dxf.center == large.dxf.center and large.dxf.radius == pytest.approx(2 * small.dxf.radius)
+        (frustum,) = [
+            e for e in sheet.space.query("LWPOLYLINE[layer=='TEXT']")
+            if len({round(y * sheet.scale, 3) for _, y in e.get_points("xy")}) == 4
+        ]  # fmt: skip
+        z = np.array(frustum.get_points("xy")) @ [1, 1j]
+        left, right = np.ptp(z.imag[z.real == z.real.min()]), np.ptp(z.imag[z.real == z.real.max()])
+        assert (left, right) == pytest.approx((2 * small.dxf.radius, 2 * large.dxf.radius))
+        assert z.real.max() < large.dxf.center.x - large.dxf.radius
+
+
+def test_a_disc_is_told_by_its_diameter(sheets: list[Drawn]) -> None:
+    for sheet in sheets:
+        outers = [layer.region.outer for layer in sheet.part.layers]
+        if len(sheet.part.layers) == 1 and (disc := as_circle(outers[0])):
+            dims = [e.dxf.text for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.text.startswith("%%c")]
+            assert dims == [f"%%c{number(2 * disc[1])}"], sheet.part.name
+
+
+def test_radii_of_a_cam_are_those_of_its_outline(sheets: list[Drawn]) -> None:
+    for sheet in sheets:
+        curve = next((c for c in (sheet.part.region.outer, *sheet.part.region.holes) if free(c)), None)
+        texts = [text.dxf.text for text in sheet.texts]
+        if curve is None:
+            assert "Radius" not in texts
+            continue
+        z = facet_contour(curve, 1e-6)
+        pairs = [re.fullmatch(r"(\d+)%%d (\d+\.\d{3})", f"{a} {b}") for a, b in pairwise(texts)]
+        rows = [(float(pair[1]), float(pair[2])) for pair in pairs if pair]
+        assert sorted(angle for angle, _ in rows) == list(range(0, 360, 10)), sheet.part.name
+        ring = shapely.LinearRing(np.column_stack([z.real, z.imag]))
+        for angle, radius in rows:
+            point = radius * np.exp(1j * np.radians(angle))
+            assert ring.distance(shapely.Point(point.real, point.imag)) < 6e-4, (sheet.part.name, angle)
 
 
 @pytest.mark.parametrize("word", ["a-word-without-any-space-in-it-that-is-longer-than-the-room-for-notes.dxf", "mw " * 30])

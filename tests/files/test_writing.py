@@ -211,6 +211,7 @@ from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.files.drawing import write_drawing
+from camgen.files.title_block import Facts
 from camgen.parts.solids import solid
 folder = pathlib.Path(sys.argv[1])
 for part in (cam(), hub()):
@@ -218,7 +219,7 @@ for part in (cam(), hub()):
     write_dxf(folder / f"{part.name}.dxf", part.region, part.centres, 1e-3)
     write_stl(folder / f"{part.name}.stl", mesh, part.name)
     write_3mf(folder / f"{part.name}.3mf", {"p": mesh}, [Placed("p", "a", placing(1, 0j, 3, 6)), Placed("p", "p")], "k")
-    write_drawing(folder, "x", part, 1e-3, {"Mechanism": "none"})
+    write_drawing(folder, "x", part, 1e-3, Facts("none"))
 """
 
 

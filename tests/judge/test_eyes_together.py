@@ -12,10 +12,10 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from judged import mechanism_of, wrong
 
 from camgen.files.stl import read_stl, write_stl
 from camgen.files.threemf import Placed, read_3mf, write_3mf
-from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.machine.features import eyes_of
 from camgen.pipeline import build as pipeline
@@ -57,10 +57,6 @@ def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
         write_3mf(path, meshes, items, "key")
 
 
-def told(folder: Path) -> list[Finding]:
-    return [f for f in pipeline.check(folder).findings if not f.ok]
-
-
 @pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
 @pytest.mark.parametrize(("spec", "part", "change", "off"), [
     ("linkage", "coupler", lambda z: z + 0.6, 0.6),
@@ -74,9 +70,9 @@ def test_moved_together(
     built: Callable[..., Path], tmp_path: Path, spec: str, part: str, change: Change, off: float | None, kind: str
 ) -> None:
     folder = Path(shutil.copytree(built(spec), tmp_path / spec))
-    eyes = eyes_of(part, pipeline.read_mechanism(folder / "spec.toml").features())
+    eyes = eyes_of(part, mechanism_of(folder).features())
     damage(folder / f"{spec}-{part}.{kind}", part, eyes, change)
-    found = [f for f in told(folder) if f.where == f"{spec}-{part}.{kind}"]
+    found = [f for f in wrong(folder, kind) if f.where == f"{spec}-{part}.{kind}"]
     assert [f.code for f in found] == ["ROUND_TRIP"] and "moved or turned together" in found[0].message
     if off is not None:
         assert found[0].measured == pytest.approx(off, abs=1e-5)
@@ -86,9 +82,9 @@ def test_moved_together(
 def test_moved_together_in_the_assembly_alone(built: Callable[..., Path], tmp_path: Path, settings: tuple[str, ...]) -> None:
     """Where files for the printer are compensated, the assembly's parts are judged by themselves."""
     folder = Path(shutil.copytree(built("linkage", *settings), tmp_path / "linkage"))
-    eyes = eyes_of("coupler", pipeline.read_mechanism(folder / "spec.toml").features())
+    eyes = eyes_of("coupler", mechanism_of(folder).features())
     damage(folder / "linkage-assembly.3mf", "coupler", eyes, lambda z: z + 0.6)
-    found = [(f.code, f.where) for f in told(folder)]
+    found = [(f.code, f.where) for f in wrong(folder, "3mf")]
     where = "linkage-assembly.3mf, coupler" if settings else "linkage-assembly.3mf"
     assert ("ROUND_TRIP", where) in found
 
@@ -102,16 +98,16 @@ def test_a_lone_hole_that_no_output_sees(tmp_path: Path) -> None:
     assert pipeline.build(tmp_path / "spec.toml", tmp_path / "out", frozenset({"dxf"})).ok
     folder = tmp_path / "out" / "quick-return"
     damage(folder / "quick-return-ram.dxf", "ram", ((0j, 5.0),), lambda z: z + 0.6)
-    assert {(f.code, f.where) for f in told(folder)} == {("ROUND_TRIP", "quick-return-ram.dxf")}
+    assert {(f.code, f.where) for f in wrong(folder)} == {("ROUND_TRIP", "quick-return-ram.dxf")}
 
 
 @pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
 def test_the_bore_of_a_cam_is_the_motions(built: Callable[..., Path], tmp_path: Path, kind: str) -> None:
     """How a bore stands to the outline that a follower runs on: an error of the motion, told once."""
     folder = Path(shutil.copytree(built("disc-cam"), tmp_path / "disc-cam"))
-    bore = next(part for part in pipeline.read_mechanism(folder / "spec.toml").parts() if part.name == "cam").bore
+    bore = next(part for part in mechanism_of(folder).parts() if part.name == "cam").bore
     assert bore is not None
     damage(folder / f"disc-cam-cam.{kind}", "cam", ((0j, bore),), lambda z: z + 0.6)
-    found = [(f.code, f.where) for f in told(folder)]
+    found = [(f.code, f.where) for f in wrong(folder, kind)]
     assert "MOTION_ERROR" in [code for code, where in found if kind in where]
     assert ("ROUND_TRIP", f"disc-cam-cam.{kind}") not in found

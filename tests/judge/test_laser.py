@@ -15,10 +15,11 @@ from camgen.geometry.outlines import Region, circle, polygon, rectangle
 from camgen.judge.sheets import Beam, Laid, judge_sheet
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
+from camgen.parts.sheets import why_not
 from camgen.pipeline.build import build, check
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.laser import sheet_parts, why_not
+from camgen.pipeline.laser import sheet_parts
 
 TOLERANCE, KERF = 1e-3, 0.2
 DXF = frozenset({"dxf"})
@@ -181,6 +182,9 @@ def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root
 def test_which_parts_a_sheet_can_be(root):
     mechanism = read_mechanism(root / "specs" / "thread-take-up.toml", ("laser.thickness=4",)).resolved()
     assert {part.name for part in sheet_parts(mechanism)} == {"frame", "output-crank", "input-crank", "bell-crank", "collar"}
-    said = {part.name: why_not(part, mechanism.laser) for part in mechanism.parts()}
+    assert {part.name for part in mechanism.printed()} == {p.name for p in mechanism.parts() if p.made == "printed"} - {
+        part.name for part in sheet_parts(mechanism)
+    }  # what is cut lies on no print plate
+    said = {part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.parts()}
     assert said["shaft"] == "turned of steel" and said["guide"].startswith("stepped")
     assert said["dowel"] == "8.2 mm thick, the sheet is 4"

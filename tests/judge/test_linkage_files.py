@@ -12,6 +12,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from judged import judged, wrong
 from stl_rows import TRIANGLE, with_own_normals
 
 from camgen.files.stl import read_stl, write_stl
@@ -47,9 +48,9 @@ def folder(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "eccentric-drive"))
 
 
-def failing(folder: Path) -> set[tuple[str, str]]:
+def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """Codes that fail, with the kind of file."""
-    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in pipeline.check(folder).findings if not f.ok}
+    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
 
 
 def test_a_sound_build_passes_and_is_the_same_when_checked_again(folder: Path) -> None:
@@ -126,13 +127,13 @@ EYE, BORE = (48, 2.0), (0, 1.2)
 )
 def test_stl(folder: Path, part: str, change: Change, codes: set[str]) -> None:
     edit_stl(folder, part, change)
-    assert failing(folder) == {(code, "stl") for code in codes}
+    assert failing(folder, "stl") == {(code, "stl") for code in codes}
 
 
 def test_stl_with_a_shifted_guide(folder: Path) -> None:
     """Both rails 50 um aside: the pins fit, the slider runs beside the shaft's line."""
     edit_stl(folder, "body", lambda z, h: np.where(rails(z, h), z + 0.05j, z))
-    assert failing(folder) == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}
 
 
 # ---- DXF -------------------------------------------------------------------------------------------------------------
@@ -177,7 +178,7 @@ def test_dxf(folder: Path, part: str, edit: Callable[[ezdxf.document.Drawing], N
     drawing = ezdxf.readfile(path)
     edit(drawing)
     drawing.saveas(path)
-    assert failing(folder) == {(code, "dxf") for code in codes}
+    assert failing(folder, "dxf") == {(code, "dxf") for code in codes}
 
 
 # ---- a cross-check that shares no theory -----------------------------------------------------------------------------
@@ -227,7 +228,7 @@ def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
         drawing = ezdxf.readfile(path)
         swollen(radius, by)(drawing)
         drawing.saveas(path)
-    assert ("PIN_GAP", "dxf") in failing(folder)
+    assert ("PIN_GAP", "dxf") in failing(folder, "dxf")
 
 
 def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(built: Callable[..., Path], tmp_path: Path) -> None:
@@ -238,7 +239,7 @@ def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(built: Callable[..., P
     (hole,) = (c for c in drawing.modelspace().query("CIRCLE") if abs(complex(c.dxf.center.x, c.dxf.center.y)) < 1e-9)
     hole.dxf.center = (1, 0)
     drawing.saveas(path)
-    assert ("ROUND_TRIP", "dxf") in failing(folder)
+    assert ("ROUND_TRIP", "dxf") in failing(folder, "dxf")
 
 
 def test_a_bed_too_small_is_told(tmp_path: Path) -> None:
@@ -255,8 +256,8 @@ def test_the_feed_is_taken_from_the_guides_in_the_file(built: Callable[..., Path
     (hole,) = (c for c in circles if abs(complex(c.dxf.center.x, c.dxf.center.y) - (40 + 15j)) < 1e-6)
     hole.dxf.center = (40.1, 15)
     drawing.saveas(path)
-    assert ("MOTION_ERROR", "dxf") in failing(folder)
-    report = pipeline.check(folder)
+    report = judged(folder, "dxf")
+    assert "MOTION_ERROR" in {f.code for f in report.findings if not f.ok}
     # from the mean direction of the thread at M: the stroke moves by less than the hole, and by more than a tenth of it
     lost = next(f for f in report.findings if f.code == "STROKE_ERROR")
     assert 0.01 < lost.measured < 0.1

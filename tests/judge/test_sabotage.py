@@ -15,6 +15,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from judged import wrong
 from stl_rows import TRIANGLE, with_own_normals
 
 from camgen.errors import FileError
@@ -48,9 +49,9 @@ def folder(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "cam"))
 
 
-def failing(folder: Path) -> set[tuple[str, str]]:
+def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """Codes that fail, with the kind of file."""
-    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in pipeline.check(folder).findings if not f.ok}
+    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
 
 
 def test_a_sound_build_passes(folder: Path) -> None:
@@ -99,12 +100,12 @@ def one_vertex(z: np.ndarray) -> np.ndarray:
 
 def test_stl_shrunk_by_10_um(folder: Path) -> None:
     edit_stl(folder, moved(shrink))
-    assert failing(folder) == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}
 
 
 def test_stl_with_one_moved_vertex(folder: Path) -> None:
     edit_stl(folder, moved(one_vertex))
-    assert failing(folder) == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}
 
 
 def test_stl_mirrored(folder: Path) -> None:
@@ -114,17 +115,17 @@ def test_stl_mirrored(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, mirror)
-    assert failing(folder) == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}  # the engraved arrow points the other way
+    assert failing(folder, "stl") == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}  # the engraved arrow points the other way
 
 
 def test_stl_with_a_shifted_bore(folder: Path) -> None:
     edit_stl(folder, moved(lambda z: np.where(np.abs(z) < 4.2, z + 0.02, z)))
-    assert failing(folder) == {("MOTION_ERROR", "stl")}
+    assert failing(folder, "stl") == {("MOTION_ERROR", "stl")}
 
 
 def test_stl_with_a_shifted_pin_hole(folder: Path) -> None:
     edit_stl(folder, moved(lambda z: np.where(np.abs(z - 8.5) < 1.6, z + 0.02, z)))
-    assert failing(folder) == {("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("ROUND_TRIP", "stl")}
 
 
 def test_stl_of_the_wrong_thickness(folder: Path) -> None:
@@ -133,7 +134,7 @@ def test_stl_of_the_wrong_thickness(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, thicker)
-    assert failing(folder) == {("VOLUME", "stl"), ("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("VOLUME", "stl"), ("ROUND_TRIP", "stl")}
 
 
 def test_stl_of_another_volume(folder: Path) -> None:
@@ -169,7 +170,7 @@ def test_stl_with_a_deeper_engraving(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, deeper)
-    assert failing(folder) == {("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("ROUND_TRIP", "stl")}
 
 
 def test_stl_lifted_off_its_underside(folder: Path) -> None:
@@ -178,7 +179,7 @@ def test_stl_lifted_off_its_underside(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, lift)
-    assert failing(folder) == {("ROUND_TRIP", "stl")}
+    assert failing(folder, "stl") == {("ROUND_TRIP", "stl")}
 
 
 def test_stl_whose_arrow_is_turned(folder: Path) -> None:
@@ -195,7 +196,7 @@ def test_stl_whose_arrow_is_turned(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, turn)
-    assert ("ROUND_TRIP", "stl") in failing(folder)
+    assert ("ROUND_TRIP", "stl") in failing(folder, "stl")
 
 
 @pytest.mark.parametrize(
@@ -208,7 +209,7 @@ def test_stl_whose_arrow_is_turned(folder: Path) -> None:
 )
 def test_stl_with_a_bad_triangle(folder: Path, edit: Callable[[np.ndarray], np.ndarray]) -> None:
     edit_stl(folder, edit)
-    assert failing(folder) == {("WATERTIGHT", "stl")}
+    assert failing(folder, "stl") == {("WATERTIGHT", "stl")}
 
 
 def blind(triangles: np.ndarray) -> np.ndarray:
@@ -232,7 +233,7 @@ def test_stl_whose_stored_normals_are_not_those_of_its_triangles(
 ) -> None:
     """admesh and some slicers go by them; nothing else is wrong with the file."""
     edit_stl(folder, edit, normals=True)
-    (finding,) = (f for f in pipeline.check(folder).findings if not f.ok)
+    (finding,) = wrong(folder, "stl")
     triangles = (len((folder / "cam-cam.stl").read_bytes()) - 84) // 50
     assert (finding.code, finding.where, finding.measured) == ("WATERTIGHT", "cam-cam.stl", count or triangles)
 
@@ -369,7 +370,7 @@ def mark_a_centre(drawing: ezdxf.document.Drawing) -> None:
 )
 def test_dxf(folder: Path, edit: Callable[[ezdxf.document.Drawing], None], codes: set[str]) -> None:
     edit_dxf(folder, edit)
-    assert failing(folder) == {(code, "dxf") for code in codes}
+    assert failing(folder, "dxf") == {(code, "dxf") for code in codes}
 
 
 def test_marks_that_were_asked_for_are_as_meant(tmp_path: Path) -> None:
@@ -379,10 +380,10 @@ def test_marks_that_were_asked_for_are_as_meant(tmp_path: Path) -> None:
     assert report.ok and len(marks) == 6  # the shaft and two pins
     spec = (folder / "spec.toml").read_text()
     (folder / "spec.toml").write_text(spec.replace("center_marks = true", "center_marks = false"))
-    assert failing(folder) == {("DXF_CLOSED", "dxf")}
+    assert failing(folder, "dxf") == {("DXF_CLOSED", "dxf")}
     (folder / "spec.toml").write_text(spec)
     edit_dxf(folder, lambda drawing: drawing.modelspace().query("LINE").first.translate(0, 0.1, 0))
-    assert failing(folder) == {("DXF_CLOSED", "dxf")}
+    assert failing(folder, "dxf") == {("DXF_CLOSED", "dxf")}
 
 
 # ---- both, and the pair ----------------------------------------------------------------------------------------------
@@ -442,7 +443,7 @@ def test_a_smaller_second_tip_rattles(folder: Path) -> None:
 def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:
     spec = folder / "spec.toml"
     spec.write_text(spec.read_text().replace("swing_deg = 30.0", "swing_deg = 29.9"))
-    assert ("MOTION_ERROR", "dxf") in failing(folder)
+    assert ("MOTION_ERROR", "dxf") in failing(folder, "dxf")
 
 
 @pytest.mark.parametrize("name", ["motion.csv", "report.json", "cam-cam-drawing.pdf", "cam-cam-drawing.dxf"])
@@ -476,7 +477,7 @@ def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:
 def test_a_damaged_assembly_is_told(folder: Path, edit: Callable[[str], str], meets: str) -> None:
     """meets: bodies that overlap for it, as the sweep sees them."""
     edit_3mf(folder, "cam-assembly.3mf", edit)
-    assert failing(folder) == {("ROUND_TRIP", "3mf")} | ({("INTERFERENCE", meets)} if meets else set())
+    assert failing(folder, "3mf") == {("ROUND_TRIP", "3mf")} | ({("INTERFERENCE", meets)} if meets else set())
 
 
 BEAM = (
@@ -509,7 +510,7 @@ def with_impostor(text: str, name: str = "cam") -> str:
 )  # fmt: skip
 def test_a_package_that_is_not_plain_is_told(folder: Path, name: str, edit: Callable[[str], str], said: str) -> None:
     edit_3mf(folder, f"cam-{name}.3mf", edit)
-    failed = [f for f in pipeline.check(folder).findings if not f.ok]
+    failed = wrong(folder, "3mf")
     assert {f.where for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {f"cam-{name}.3mf"}
 
 
@@ -517,7 +518,7 @@ def test_a_part_for_slicers_in_a_package_is_told(folder: Path) -> None:
     """Such a part can say that a volume is cut away, or fill another one."""
     with zipfile.ZipFile(folder / "cam-cam.3mf", "a") as package:
         package.writestr("Metadata/Slic3r_PE_model.config", "<config/>")
-    told = [f for f in pipeline.check(folder).findings if not f.ok and f.code == "ROUND_TRIP"]
+    told = [f for f in wrong(folder, "3mf") if f.code == "ROUND_TRIP"]
     assert [f.where for f in told] == ["cam-cam.3mf"] and "Slic3r_PE_model.config" in told[0].message
 
 

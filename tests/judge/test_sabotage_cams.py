@@ -11,6 +11,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from judged import mechanism_of, wrong
 
 from camgen.files.dxf import read_dxf
 from camgen.geometry.rings import shape_of
@@ -59,10 +60,10 @@ def copy(sound: Copy, tmp_path: Path) -> Copy:
     return lambda kind: Path(shutil.copytree(sound(kind), tmp_path / "c"))
 
 
-def failing(folder: Path) -> set[tuple[str, str]]:
+def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """Codes that fail, with what they fail on: a file's name, or the design."""
-    wrong = [f for f in pipeline.check(folder).findings if not f.ok]
-    return {(f.code, f.where.split(",")[0].removeprefix("c-") if f.where.startswith("c-") else "design") for f in wrong}
+    found = wrong(folder, *kinds)
+    return {(f.code, f.where.split(",")[0].removeprefix("c-") if f.where.startswith("c-") else "design") for f in found}
 
 
 @pytest.mark.parametrize("kind", BUILDS)
@@ -128,7 +129,7 @@ def test_a_drawing(copy: Copy, kind: str, part: str, edit: Callable[[ezdxf.docum
     drawing = ezdxf.readfile(path)
     edit(drawing)
     drawing.saveas(path)
-    found = failing(folder)
+    found = failing(folder, "dxf")
     assert (code, f"{part}.dxf") in found
     # a contour that is off is told by the comparison of contours as well
     assert {(c, where) for c, where in found if c != "ROUND_TRIP"} <= {(code, f"{part}.dxf")}
@@ -141,7 +142,7 @@ def test_a_slit(copy: Copy, kind: str, part: str) -> None:
     drawing = ezdxf.readfile(folder / f"c-{part}.dxf")
     slit(drawing)
     drawing.saveas(folder / f"c-{part}.dxf")
-    assert ("MIN_WALL", f"{part}.dxf") in failing(folder)
+    assert ("MIN_WALL", f"{part}.dxf") in failing(folder, "dxf")
 
 
 @pytest.mark.parametrize("kind, part", [("groove", "outer"), ("flat", "cam"), ("indexing", "return-cam")])
@@ -156,7 +157,7 @@ def test_a_solid(copy: Copy, kind: str, part: str, damage: str, code: str) -> No
     else:
         triangles["corners"][..., 2] *= 1.01
     path.write_bytes(data[:80] + np.uint32(len(triangles)).tobytes() + triangles.tobytes())
-    found = failing(folder)
+    found = failing(folder, "stl")
     assert (code, f"{part}.stl") in found and all(where == f"{part}.stl" for _, where in found)
 
 
@@ -206,7 +207,7 @@ def test_an_undercut_in_the_file(copy: Copy) -> None:
 def between(folder: Path, parts: tuple[str, str], turned: float = 0.0, radius: float | None = None) -> set[str]:
     """Failing codes of a follower between two drawings, the second mounted otherwise, or its tip, whose own motion is as before,
     of another radius, mm."""
-    mechanism = pipeline.read_mechanism(folder / "spec.toml")
+    mechanism = mechanism_of(folder)
     files = {part: [[shape_of(read_dxf(folder / f"c-{part}.dxf").cut)]] for part in parts}
     first, second = (feature for feature in mechanism.features() if isinstance(feature, CamOutline))
     assert (first.part, second.part) == parts and isinstance(second.tip, Eye)

@@ -10,6 +10,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from judged import mechanism_of, wrong
 from stl_rows import TRIANGLE, with_own_normals
 
 from camgen.errors import FileError
@@ -38,9 +39,9 @@ def folder(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "x"))
 
 
-def failing(folder: Path) -> set[tuple[str, str]]:
+def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """(code, file or pair) of the findings that fail."""
-    return {(f.code, f.where.split(":")[0]) for f in pipeline.check(folder).findings if not f.ok}
+    return {(f.code, f.where.split(":")[0]) for f in wrong(folder, *kinds)}
 
 
 def built(tmp_path: Path, *settings: str) -> set[str]:
@@ -80,7 +81,7 @@ def test_a_nose_of_another_length_is_found(name: str, by: float, folder: Path) -
         return c
 
     edit(folder / f"x-{name}.stl", longer)
-    assert failing(folder) == {("ROUND_TRIP", f"x-{name}.stl")}
+    assert failing(folder, "stl") == {("ROUND_TRIP", f"x-{name}.stl")}
 
 
 @pytest.mark.parametrize("by", [-0.05, -0.02, 0.02])
@@ -93,32 +94,32 @@ def test_a_nose_nearer_to_the_needles_is_found(by: float, folder: Path) -> None:
         return c
 
     edit(folder / "x-upper-spreader.stl", moved)
-    assert ("ROUND_TRIP", "x-upper-spreader.stl") in failing(folder)
+    assert ("ROUND_TRIP", "x-upper-spreader.stl") in failing(folder, "stl")
 
 
 def _middle(folder: Path) -> float:
     """Height of the nose's flat wall in the part's frame, mm."""
-    mechanism = pipeline.read_mechanism(folder / "spec.toml", [])
+    mechanism = mechanism_of(folder)
     return float(mechanism.bodies.upper.layers[0].z1)  # type: ignore[attr-defined]
 
 
 def test_sharp_edges_instead_of_round_ones_are_found(folder: Path, tmp_path: Path) -> None:
-    pipeline.build(SPEC, tmp_path / "sharp", KINDS, (*SETTINGS, "parts.edge_radius=0.05"))
+    pipeline.build(SPEC, tmp_path / "sharp", frozenset({"stl"}), (*SETTINGS, "parts.edge_radius=0.05"))
     shutil.copy(tmp_path / "sharp" / "x" / "x-upper-spreader.stl", folder)
-    assert failing(folder) == {("ROUND_TRIP", "x-upper-spreader.stl")}
+    assert failing(folder, "stl") == {("ROUND_TRIP", "x-upper-spreader.stl")}
 
 
 def test_twins_swapped_are_found(folder: Path) -> None:
     one, two = (folder / f"x-{name}.stl" for name in SPREADERS)
     one.rename(folder / "kept"), two.rename(one), (folder / "kept").rename(two)
-    assert {code for code, _ in failing(folder)} == {"ROUND_TRIP", "CLEARANCE"}
+    assert {code for code, _ in failing(folder, "stl")} == {"ROUND_TRIP", "CLEARANCE"}
 
 
 def test_a_hole_in_the_mesh_is_found(folder: Path) -> None:
     path = folder / "x-upper-spreader.stl"
     data = path.read_bytes()
     path.write_bytes(data[:80] + np.uint32(len(data[84:]) // 50 - 1).tobytes() + data[84:-50])
-    codes = {code for code, where in failing(folder) if where == path.name}
+    codes = {code for code, where in failing(folder, "stl") if where == path.name}
     assert codes == {"WATERTIGHT"}
 
 
@@ -128,11 +129,11 @@ def test_a_thicker_shank_is_found_by_its_volume(folder: Path) -> None:
         return c
 
     edit(folder / "x-upper-spreader.stl", thicker)
-    assert ("VOLUME", "x-upper-spreader.stl") in failing(folder)
+    assert ("VOLUME", "x-upper-spreader.stl") in failing(folder, "stl")
 
 
 def test_a_thin_wall_round_the_clamp_hole_is_found(folder: Path) -> None:
-    mechanism = pipeline.read_mechanism(folder / "spec.toml", [])
+    mechanism = mechanism_of(folder)
     hole = complex(mechanism.bodies.upper.centres[0])  # type: ignore[attr-defined]
 
     def wider(c: np.ndarray) -> np.ndarray:
@@ -143,13 +144,13 @@ def test_a_thin_wall_round_the_clamp_hole_is_found(folder: Path) -> None:
         return c
 
     edit(folder / "x-upper-spreader.stl", wider)
-    assert {("MIN_WALL", "x-upper-spreader.stl"), ("ROUND_TRIP", "x-upper-spreader.stl")} <= failing(folder)
+    assert {("MIN_WALL", "x-upper-spreader.stl"), ("ROUND_TRIP", "x-upper-spreader.stl")} <= failing(folder, "stl")
 
 
 @pytest.mark.parametrize(("by", "found"), [(1.48, False), (1.52, True)])
 def test_a_front_that_reaches_a_needle_strikes(by: float, found: bool, folder: Path) -> None:
     """P6 stands 1.5 mm along the stroke behind the needle's way: moved by less it is a wrong part that still clears."""
-    mechanism = pipeline.read_mechanism(folder / "spec.toml", [])
+    mechanism = mechanism_of(folder)
     l1, nose = mechanism.design.l1, mechanism.design.nose  # type: ignore[attr-defined]
     middle = _middle(folder)
 
@@ -159,7 +160,7 @@ def test_a_front_that_reaches_a_needle_strikes(by: float, found: bool, folder: P
         return c
 
     edit(folder / "x-upper-spreader.stl", forward)
-    assert (("CLEARANCE", "N2/P2") in failing(folder)) is found
+    assert (("CLEARANCE", "N2/P2") in failing(folder, "stl")) is found
 
 
 def test_a_drawing_out_of_shape_is_found(folder: Path) -> None:
@@ -170,7 +171,7 @@ def test_a_drawing_out_of_shape_is_found(folder: Path) -> None:
         x, y, *rest = points[0]
         points[0] = (x + 0.05, y, *rest)
     drawing.saveas(path)
-    assert failing(folder) == {("ROUND_TRIP", "x-side-outline.dxf")}
+    assert failing(folder, "dxf") == {("ROUND_TRIP", "x-side-outline.dxf")}
 
 
 def test_an_open_drawing_and_inches_are_found(folder: Path) -> None:
@@ -182,7 +183,7 @@ def test_an_open_drawing_and_inches_are_found(folder: Path) -> None:
         else:
             drawing.units = 1
         drawing.saveas(path)
-    assert failing(folder) == {("DXF_CLOSED", "x-side-outline.dxf"), ("DXF_UNITS", "x-top-outline.dxf")}
+    assert failing(folder, "dxf") == {("DXF_CLOSED", "x-side-outline.dxf"), ("DXF_UNITS", "x-top-outline.dxf")}
 
 
 @pytest.mark.parametrize("name", ["x-upper-spreader.stl", "x-needle-1.stl"])

@@ -23,7 +23,7 @@ def test_sound_chains_have_one_freedom_and_no_more(name: str) -> None:
 
 def test_a_missing_drive_names_all_that_moves() -> None:
     machine = replace(four_bar(40, 15, 45, 35), drives=())
-    said = r"1 freedom left over: links crank, coupler and rocker .*3 x 3 - 2 x 4 - 0 = 1.*drive one"
+    said = r"1 degree of freedom left over: links crank, coupler and rocker .*3 x 3 - 2 x 4 - 0 = 1.*drive one"
     with pytest.raises(DesignError, match=said):
         refuse_unsound(machine)
     with pytest.raises(DesignError, match="is held by nothing"):
@@ -36,11 +36,11 @@ def test_a_loose_body_is_named_alone() -> None:
     joints = (*machine.joints, Pin("axle", Place("wheel"), Place("rocker", 10 + 0j)))
     start = {**machine.start, "wheel": Pose(0j, 0.0)}
     loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start))
-    with pytest.raises(DesignError, match=r"1 freedom left over: link wheel .*join it to another link") as error:
+    with pytest.raises(DesignError, match=r"1 degree of freedom left over: link wheel .*join it to another link") as error:
         refuse_unsound(loose)
     assert "rocker" not in error.value.where
     unheld = replace(machine, bodies=(*machine.bodies, wheel), start=start)
-    with pytest.raises(DesignError, match=r"3 freedoms left over: link wheel"):
+    with pytest.raises(DesignError, match=r"3 degrees of freedom left over: link wheel"):
         refuse_unsound(unheld)
 
 
@@ -48,9 +48,9 @@ def test_a_second_drive_is_named() -> None:
     machine = four_bar(40, 15, 45, 35)
     angle = machine.start["rocker"].angle
     twice = replace(machine, drives=(*machine.drives, Drive("second", "rocker", Turning(1.0, angle))))
-    with pytest.raises(DesignError, match="2 drives for 1 freedom .*take away one of the drives motor and second"):
+    with pytest.raises(DesignError, match="2 drives for 1 degree of freedom .*take away one of the drives motor and second"):
         refuse_unsound(twice)
-    with pytest.raises(DesignError, match="says more than there is to decide"):
+    with pytest.raises(DesignError, match="is held by more conditions than it needs"):
         solve(twice, [0.0])
 
 

@@ -13,6 +13,7 @@ import pytest
 from chains import CHAINS, geared_five_bar, jansen, scotch_yoke, slider_crank, take_up
 
 from camgen.machine import Body, Pin, Place, solve
+from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 
 CITED = tomllib.loads((File(__file__).parent.parent / "reference" / "thread-take-up.toml").read_text(encoding="utf-8"))
@@ -124,7 +125,7 @@ def test_judged_and_made_outputs_agree() -> None:
     for name, make in CHAINS.items():
         machine = make()
         system = Constraints(machine)
-        q = system.close(theta).q
+        q = close(system, theta).q
         for output in machine.outputs:
             value = system.output(output.name, q)[0]
             np.testing.assert_allclose(value, solve(machine, theta)[output.name], atol=1e-11, err_msg=name)

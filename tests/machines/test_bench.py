@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.machines.disc_cam import DiscCamDrive
+from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
 from camgen.pipeline.build import build, check
+from camgen.pipeline.scope import unheard
 from camgen.spec import read, validate
 
 Floats = np.ndarray
@@ -84,8 +85,9 @@ def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[st
 
 def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) -> None:
     """From the files: 180 deg over 120 deg of the cam, half of it at half of them, then 60 deg at rest; gears 6 to 1."""
-    rows = curves(made(tmp_path, "limits.pin_stress_mpa=350", spec="indexing-cam"))  # the cam's shaft of steel
-    theta, link, swing = rows["theta_deg"], rows["link_deg_3mf"], rows["swing_deg_3mf"]
+    # the cam's shaft of steel; that its bodies stay apart is seen in test_standing_unloader
+    rows = curves(made(tmp_path, "limits.pin_stress_mpa=350", spec="indexing-cam", kinds=("dxf",)))
+    theta, link, swing = rows["theta_deg"], rows["link_deg_dxf"], rows["swing_deg_dxf"]
     turned = np.abs(np.interp([60.0, 120.0], theta, link) - link[0])
     assert turned == pytest.approx([90.0, 180.0], abs=0.02)
     assert np.ptp(link[(theta >= 120) & (theta <= 180)]) < 0.02
@@ -231,3 +233,13 @@ def test_a_motor_that_does_not_fit_is_told(sizes: dict[str, Any], said: str) -> 
 def test_the_report_names_the_spring(sound: Path) -> None:
     report = json.loads((sound / "report.json").read_text(encoding="utf-8"))
     assert report["numbers"]["least_contact_force_n"] > 0
+
+
+@pytest.mark.parametrize(("parts", "idle"), [({}, ["parts.hub_height"]), ({"rim": 9.0, "hub_height": 0.0}, ["parts.rim"])])
+def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
+    """The starter's hub of a cam alone, and one that is set; with the cams alone they all act."""
+    assert drive(parts=parts).idle() == idle
+    told = [each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each]
+    assert len(told) == 1 and all(key in told[0] for key in idle)
+    alone = read(SPECS / "disc-cam.toml")
+    assert validate(DiscCamDrive, alone).idle() == ()

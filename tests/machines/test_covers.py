@@ -13,7 +13,7 @@ import pytest
 from camgen.errors import DesignError
 from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
 from camgen.judge.assembly import sweep
-from camgen.machines.disc_cam import DiscCamDrive
+from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.solids import solid

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from camgen.errors import SpecError
+from camgen.errors import DesignError, SpecError
+from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.judge.assembly import sweep
 from camgen.machine.cams.limits import steepest
 from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.parts.solids import solid
 from camgen.pipeline.build import build, check
 from camgen.spec import read, validate
 
@@ -102,7 +106,7 @@ def test_files_of_a_cam_that_turns_unevenly(tmp_path: Path) -> None:
         ({"driver": {"offset": 16.5}}, r"driver.offset: 16.5 - expected at most 0.8 of the crank, 20 mm"),
         ({"driver": {"offset": 8.0}, "geometry": {"dwell_deg": 50.0}}, r"geometry.dwell_deg: 50 - expected 180 less rise_deg"),
         ({"driver": {"offset": 8.0}, "geometry": {"return_deg": 100.0}}, "geometry.return_deg: 100 - expected rise_deg, 120"),
-        ({"driver": {"offset": 8.0}, "parts": {"make": "machine"}}, r'parts.make: machine - expected "cams"'),
+        ({"driver": {"offset": 12.0}, "parts": {"make": "machine"}}, "driver.offset: 12 - expected at most 11.* wall of 2 mm"),
     ],
 )
 def test_what_does_not_go_with_the_chain_is_told(tables: dict[str, Any], said: str) -> None:
@@ -113,3 +117,68 @@ def test_what_does_not_go_with_the_chain_is_told(tables: dict[str, Any], said: s
 def test_a_program_that_is_not_the_same_there_and_back_has_no_comparison() -> None:
     titles = [table.title for table in design(geometry={"dwell_deg": 50.0}).study().tables]
     assert not any("two-crank" in title for title in titles)
+
+
+# ---- made -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def made() -> IndexingCam:
+    return design(driver={"offset": 8.0}, parts={"make": "machine"})
+
+
+def test_the_made_chain_moves_the_link_as_the_drawn_one(made: IndexingCam) -> None:
+    """With two wheels in place of a belt the arm turns against the cam; crank and arm by the pin's place on the ground."""
+    run, drawn = made.solve(THETA, 1), design(driver={"offset": 8.0}).solve(THETA, 1)
+    for order in (0, 1):
+        assert run.derivatives("link")[order] == pytest.approx(drawn.derivatives("link")[order], abs=1e-9)
+    assert np.mean(run.angle("crank")[1]) == pytest.approx(-2) and np.mean(run.angle("arm")[1]) == pytest.approx(-2, abs=1e-4)
+    assert run.angle("cam")[0] - run.angle("cam")[0][0] == pytest.approx((run.angle("arm")[0] - run.angle("arm")[0][0]) / -2)
+    pin = run.point("crank", "pin")[0] - 60  # the arm's axle is half way to the follower's, 120 from the cam's
+    assert np.abs(pin * np.exp(-1j * run.angle("arm")[0])) == pytest.approx(np.real(pin * np.exp(-1j * run.angle("arm")[0])))
+
+
+def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
+    """From above: plate, arm at the end of its shaft, 15 under it, crank, bracket; posts between, a screw through each."""
+    parts, ways = {part.name: part for part in made.parts()}, {mount.part: mount for mount in made.mounts()}
+    low, high = ({name: ways[name].z + k * parts[name].thickness for name in ways} for k in (0, 1))
+    assert low["driver-arm"] == pytest.approx(-15) and high["driver-arm"] == pytest.approx(-11) and high["driver-crank"] <= -15
+    assert high["post"] == pytest.approx(0) and low["post"] == pytest.approx(high["bracket"])
+    assert high["bracket"] < low["driver-crank"]
+    assert parts["post"].count == 4 and parts["driver-crank"].made == "printed"
+    bought = {each.name: each for each in made.bought()}
+    assert bought["screw of a post"].count == 4 and "60" in bought["drive"].size
+    assert {"crank's shaft", "turning block", "arm's axle", "2 to 1"} <= {getattr(each, "joint", "") for each in made.features()}
+    total = sum(mount.body == "arm" for mount in made.mounts())
+    assert total == 4 and made.model.body("arm").mass > 0  # wheel, shaft, collar, arm
+    assert any("bracket below" in note for note in made.study().notes)
+
+
+def test_a_motor_turns_the_crank_under_its_bracket() -> None:
+    spec = design(driver={"offset": 8.0}, parts={"make": "machine"}, bodies={"motor": "nema-17", "shaft_diameter": 5.0})
+    assert len(next(part for part in spec.parts() if part.name == "bracket").layers) == 2  # pockets of its screws
+    assert not any(part.name == "driver-shaft" for part in spec.parts()) and any(part.name == "shaft" for part in spec.parts())
+    (motor,) = spec.stand_ins()
+    assert motor.discs[0][3] == pytest.approx(min(mount.z for mount in spec.mounts() if mount.part == "bracket"))
+
+
+def test_a_shaft_too_short_for_what_lies_under_the_plate_is_told() -> None:
+    short = design(driver={"offset": 8.0}, parts={"make": "machine"}, bodies={"shaft_length": 9.0})
+    with pytest.raises(DesignError, match="bodies.shaft_length.*make it longer"):
+        short.parts()
+
+
+@pytest.mark.parametrize(("part", "raised"), [("", 0.0), ("driver-crank", 2.0)])
+def test_a_crank_that_meets_its_arm_is_found(tmp_path: Path, made: IndexingCam, part: str, raised: float) -> None:
+    items, poses = [], made.poses(np.zeros(1))
+    kept = [each for each in made.parts() if each.name.startswith(("driver", "bracket", "post"))]
+    for each in kept:
+        for k, pose in enumerate(poses[each.name]):
+            z = pose.z + raised * (each.name == part)
+            where = placing(float(pose.angle[0]), complex(pose.place[0]), z, each.thickness, pose.flipped)
+            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+    write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
+    moved, names = made.moved(), {each.name for each in kept}
+    moved = replace(moved, mounts=[each for each in moved.mounts if each.part in names], stand_ins=[], tolerance=0.02)
+    failed = [set(f.where.partition(":")[0].split(" and ")) for f in sweep(tmp_path / "x.3mf", moved)[0] if not f.ok]
+    assert ({"driver-arm-1", "driver-crank-1"} in failed) if part else not failed

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.machine.features import Mark
 from camgen.machine.joining import Module, joined
 from camgen.machine.run import solve
 from camgen.machines.included import opened
@@ -209,3 +210,96 @@ def test_who_cannot_ride_is_told(root: Path, tables: dict[str, Any], ride: dict[
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, tables, {"spec": "chain-stitch-looper.toml", "ride": ride})).parts()
     assert said in str(told.value.faults[0])
+
+
+# ---- machines that stand on the second plate -------------------------------------------------------------------------
+
+
+STACKED = {
+    "mechanism": "linkage", "name": "stacked", "drive": {"link": "crank", "speed_rpm": 300},
+    "points": {"O": [0, 0], "C": [60, 0], "A": [15, 0], "B": [50, 40]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "rod": ["A", "B"], "rocker": ["C", "B"]},
+    "output": [{"name": "out", "link": "rocker"}], "limits": {"pv_mpa_m_s": 2},
+    "parts": {"plates": 2, "shaft": "interrupted"},
+}  # fmt: skip
+MOUNTED = {"spec": "thread-take-up.toml", "mounted": True, "phase_deg": 40}
+
+
+def flat(part: Any, layer: int) -> float:
+    """Where the flat of a shaft or its bore faces, rad: off the longest straight side."""
+    region = part.layers[layer].region
+    contour = next((hole for hole in region.holes), region.outer)
+    ends = [complex(piece.at(0.5)) for piece in contour.pieces if type(piece).__name__ == "Line"]
+    (middle,) = ends
+    return math.atan2(middle.imag, middle.real)
+
+
+def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> None:
+    """Its flats are where both shafts have theirs, 40 deg apart and as the cranks are drawn; posts reach its frame's holes."""
+    machine = read_mechanism(include(root, STACKED, MOUNTED))
+    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    sleeve = parts["sleeve-thread-take-up"]
+    own = float(poses["sleeve-thread-take-up"][0].angle[0])
+    for layer, shaft in enumerate(("shaft-crank_web2", "thread-take-up-shaft")):
+        there = float(poses[shaft][0].angle[0]) + flat(parts[shaft], 0)
+        assert math.remainder(own + flat(sleeve, layer) - there, math.tau) == pytest.approx(0, abs=1e-9)
+    ends = {name: poses[name][0].z + np.array([0, parts[name].thickness]) for name in poses}
+    low, high = ends["sleeve-thread-take-up"]
+    assert ends["shaft-crank_web2"][1] == pytest.approx(ends["thread-take-up-shaft"][0])
+    assert low < ends["shaft-crank_web2"][1] < high < ends["thread-take-up-collar"][0]
+    assert ends["post-thread-take-up"] == pytest.approx([ends["second-plate"][1], ends["thread-take-up-frame"][0]])
+    take_up = read_mechanism(root / "specs" / "thread-take-up.toml")
+    holes = sorted((complex(pose.place[0]) for pose in poses["post-thread-take-up"]), key=abs)
+    frame = next(part for part in take_up.parts() if part.name == "frame").region
+    drilled = [hole for hole in frame.holes if abs(hole.pieces[0].radius - 1.25) < 1e-9]
+    assert holes == pytest.approx(sorted((hole.pieces[0].centre for hole in drilled), key=abs))
+    bought = [each.name for each in machine.bought()]
+    assert not [name for name in bought if "belt" in name or name.startswith("screw of the frame")]
+
+
+def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: Path) -> None:
+    """The second plate has the frame's holes but the shaft's and those of its screws; the crank's bore is turned to the flat."""
+    data = include(root, {**STACKED, "parts": {**STACKED["parts"], "shaft_flat": 0.5}}, MOUNTED)
+    machine = read_mechanism(data)
+    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    own = {part.name: part for part in read_mechanism(root / "specs" / "thread-take-up.toml").parts()}
+    assert not {f"thread-take-up-{name}" for name in ("frame", "shaft", "collar")} & parts.keys()
+    assert not [each.name for each in machine.bought() if "belt" in each.name or each.name.startswith("stud")]
+    crank, shaft = "thread-take-up-input-crank", "shaft-crank_web2"
+    turned = [float(poses[name][0].angle[0]) + flat(parts[name], 0) for name in (crank, shaft)]
+    assert math.remainder(turned[0] - turned[1], math.tau) == pytest.approx(0, abs=1e-9)
+    top = poses[shaft][0].z + parts[shaft].thickness
+    assert top == pytest.approx(poses[crank][0].z + parts[crank].thickness)
+    small = [hole for hole in own["frame"].region.holes if abs(hole.pieces[0].radius) < 2 and hole.pieces[0].radius != 1.25]
+    assert len(small) == 4  # dowels and guides
+    plate = parts["second-plate"]
+    for hole in small:
+        assert any(abs(each.pieces[0].centre - hole.pieces[0].centre) < 1e-9 and each.pieces[0].radius == hole.pieces[0].radius
+                   for each in plate.region.holes)  # fmt: skip
+    upper = poses["second-plate"][0].z + plate.thickness
+    assert poses["thread-take-up-pivot"][0].z == pytest.approx(upper)
+    marks = [each.eye for each in machine.features() if isinstance(each, Mark)]
+    assert [eye.part for eye in marks] == ["thread-take-up-bell-crank", "second-plate", "second-plate"]
+
+
+@pytest.mark.parametrize(
+    ("host", "change", "said"),
+    [
+        ({"parts": {}}, {}, "parts.plates = 2"),
+        ({}, {"spec": "eccentric-drive.toml"}, "no frame with holes"),
+        ({"parts": {"plates": 2, "mount_diameter": 3.3}}, {}, "parts.mount_diameter"),
+    ],
+)
+def test_what_cannot_be_mounted_is_told(root: Path, host: dict[str, Any], change: dict[str, Any], said: str) -> None:
+    with pytest.raises(SpecError) as told:
+        read_mechanism(include(root, {**STACKED, **host}, {**MOUNTED, **change})).parts()
+    assert [fault.path for fault in told.value.faults] == ["include.0.mounted"] and said in told.value.faults[0].expected
+
+
+def test_beside_the_line_a_belt_turns_it_and_a_short_shaft_leaves_no_room(root: Path) -> None:
+    beside = read_mechanism(include(root, STACKED, {**MOUNTED, "at": [20, 0]}))
+    assert any("belt" in each.name for each in beside.bought()) and "sleeve" not in "".join(p.name for p in beside.parts())
+    data = include(root, STACKED, MOUNTED)
+    data["include"][0]["spec"]["parts"] = {**data["include"][0]["spec"].get("parts", {}), "shaft_length": 6}
+    with pytest.raises(DesignError, match="room for a sleeve"):
+        read_mechanism(data).parts()

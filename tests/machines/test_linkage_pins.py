@@ -183,4 +183,7 @@ def test_a_hand_crank_turns_with_the_shaft(root: Path, tmp_path: Path) -> None:
     heights = {mount.part: (mount.z, mount.z + next(part for part in machine.parts() if part.name == mount.part).thickness)
                for mount in machine.mounts() if mount.part in ("hand-crank", "knob", "knob-pin", "shaft", "collar")}  # fmt: skip
     assert heights["hand-crank"][0] == heights["shaft"][0] and heights["hand-crank"][1] < heights["collar"][0]
+    plate = next(part for part in machine.parts() if part.name == "ground")
+    screws = [z for z in plate.centres if z not in dict(plate.points).values()]
+    assert len(screws) == 2 and min(map(abs, screws)) > 40 + 5 + 1.5 + 2.5 / 2  # beside the way of the knob, 13 wide
     assert heights["knob"][1] < heights["hand-crank"][0] and heights["knob-pin"][1] == pytest.approx(heights["hand-crank"][1])

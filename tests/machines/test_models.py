@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.machines.mechanism import Mechanism
@@ -51,7 +52,7 @@ def test_the_model_moves_as_the_mechanism(spec: str, overrides: list[str], outpu
         place = there.place + (pose.place[0] - there.place[0])  # a part sits anywhere on its body's axis
         np.testing.assert_allclose(pose.place, place, atol=1e-9)
     # the judge's route: all joints closed at once
-    closed = Constraints(made.model).close(THETA[:40])
+    closed = close(Constraints(made.model), THETA[:40])
     q = np.array([[pose.place.real, pose.place.imag, pose.angle] for pose in map(run.pose, Constraints(made.model).bodies)])
     np.testing.assert_allclose(closed.q, np.moveaxis(q, 2, 0).reshape(len(THETA), -1)[:40], atol=1e-9)
     # power put in is what the energy and the loads take

@@ -79,8 +79,8 @@ def test_lead_whose_ratio_no_teeth_have_is_told_with_one_that_works() -> None:
         machine(unloader={"lead_deg": 17.3}).parts()
     lead = float(caught.value.remedy.partition("lead_deg = ")[2].split()[0])
     assert abs(lead - 17.3) < 2
-    assert machine(unloader={"lead_deg": lead})._made_unloader is not None
-    assert abs(machine(unloader={"lead_deg": lead})._made_unloader.ratio) == pytest.approx(2 * (180 - lead) / 180)  # type: ignore[union-attr]
+    assert machine(unloader={"lead_deg": lead}).made_unloader is not None
+    assert abs(machine(unloader={"lead_deg": lead}).made_unloader.ratio) == pytest.approx(2 * (180 - lead) / 180)  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> N
     data = read(SPECS / "indexing-cam.toml")
     data["parts"]["make"], data["unloader"] = "machine", {"torque": "law"}
     ideal = validate(IndexingCam, data)
-    assert ideal._made_unloader is None and not any("spring" in each.name for each in ideal.bought())
+    assert ideal.made_unloader is None and not any("spring" in each.name for each in ideal.bought())
     assert any("not made" in note for note in ideal.study().notes)
     assert not any("not made" in note for note in starter.study().notes if "unloader is" in note)
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.stl import read_stl
@@ -51,8 +52,8 @@ def folder(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / NAME))
 
 
-def failing(folder: Path) -> set[tuple[str, str]]:
-    return {(f.code, f.where.split(",")[0]) for f in pipeline.check(folder).findings if not f.ok}
+def failing(folder: Path, kind: str) -> set[tuple[str, str]]:
+    return {(f.code, f.where.split(",")[0]) for f in wrong(folder, kind)}
 
 
 # ---- what is there ---------------------------------------------------------------------------------------------------
@@ -255,21 +256,21 @@ def edited(folder: Path, part: str, change: Any) -> None:
 def test_a_frame_whose_tip_is_drawn_back(folder: Path) -> None:
     """0.06 mm away from the cam nothing overlaps, but the contact no longer drives the frame as asked."""
     edited(folder, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.05, z - 0.06j, z))
-    assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(folder)
+    assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(folder, "stl")
 
 
 def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
     """The roller is judged about the hole that is in the file."""
     assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["frame.tip='pin'", "motor.shaft_length=40", *COARSE]).ok
     edited(tmp_path / NAME, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.2, z - 0.05j, z))
-    assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(tmp_path / NAME)
+    assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(tmp_path / NAME, "stl")
 
 
 def test_a_plate_that_lost_its_copies(folder: Path) -> None:
     package = read_3mf(folder / f"{NAME}-plate.3mf")
     items = [Placed(item.name, f"{item.name} {k}", item.transform) for k, item in enumerate(package.items)]
     write_3mf(folder / f"{NAME}-plate.3mf", package.meshes, items[1:], "key")
-    assert failing(folder) == {("BED_FIT", "1 plate")}
+    assert failing(folder, "3mf") == {("BED_FIT", "1 plate")}
 
 
 def test_a_part_larger_than_the_bed(tmp_path: Path) -> None:
@@ -307,7 +308,7 @@ def test_files_with_fits_judged_without_them_fail(tmp_path: Path, setting: str) 
     text = spec.read_text()
     assert f"{key} = {value}" in text
     spec.write_text(text.replace(f"{key} = {value}", f"{key} = 0.0"))
-    codes = {code for code, _ in failing(folder)}
+    codes = {code for code, _ in failing(folder, "stl")}
     assert codes & {"MOTION_ERROR", "ROUND_TRIP", "VOLUME"}
 
 
@@ -449,7 +450,7 @@ def test_machines_of_moderate_size_have_room(pivot: float, arm: float, swing: fl
     sizes = (f"geometry.pivot_distance={pivot}", f"geometry.arm_offset={arm}", f"geometry.swing_deg={swing}")
     small = machine(*sizes)
     assert {part.name for part in small.parts()} == {part.name for part in machine().parts()}
-    assert any(note.startswith("Smaller for want of room") for note in small.study().notes) == (
+    assert any(note.startswith("Made smaller than usual") for note in small.study().notes) == (
         (pivot, arm) in {(30, 15), (30, 10), (50, 40)}
     )
 

@@ -170,7 +170,7 @@ def test_arrow_torque_and_picture_turn_with_the_shaft() -> None:
 
 
 def test_a_shaft_that_stands_still_is_refused() -> None:
-    for name in MECHANISMS:
+    for name in (name for name in MECHANISMS if name != "coupon"):  # in which nothing turns
         table = "drive" if name == "linkage" else "motor"
         for speed in ("0", "-0.0"):
             with pytest.raises(SpecError, match=f"{table}.speed_rpm"):

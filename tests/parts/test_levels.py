@@ -96,3 +96,32 @@ def test_a_pin_in_the_way_is_named() -> None:
     with pytest.raises(DesignError, match=r"distance of what cannot pass.*T") as caught:
         lv.levels(bands, [*axes, post], THETA, 0.2, {"rocker": 3, "crank": 1, "coupler": 2})
     assert caught.value.limit > caught.value.value
+
+
+def crossed() -> tuple[list[lv.Band], list[lv.Axis]]:
+    """Two links on one pin of the ground, and a third right across it."""
+    pin = 0j * STILL
+    bands = [lv.Band("low", np.array([pin, pin + 30]), 5), lv.Band("high", np.array([pin, pin - 30]), 5),
+             lv.Band("across", np.array([pin + 20j, pin - 20j]), 5)]  # fmt: skip
+    return bands, [lv.Axis("C", ("low", "high"), pin, 4, True, far=True)]
+
+
+def test_a_pin_between_two_plates_leaves_out_where_a_link_passes() -> None:
+    """A head on the lower stub, the link, a head under the upper stub."""
+    bands, axes = crossed()
+    found = lv.levels(bands, axes, THETA, 0.2, over=[("across", "low"), ("high", "across")])
+    assert found == {"low": 1, "across": 3, "high": 5}
+    assert lv.cuts(bands, axes, (), 0.2, found) == {"C": 1}
+    assert lv.cuts(bands[:2], axes, (), 0.2, found) == {}  # it goes through
+    over = lv.levels(bands, axes, THETA, 0.2, over=[("low", "across"), ("high", "across")])
+    assert over is not None and over["across"] == 1 and min(over["low"], over["high"]) == 3
+    assert lv.cuts(bands, axes, (), 0.2, over) == {"C": 0}  # all hangs from the upper plate
+
+
+def test_a_shaft_that_must_stand_on_the_lower_plate_is_in_the_way() -> None:
+    bands, (axis,) = crossed()
+    shaft = lv.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=axis.links)
+    with pytest.raises(DesignError, match="cannot pass.*across and C"):
+        lv.levels(bands, [shaft], THETA, 0.2, {"low": 2, "high": 3, "across": 1})
+    apart = lv.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=("low",), high=("high",))
+    assert lv.levels(bands, [apart], THETA, 0.2, over=[("high", "low")]) == {"low": 1, "across": 2, "high": 3}

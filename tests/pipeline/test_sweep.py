@@ -24,7 +24,7 @@ from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
 from camgen.pipeline.variants import variants
-from camgen.spec import override
+from camgen.settings import override
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 VARY = ["geometry.base_radius=8:32:7", "segment.0.law=cycloidal,modified-sine"]

@@ -100,7 +100,7 @@ def test_what_fails_is_said_first_and_what_to_change() -> None:
     report = replace(made_up(), not_judged=[NotJudged("BED_FIT", "no STL was made", "STL")], warnings=["mind the gap"])
     text = Page(to_html(report)).text()
     first = text[: text.index("Curves")]
-    for said in ("mind the gap", "2 of 3 checks fail", "MIN_WALL", "LASH", "NOT JUDGED", "no STL was made"):
+    for said in ("mind the gap", "2 of 3 findings fail", "MIN_WALL", "LASH", "NOT JUDGED", "no STL was made"):
         assert said in first
     assert "MOTION_ERROR" not in first and "follows" not in first
 

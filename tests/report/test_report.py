@@ -175,9 +175,9 @@ def test_page_shows_every_finding_failed_first(page: str) -> None:
     text = Page(page).text()
     places = [text.index(code) for code in ("MIN_WALL", "LASH", "MOTION_ERROR")]
     assert places == sorted(places)
-    assert "2 of 3 checks fail" in text and "160 %" in text and "53 %" in text
-    assert "The one check holds" not in text
-    assert "The one check holds" in to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")]))
+    assert "2 of 3 findings fail" in text and "160 %" in text and "53 %" in text
+    assert "The one finding holds" not in text
+    assert "The one finding holds" in to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")]))
 
 
 def test_page_escapes_all_text(page: str) -> None:

@@ -96,6 +96,29 @@ class OuterWallTouch:
 
 
 @dataclass(frozen=True)
+class PlacedTouch:
+    """A touch of a cam that stands turned and shifted on its body: body = at + turn * cam."""
+
+    touch: ProfileTouch | OuterWallTouch
+    turn: complex
+    at: complex = 0j
+
+    @property
+    def cam(self) -> DiscCam[Any]:
+        """What is touched, in its own frame."""
+        return self.touch.cam
+
+    def __call__(self, theta: Floats) -> tuple[Points, Points]:
+        """Place and normal as in `ProfileTouch`, in the body's frame."""
+        place, normal = self.touch(theta)
+        return self.at + self.turn * place, self.turn * normal
+
+    def radius(self, theta: Floats) -> Floats:
+        """As of `ProfileTouch`."""
+        return self.touch.radius(theta)
+
+
+@dataclass(frozen=True)
 class FollowerLoad:
     """What the follower is and bears, in N, mm, s on a slide and N m, rad, s on an arm.
 

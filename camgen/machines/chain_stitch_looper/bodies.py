@@ -212,7 +212,7 @@ class Bodies:
             None, self.min_wall, 1, Region(plan), self._edges(floor),
         )  # fmt: skip
 
-    @property
+    @cached_property
     def clock(self) -> Clock:
         """Needles and the section that they can strike, over the turn at any lag."""
         section = self.section_outline(self.making.shank_length, self.design.given.protrusion - self.making.running_gap)

@@ -391,9 +391,9 @@ class ChainStitchLooper(Mechanism):
         """This machine, and the same driven by cranks and rods as the source has them; none with other laws or lag."""
         if self._moves() != [("needle", "simple-harmonic", ()), ("spreader", "simple-harmonic", ())]:
             return ()
-        data = self.model_dump(by_alias=True, exclude_none=True)
-        pairs = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, self.timing.distortion])
-        return [validate(type(self), data | {"timing": data["timing"] | {"distortion": pair}}) for pair in pairs]
+        data, own = self.model_dump(by_alias=True, exclude_none=True), self.timing.distortion
+        pairs, turn = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own]), data["timing"]
+        return [self if p == own else validate(type(self), data | {"timing": turn | {"distortion": p}}) for p in pairs]
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -53,6 +53,7 @@ class Clock:
     design: Design
     section: Points
     needles: tuple[Points, Points]
+    _timings: dict[bool, Timing] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def noses(self, phi: Floats, lag: float, anew: bool) -> tuple[Floats, Floats]:
         """Way of each spreader's nose beyond its own needle, mm, (n,) each; lag: rad, besides the design's own."""
@@ -79,8 +80,9 @@ class Clock:
         for k, (nose, level) in enumerate(zip(noses, g.levels, strict=True)):
             for i, (tip, (normals, limits)) in enumerate(zip(tips, self._slabs, strict=True)):
                 u, y = nose - (0.0 if i == k else g.spacing), tip + level
-                apart = u[:, None] * normals.real + y[:, None] * normals.imag - limits
-                gaps = np.minimum(gaps, np.max(apart, axis=1))
+                # a row for each edge: the largest of a column is found on many angles at once
+                apart = u * normals.real[:, None] + y * normals.imag[:, None] - limits[:, None]
+                gaps = np.minimum(gaps, np.max(apart, axis=0))
         return gaps
 
     def gap(self, lag: float = 0.0, anew: bool = False) -> float:
@@ -122,9 +124,11 @@ class Clock:
 
     def timing(self, anew: bool = False) -> Timing:
         """Lag and lead to the first strike and to the first loop that is missed."""
-        speed = self._speeds[1] * (2 if anew else 1)
-        strike, missed = ([_first(f, sign, speed, anew) for sign in (1, -1)] for f in (self.gap, self.margin))
-        return Timing(*strike, *missed)
+        if anew not in self._timings:
+            speed = self._speeds[1] * (2 if anew else 1)
+            strike, missed = ([_first(f, sign, speed, anew) for sign in (1, -1)] for f in (self.gap, self.margin))
+            self._timings[anew] = Timing(*strike, *missed)
+        return self._timings[anew]
 
 
 def _first(spare: Callable[[float, bool], float], sign: int, speed: float, anew: bool) -> float:

@@ -35,7 +35,7 @@ from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
 from camgen.machines.eccentric_drive.weight import DiscWeight
 from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.study import Study
@@ -323,8 +323,9 @@ class EccentricDrive(Mechanism):
     def _pin(self) -> Part:
         """Pin with a head, put in from above."""
         p, note = self.making, "press into the slider through the rod"
+        made = TURNED if p.pins == "steel" else "printed"
         shank = p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness
-        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, notes=(note,))
+        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, 1, (note,), made)
 
     @cached_property
     def rail(self) -> tuple[float, float, float]:

@@ -38,6 +38,7 @@ class Parts(Record):
     rod_thickness: Length = 3.0
     flange: Length = 1.0
     pin_diameter: Length = 3.0
+    pins: Literal["printed", "steel"] = "printed"
     slider_width: Length = 8.0
     slider_thickness: Length = 4.0
     wire_diameter: Length = 1.5

@@ -124,7 +124,7 @@ def _halved(fits: Callable[[float], bool], low: float, high: float) -> float:
 def compared(spec: IndexingCam) -> Table | None:
     """The even drive of a spec beside uneven ones; None of a program that no chain of two turns to one of the cam serves."""
     g, f = spec.geometry, spec.geometry.follower
-    if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg), False):
+    if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg)):
         return None
     theta, own = np.linspace(0, math.tau, 1441), spec.two_cranks
     torques, (low, high) = spec.indexing.at(theta), (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm)

@@ -28,9 +28,13 @@ from camgen.study import Sketch
 CRANK, ARM = "crank", "arm"
 CHAIN = (
     "A crank that turns evenly, twice while the cam turns once, drives the cam through an arm in whose slot its pin runs "
-    "(Whitworth's turning block) and a belt or an idler, 2 to 1. The chain is not made: its axle stands inside the way of the "
-    "crank, so that crank and arm want bearings from either side. Angles of the report grow evenly with the time; those of the "
-    "outlines and of the pressure angle are the cam's own."
+    "(Whitworth's turning block), 2 to 1. Angles of the report grow evenly with the time; those of the outlines and of the "
+    "pressure angle are the cam's own. "
+)
+NOT_MADE = 'The chain is not made, with a belt or an idler between arm and cam; parts.make = "machine" makes it, with two wheels.'
+MADE = (
+    "The arm's axle stands inside the path of the crank, so crank and arm are held from either side: the arm's shaft from the "
+    "plate above them, the crank's from a bracket below. The arm's wheel turns the cam's, so they turn against each other."
 )
 _MOST = 0.8  # of the crank, that the offset may be: there the cam turns five times as fast as on average
 
@@ -38,13 +42,15 @@ _MOST = 0.8  # of the crank, that the offset may be: there the cam turns five ti
 @dataclass(frozen=True)
 class TwoCranks:
     """Sizes in mm, crank > offset > 0; half: angle of the crank from the begin of a turn of the link to its middle, rad;
-    sense: -1 where the shafts turn clockwise; at: place of the arm's axle on the ground, complex mm."""
+    sense: -1 where the cam turns clockwise; at: place of the arm's axle on the ground, complex mm; against: whether the arm
+    turns against the cam, as two wheels do."""
 
     crank: float
     offset: float
     half: float
     sense: int
     at: complex
+    against: bool = False
 
     @property
     def share(self) -> float:
@@ -100,19 +106,20 @@ class TwoCranks:
 
     def before(self, machine: Machine) -> Machine:
         """The machine with this chain before its body "cam"; theta turns once while the cam does, evenly, as before."""
-        tau, psi = -self.sense * self.half, -self.sense * self.turn
+        way = -1 if self.against else 1
+        tau, psi = -way * self.sense * self.half, -way * self.sense * self.turn
         pin, start = self.at - self.offset, self.crank * cmath.exp(1j * tau)
-        bodies = (Body(CRANK, {"shaft": 0j, "pin": complex(self.crank)}), Body(ARM, {"axle": 0j}))
+        bodies = (Body(CRANK, {"motor": 0j, "pin": complex(self.crank)}), Body(ARM, {"arm": 0j}))
         joints = (
             Pin("crank's shaft", Place(CRANK), Place(GROUND, pin)), Pin("arm's axle", Place(ARM), Place(GROUND, self.at)),
             Slot("turning block", Place(ARM), Place(CRANK, complex(self.crank))),
-            Gear("2 to 1", ARM, "cam", 0.5, -psi / 2),
+            Gear("2 to 1", ARM, "cam", way / 2, -way * psi / 2),
         )  # fmt: skip
         assert abs(cmath.phase((pin + start - self.at) / cmath.exp(1j * psi))) < 1e-9
         return replace(
             machine,
             bodies=(*machine.bodies, *bodies), joints=(*joints, *machine.joints),
-            drives=(Drive("motor", CRANK, Turning(2.0, tau)),),
+            drives=(Drive("motor", CRANK, Turning(2.0 * way, tau)),),
             start={**machine.start, CRANK: Start(pin, tau), ARM: Start(self.at, psi)},
         )  # fmt: skip
 
@@ -129,7 +136,7 @@ class TwoCranks:
         return crank, Sketch(ARM, [np.array([0j, self.crank + self.offset])], [(0j, hub / 2)], ARM)
 
 
-def driver_faults(driver: Driver, spans: Sequence[float], standing: bool) -> list[Fault]:
+def driver_faults(driver: Driver, spans: Sequence[float]) -> list[Fault]:
     """What is wrong with [driver]; spans: of rise, dwell and return, deg."""
     found, (rise, dwell, back) = [], spans
     if not driver.offset <= _MOST * driver.crank:
@@ -140,7 +147,4 @@ def driver_faults(driver: Driver, spans: Sequence[float], standing: bool) -> lis
         found.append(Fault("geometry.dwell_deg", f"{dwell:g}", right))
     if abs(rise - back) > 1e-9:
         found.append(Fault("geometry.return_deg", f"{back:g}", f"rise_deg, {rise:g}, with [driver]"))
-    if standing:
-        right = '"cams" with [driver]: its axle stands inside the way of the crank, and wants a bearing from the other side'
-        found.append(Fault("parts.make", "machine", right))
     return found

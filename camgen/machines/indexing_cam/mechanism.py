@@ -16,9 +16,8 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -27,48 +26,54 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import FollowerLoad, cam_machine, cam_outline
+from camgen.machine.cams.machine import cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
-from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
-from camgen.machine.model import Pose as Start
-from camgen.machines.bench import Bench, Tip
+from camgen.machine.model import Machine
+from camgen.machine.targets import Advance, advance
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
-from camgen.machines.indexing_cam.driver import CHAIN, TwoCranks, driver_faults
-from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
+from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
+from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, stepping, stood
+from camgen.machines.indexing_cam.standing_driver import room
+from camgen.machines.indexing_cam.stepping import FORWARDS, Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import (
     CrankSpring,
     Load,
-    OnLink,
     SpringTorque,
     antisymmetric,
     fitting,
     law_torque,
     peak,
 )
-from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
-from camgen.motion.segments import MATCHED, backwards, law_of, turning_rows
+from camgen.motion.segments import law_of
 from camgen.motion.spring_law import characteristic, trade_off
+from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
 from camgen.study import Plot, Sketch, Study
 
-_LINK = "driven-link"
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
+    from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
+
 _EVEN = "angle of the even drive", "even drive, once a turn of the cam"
 _NOT_MADE = 'The unloader is not made, and the driven link goes without it: unloader.torque = "crank" is one that can be made.'
 _SPRING_POINTS = 101  # of a table that stands for a spring
+
+
 class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
     geometry: t.Geometry
     motor: t.Motor = t.Motor()
     driver: t.Driver | None = None
+    freewheel: t.Freewheels | None = None
     load: t.LoadTable
     unloader: t.UnloaderTable = t.UnloaderTable()
     synthesis: t.SynthesisTable | None = None
@@ -88,50 +93,30 @@ class IndexingCam(StandingCams):
              f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle"),
             (g.closure == "force" or not self.load.closing_n_m, "load.closing_n_m", self.load.closing_n_m,
              'nothing here: closure "conjugate" needs no spring'),
-            (u.crank is None or u.guide is None or u.guide > u.crank, "unloader.guide", u.guide or 0.0,
-             f"more than the crank, {u.crank or 0:g} mm"),
         ]  # fmt: skip
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        needed, further = t.UNLOADER_KEYS[u.torque]
-        takes = ", ".join((*needed, *further)) or "nothing more"
-        missing = f"missing: torque '{u.torque}' needs it"
-        found += [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(u, key) is None]
-        for key in t.UnloaderTable.model_fields:
-            if key != "torque" and getattr(u, key) is not None and key not in (*needed, *further):
-                found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{u.torque}' takes {takes}"))
-        if u.torque == "table" and u.points is not None:
-            try:
-                characteristic(u.points)
-            except SpecError as error:
-                found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        found += u.faults(self.freewheel is not None)
         if self.load.gravity_deg is not None:
             why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
             found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
+        if self.freewheel is not None and self.sizes.shaft_diameter not in CLUTCHES:
+            sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)
+            found.append(Fault("bodies.shaft_diameter", f"{self.sizes.shaft_diameter:g}", f"a bore of freewheels, {sold} mm"))
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
-            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg), self.standing)
-        return [*found, *p.misfits(), *self.size_faults("follower", _LINK), *self._law_faults()]
-
-    def _law_faults(self) -> Sequence[Fault]:
-        choice = self.geometry.law
-        if choice.name == MATCHED:
-            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
-        try:
-            law = law_of(choice)
-        except SpecError as error:
-            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
-        turning = turning_rows(choice)
-        if turning:
-            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
-        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
-        return [] if fault is None else [fault]
+            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg))
+            between, wall = room(self.sizes, self.print, self.driver.crank, self.driver.offset), self.sizes.wall
+            if self.standing and between < wall:
+                right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
+                found.append(Fault("driver.offset", f"{self.driver.offset:g}", right + "; or a longer driver.crank"))
+        return [*found, *p.misfits(), *self.size_faults("follower", LINK), *g.law_faults()]
 
     def designed(self) -> Self:
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
         as a table. SpecError without [synthesis].
         """
-        wanted, spring = self.synthesis, self._spring
+        wanted, spring = self.synthesis, self.unloading
         if wanted is None or spring is None:
             raise SpecError([Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")])
         found = trade_off(spring, wanted.weights, wanted.sines, wanted.cosines)[-1]
@@ -157,7 +142,8 @@ class IndexingCam(StandingCams):
     @property
     def swing(self) -> float:
         """The follower's swing, rad."""
-        return math.radians(self.geometry.index_deg / self.geometry.gear_ratio)
+        lost = 0.0 if self.freewheel is None else self.freewheel.lost_deg
+        return math.radians((self.geometry.index_deg + lost) / self.geometry.gear_ratio)
 
     @cached_property
     def program(self) -> Program:
@@ -195,15 +181,17 @@ class IndexingCam(StandingCams):
 
     def chain(self, crank: float, offset: float, rise_deg: float) -> TwoCranks:
         """A chain of these sizes, mm, for turns of the driven link in so many degrees of 180."""
-        return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, complex(-self.geometry.follower.pivot_distance))
+        far = complex(self.geometry.follower.pivot_distance)
+        at = far / 2 if self.standing else -far
+        return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, at, self.standing)
 
     def found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
         found = {**super().found(), "geometry.return_deg": self.return_deg}
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
-        elif isinstance(self._spring, CrankSpring):
-            found["unloader.stiffness_n_mm"] = self._spring.stiffness
+        elif isinstance(self.unloading, CrankSpring):
+            found["unloader.stiffness_n_mm"] = self.unloading.stiffness
         return found
 
     @property
@@ -255,57 +243,47 @@ class IndexingCam(StandingCams):
         return self.making.make == "machine"
 
     def _stood(self) -> Bench:
-        """On the bench the driven link is a round table."""
-        f, load = self.geometry.follower, self.load
-        sizes = Sizes.model_validate({_LINK: {"hub_diameter": f.arm}, **self.sizes.model_dump(exclude_none=True)})
-        gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -self.geometry.gear_ratio})
-        drawn, gears = self._drawn(0.0), {"gears": gear}
-        points: dict[str, dict[str, complex]] = {GROUND: {"axle": self._link_centre}, _LINK: {"axle": 0j}}
-        strung, made = {}, self._made_unloader
-        if made is not None:
-            drawn, gears["unloader gears"] = made.added(self._drawn(0.0, False), _LINK), made.gear
-            points[GROUND] |= {"crank": made.axle, "anchor": made.post}
-            points[CRANK] = {"crank": 0j, "hook": made.hook(drawn.start_of(CRANK).angle)}
-            strung = {"unloader_spring": made.strung()}
-        return Bench(
-            drawn, self.cams["cam"], Tip("roller", f.roller_radius, self.geometry.closure), sizes, self.print,
-            self.allowed.min_wall, self.density, FollowerLoad(preload=load.closing_n_m),
-            [_LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])], gears, points, strung,
-        )  # fmt: skip
+        return stood(self)
 
     @cached_property
-    def _made_unloader(self) -> StandingUnloader | None:
+    def sizes(self) -> Sizes:
+        """Of the machine's bodies; a plate is as thick as the freewheel in it."""
+        given, freewheel = super().sizes, CLUTCHES.get(super().sizes.shaft_diameter)
+        if self.freewheel is None or freewheel is None or "base_thickness" in given.model_fields_set:
+            return given
+        return given.model_copy(update={"base_thickness": freewheel[0].width})
+
+    @cached_property
+    def stepping(self) -> Stepping | None:
+        """How the link turns on; None where it goes to and fro."""
+        return stepping(self)
+
+    @property
+    def shown_turns(self) -> int:
+        """Those that bring a link that turns on round once, eight at most."""
+        whole = (n for n in range(1, 9) if (n * self.geometry.index_deg) % 360 < 1e-9)
+        return 1 if self.freewheel is None else next(whole, 1)
+
+    @cached_property
+    def cam_drive(self) -> Machine:
+        """Cams and follower alone."""
+        return cam_drive(self, self.load.closing_n_m)
+
+    @cached_property
+    def made_unloader(self) -> StandingUnloader | None:
         """The unloader of a machine that is made; None where its spring is none that can be."""
-        if not isinstance(self._spring, CrankSpring):
+        if not isinstance(self.unloading, CrankSpring):
             return None
+        from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
+
         f, ratio = self.geometry.follower, self.geometry.gear_ratio
-        wheel = (self._link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
+        wheel = (self.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
         return StandingUnloader(
-            self._spring, self._link_centre, f.arm / 2, wheel, [*self.cams.values()], self.swing, self.sizes
+            self.unloading, self.link_centre, f.arm / 2, wheel, [*self.cams.values()], self.swing, self.sizes
         )
 
     def _alone(self) -> Machine:
-        """Cam, follower and driven link; outputs "swing" of the follower and "link", rad."""
-        return self._drawn(self.load.closing_n_m)
-
-    def _drawn(self, closing: float, unloaded: bool = True) -> Machine:
-        """The model; unloaded: whether with the unloader's torque, as no part gives it."""
-        closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        pressed = FollowerLoad(self.load.follower_inertia_kg_m2, preload=closing)
-        drive = cam_machine([*self.cams.values()], self.speed, pressed, closed)
-        drive = drive if self.two_cranks is None else self.two_cranks.before(drive)
-        link, ratio = Body(_LINK, inertia=self.load.inertia_kg_m2), -self.geometry.gear_ratio
-        spring = None if self._spring is None or not unloaded else OnLink(self._spring, ratio * self.swing)
-        borne = Resistance("unloader and friction", Angle(link.name), friction=self.load.friction_n_m, law=spring)
-        return replace(
-            drive,
-            bodies=(*drive.bodies, link),
-            joints=(*drive.joints, Pin("link's axle", Place(link.name), Place(GROUND, self._link_centre)),
-                    Gear("gears", "follower", link.name, ratio)),
-            start={**drive.start, link.name: Start(self._link_centre, ratio * drive.start["follower"].angle)},
-            loads=(*drive.loads, borne),
-            outputs=(*drive.outputs, Output("link", Angle(link.name), "rad")),
-        )  # fmt: skip
+        return drawn(self, self.load.closing_n_m)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
@@ -333,7 +311,8 @@ class IndexingCam(StandingCams):
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
     @property
-    def _link_centre(self) -> complex:
+    def link_centre(self) -> complex:
+        """Axle of the driven link, on the ground, mm."""
         f = self.geometry.follower
         return complex(f.pivot_distance + 0.75 * f.arm)
 
@@ -350,7 +329,19 @@ class IndexingCam(StandingCams):
     def asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
         swing, link = math.radians(self.allowed.lash_deg), math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio
-        return Asked("swing", lash=swing), Asked("link", lash=link) if self.standing else Asked("link", judged=False)
+        found = [Asked("swing", lash=swing), Asked("link", lash=link) if self.standing else Asked("link", judged=False)]
+        if self.stepping is not None:
+            wheel = Asked("wheel", lash=link, targets=(self._advance,)) if self.standing else Asked("wheel", judged=False)
+            found.append(wheel)
+        return found
+
+    @property
+    def _advance(self) -> Advance:
+        """The turn of the link that is wanted in each turn of the cam."""
+        assert self.stepping is not None
+        index, lost = math.degrees(self.stepping.index), math.degrees(self.stepping.lost)
+        way: Literal[-1, 1] = -1 if self.sense < 0 else 1
+        return Advance(value=index, tolerance=self.allowed.advance_deg, lost=lost, forwards=FORWARDS, time=way)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
@@ -363,16 +354,17 @@ class IndexingCam(StandingCams):
     def indexing(self) -> IndexingStudy:
         """What is asked of the drive."""
         load = self.load
-        spring, omega = self._spring, self.speed
+        spring, omega = self.unloading, self.speed
         given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
         return IndexingStudy(
             self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
             None if self.geometry.closure != "force" else self.bench.closing if self.standing else load.closing_n_m, self._ideal,
-            *(() if self.driver is None else _EVEN),
+            *(("cam angle", "cam shaft") if self.driver is None else _EVEN), self.stepping,
         )  # fmt: skip
 
     @cached_property
-    def _spring(self) -> SpringTorque | None:
+    def unloading(self) -> SpringTorque | None:
+        """Torque on the link over the share of its turn."""
         u, stroke = self.unloader, math.radians(self.geometry.index_deg)
         if u.torque == "none":
             return None
@@ -381,7 +373,8 @@ class IndexingCam(StandingCams):
             return antisymmetric(characteristic(u.points))
         if u.torque == "crank":
             assert u.crank is not None and u.guide is not None and u.stretch is not None and u.lead_deg is not None
-            spring = CrankSpring(u.stiffness_n_mm or 1.0, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke)
+            spring = CrankSpring(u.stiffness_n_mm or 1.0, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke,
+                                 self.freewheel is not None)  # fmt: skip
             return fitting(spring, self.law, self._unit) if u.stiffness_n_mm is None else spring
         return self._ideal
 
@@ -417,11 +410,11 @@ class IndexingCam(StandingCams):
                for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
         }  # fmt: skip
         numbers |= lost([*self.cams.values()])
-        if isinstance(self._spring, CrankSpring):
-            low, high = self._spring.stretches
+        if isinstance(self.unloading, CrankSpring):
+            low, high = self.unloading.stretches
             numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,
-                        "spring_force_least_n": self._spring.stiffness * low,
-                        "spring_force_greatest_n": self._spring.stiffness * high}  # fmt: skip
+                        "spring_force_least_n": self.unloading.stiffness * low,
+                        "spring_force_greatest_n": self.unloading.stiffness * high}  # fmt: skip
         wanted = self.synthesis
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
         found = self.indexing.study(self.cams, asked)
@@ -433,18 +426,23 @@ class IndexingCam(StandingCams):
                     "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
         drawn = Plot("Contact force", f"{self.indexing.angle}, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
         sketches = () if self.standing else self._sketches()
-        notes = [*found.notes, *([_NOT_MADE] if self.standing and self._spring and self._made_unloader is None else [])]
+        notes = [*found.notes, *([_NOT_MADE] if self.standing and self.unloading and self.made_unloader is None else [])]
         beside = compared(self)
         tables = [*found.tables, *([] if beside is None else [beside])]
         if self.two_cranks is not None:
             numbers |= self.two_cranks.numbers
-            notes.append(CHAIN)
+            notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
         return Study(numbers, (*found.plots, drawn), tables, sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""
-        turn = {kind: math.degrees(self.geometry.gear_ratio * float(np.ptp(s))) for kind, s in motion.items()}
-        return Study({f"index_recovered_{kind}_deg": value for kind, value in turn.items()})
+        step, ratio = self.stepping, self.geometry.gear_ratio
+        if step is None:
+            turn = {kind: ratio * float(np.ptp(s)) for kind, s in motion.items()}
+        else:
+            turn = {kind: advance(ratio * s[:: self.sense], step.lost) for kind, s in motion.items()}
+        found = {f"index_recovered_{kind}_deg": math.degrees(value) for kind, value in turn.items()}
+        return Study(found, (), [] if step is None else [step.table(turn)])
 
     def _sketches(self) -> Sequence[Sketch]:
         rollers = [(cam.follower.arm, cam.follower.tip_radius) for cam in self.cams.values()]

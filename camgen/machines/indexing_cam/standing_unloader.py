@@ -26,8 +26,8 @@ from camgen.machine.model import GROUND, Body, Gear, Machine, Pin, Place
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Strung
 from camgen.machines.indexing_cam.unloader import CrankSpring
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear as GearTable
-from camgen.machines.linkage.tables import Parts
 from camgen.parts.levels import hull_corners
 from camgen.parts.springs import extension_spring
 
@@ -61,15 +61,17 @@ class StandingUnloader:
     @cached_property
     def ratio(self) -> float:
         """Angle of the crank over that of the link, below 0; DesignError where no wheels of so few teeth have it."""
-        ratio = 2 * (math.pi - self.spring.lead) / abs(self.spring.stroke)
+        ratio = self.spring.turn / abs(self.spring.stroke)
         share = Fraction(ratio).limit_denominator(_TEETH)
         if abs(share - ratio) > 1e-9 * ratio or max(share.numerator, share.denominator) > _TEETH:
             near = min((Fraction(n, d) for d in range(1, 13) for n in range(1, 40)), key=lambda each: abs(float(each) - ratio))
             lead = math.degrees(math.pi - float(near) * abs(self.spring.stroke) / 2)
+            keys, key = "2 (180 - unloader.lead_deg) / geometry.index_deg", f"unloader.lead_deg = {lead:.9g}"
+            if self.spring.on:
+                keys, key = "360 / geometry.index_deg", f"geometry.index_deg = {360 / float(near):.9g}"
             raise DesignError(
-                "turns of the unloader's crank to one of the driven link", ratio, float(near), "",
-                "2 (180 - unloader.lead_deg) / geometry.index_deg",
-                f"take a ratio of whole teeth: unloader.lead_deg = {lead:.9g} gives {near}",
+                "turns of the unloader's crank to one of the driven link", ratio, float(near), "", keys,
+                f"take a ratio of whole teeth: {key} gives {near}",
             )  # fmt: skip
         return -ratio
 
@@ -137,7 +139,7 @@ class StandingUnloader:
 
     def _turned(self, a: np.ndarray) -> np.ndarray:
         """Of the crank past its dead centre over the stroke, rad."""
-        return np.asarray(self.spring.lead + 2 * (math.pi - self.spring.lead) * a)
+        return np.asarray(self.spring.begin + self.spring.turn * a)
 
     @property
     def axle(self) -> complex:
@@ -164,18 +166,18 @@ class StandingUnloader:
 
     def hook(self, start: float) -> complex:
         """The pin in the crank's axes, mm; start: the angle of these at the begin of the stroke, rad."""
-        return self._pin(self.axle, self.post) * cmath.exp(1j * (self.spring.lead - start))
+        return self._pin(self.axle, self.post) * cmath.exp(1j * (self.spring.begin - start))
 
     def strung(self) -> Strung:
         """The spring; DesignError where no wire makes it."""
         s, pin = self.spring, self.sizes.pin_diameter
         free, shortest = s.guide - s.crank - s.stretch + pin, s.guide - s.crank + pin
-        longest = abs(s.crank * cmath.exp(1j * s.lead) + s.guide) + pin
+        longest = s.farthest + pin
         wire = extension_spring(s.stiffness, free, longest, _EYE * pin)
         if wire is None:
             raise DesignError(
                 "springs of round wire for the unloader", 0, 1, "",
-                f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, way from {shortest:.4g} to {longest:.4g} mm",
+                f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, length from {shortest:.4g} to {longest:.4g} mm",
                 "use another unloader.stiffness_n_mm, a longer unloader.guide or shorter unloader.crank, or parts.make = 'cams'",
             )  # fmt: skip
         return Strung("Unloader's spring", (CRANK, "hook"), (GROUND, "anchor"), wire, (shortest, longest))

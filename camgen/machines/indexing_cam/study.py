@@ -13,6 +13,8 @@ import numpy as np
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.cams.profile import DiscCam
 from camgen.machines.indexing_cam.card import card
+from camgen.machines.indexing_cam.stepping import NOTE as STEPS
+from camgen.machines.indexing_cam.stepping import Stepping
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, peak, torques
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
@@ -45,7 +47,7 @@ class IndexingStudy:
     swing: of the follower, rad; omega: cam shaft, rad/s, below 0 clockwise; dwell_torque: of the process on the link in a
     dwell, N m; closing: torque at the follower that presses it on the one cam, N m, None for a conjugate pair; ideal: a
     spring, which no one makes, that does by itself what the law asks: what a real one is compared with. It may be `spring`.
-    angle: what theta is called, shaft: what turns by it.
+    angle: what theta is called, shaft: what turns by it; step: of a link that turns on.
     """
 
     program: Program
@@ -59,9 +61,12 @@ class IndexingStudy:
     ideal: SpringTorque
     angle: str = "cam angle"
     shaft: str = "cam shaft"
+    step: Stepping | None = None
 
     def at(self, theta: Floats, speed: float = 1.0, spring: SpringTorque | None = None) -> Torques:
         """Torques over cam angles (n,), the shaft at a multiple of its speed; with another spring where one is given."""
+        if self.step is not None:
+            return self.step.torques(theta, speed * self.omega, self.load, spring or self.spring)
         s = [self.program(theta, order) for order in range(3)]
         return torques(s, self.swing, speed * self.omega, self.load, spring or self.spring)
 
@@ -75,7 +80,7 @@ class IndexingStudy:
         theta = np.sort(np.mod(np.concatenate([even, beside]), math.tau))
         turning = np.zeros(len(theta), bool)
         for segment, begin in zip(self.program.segments, joints, strict=False):
-            if segment.scale:
+            if segment.scale and (self.step is None or segment.kind == "rise"):
                 turning |= (theta > begin) & (theta < begin + segment.span)
         return theta, turning, self.at(theta)
 
@@ -106,7 +111,10 @@ class IndexingStudy:
 
     def findings(self, jump_limit: float, residual_limit: float) -> Sequence[Finding]:
         """Joints, residual torque, force closure in the dwells (and over the turn on a single cam)."""
-        found = [*self._joints(jump_limit), self._closure()]
+        found = [*self._joints(jump_limit), *([] if self.step and self.closing is None else [self._closure()])]
+        if self.step is not None:
+            back = 0.0 if self.spring is None else -float(self.spring(np.zeros(1))[0])
+            found += self.step.findings(self.fine, self._pushing()[0], self.load, back, self.dwell_torque, self.angle)
         if self.spring is not None:
             found.append(
                 at_most(
@@ -153,6 +161,12 @@ class IndexingStudy:
             f"{max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
         )  # fmt: skip
 
+    def _pushing(self) -> tuple[Floats, Floats]:
+        """Torque in the freewheel that turns the link, with the unloader and without it, (n,) N m, nan while it runs free."""
+        assert self.step is not None
+        theta, _, found = self._fine
+        return self.step.pushes(theta, found, self.load, found.spring), self.step.pushes(theta, found, self.load, 0 * theta)
+
     # ---- study --------------------------------------------------------------------------------------------------------
 
     def study(self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None) -> Study:
@@ -162,7 +176,7 @@ class IndexingStudy:
         tables += [self._unloaders(), self._speeds()] if self.spring else []
         if asked is not None and self.spring is not None:
             tables.append(self._synthesis(self.spring, *asked))
-        notes = [_ARRANGEMENT]
+        notes = [_ARRANGEMENT if self.step is None else STEPS]
         if self.law.name == "mr-13":
             notes.append(_ERRATA)
         if self.law(np.zeros(1), 2)[0] > LAW_CLOSES:
@@ -170,7 +184,12 @@ class IndexingStudy:
                 f"The law starts with c = {float(self.law(0.0, 2)):.6g}: it assumes that the spring pulls before the link moves, "
                 "so that the cam gives way rather than pushes. Without the unloader each end of the turn is a knock."
             )
-        return Study(self._numbers() | figures, [*self._plots(cams), *curves], tables, (), notes)
+        numbers, plots = self._numbers() | figures, [*self._plots(cams), *curves]
+        if self.step is not None:
+            pushing, bare = self._pushing()
+            numbers |= self.step.numbers(self.omega, pushing, self.load, bare)
+            plots = [*self.step.plots(self.angle, self.fine, pushing), *plots]
+        return Study(numbers, plots, tables, (), notes)
 
     def _numbers(self) -> dict[str, float]:
         _, turning, found = self._fine
@@ -206,8 +225,8 @@ class IndexingStudy:
         x, label = np.degrees(theta), f"{self.angle}, deg"
         found, ratio = self.at(theta), self.load.ratio
         link = [np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)]
-        units = ("deg", "deg/s", "deg/s²", "deg/s³")
-        names = ("Driven link: angle", "Driven link: speed", "Driven link: acceleration", "Driven link: jerk, jumps left out")
+        units, turned = ("deg", "deg/s", "deg/s²", "deg/s³"), "Driven link" if self.step is None else "Wheel of the freewheel"
+        names = [f"{turned}: {name}" for name in ("angle", "speed", "acceleration", "jerk, jumps left out")]
         plots = [Plot(name, label, unit, [("wanted", x, y)]) for name, unit, y in zip(names, units, link, strict=True)]
 
         def pair(bare: Floats, helped: Floats) -> list[tuple[str, Floats, Floats]]:
@@ -220,6 +239,8 @@ class IndexingStudy:
         if self.spring is not None:
             kappa = np.linspace(0, 1, 601)
             position, rise = self.law(kappa), self._spans[0]
+            if self.step is not None:
+                position = np.clip((position * ratio * self.swing - self.step.lost) / self.step.index, 0, 1)
             inertia = self.load.inertia * ratio * self.swing * (self.omega / rise) ** 2 * self.law(kappa, 2)
             name = "ideal spring" if self.spring is self.ideal else "spring"
             curves = [("inertia", position, inertia), (name, position, self.spring(position))]

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
+from camgen.errors import Fault, SpecError
 from camgen.machines.loads.tables import Bears, Drives, Weight
-from camgen.motion.segments import NamedLaw
+from camgen.motion.program import Segment
+from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
+from camgen.motion.spring_law import characteristic
 from camgen.parts.disc_cams import ShaftHole, Thickness
 from camgen.spec import Length, Record, Rpm, turning
 
@@ -37,6 +41,21 @@ class Geometry(Record):
     gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
     closure: Literal["conjugate", "force"] = "conjugate"
 
+    def law_faults(self) -> Sequence[Fault]:
+        """What is wrong with the law, which runs between dwells there and back."""
+        choice = self.law
+        if choice.name == MATCHED:
+            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
+        try:
+            law = law_of(choice)
+        except SpecError as error:
+            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        turning = turning_rows(choice)
+        if turning:
+            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
+        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
+        return [] if fault is None else [fault]
+
 
 class Motor(Drives):
     """What drives the cam shaft."""
@@ -52,6 +71,13 @@ class Driver(Record):
     offset: Length
 
 
+class Freewheels(Record):
+    """The link turns on by a turn at a time: a freewheel takes it along as the follower swings out, a second one holds it on
+    the ground as that swings back; the follower swings so much further as is lost before a freewheel locks."""
+
+    lost_deg: Annotated[float, Field(ge=0, le=45)] = 1.0
+
+
 class LoadTable(Weight):
     """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
     presses the follower on a cam with closure "force"."""
@@ -61,6 +87,14 @@ class LoadTable(Weight):
     friction_n_m: NotNegative = 0.0
     dwell_torque_n_m: NotNegative = 0.0
     closing_n_m: NotNegative = 0.0
+
+
+UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
+    "none": ((), ()),
+    "law": ((), ("balance", "design_rpm")),
+    "table": (("points",), ()),
+    "crank": (("crank", "guide", "stretch", "lead_deg"), ("stiffness_n_mm",)),
+}
 
 
 class UnloaderTable(Record):
@@ -81,13 +115,26 @@ class UnloaderTable(Record):
     stretch: NotNegative | None = None
     lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
 
-
-UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
-    "none": ((), ()),
-    "law": ((), ("balance", "design_rpm")),
-    "table": (("points",), ()),
-    "crank": (("crank", "guide", "stretch", "lead_deg"), ("stiffness_n_mm",)),
-}
+    def faults(self, on: bool) -> list[Fault]:
+        """What does not go together; on: whether the link turns on."""
+        needed, further = UNLOADER_KEYS[self.torque]
+        takes = ", ".join((*needed, *further)) or "nothing more"
+        missing = f"missing: torque '{self.torque}' needs it"
+        found = [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(self, key) is None]
+        for key in type(self).model_fields:
+            if key != "torque" and getattr(self, key) is not None and key not in (*needed, *further):
+                found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{self.torque}' takes {takes}"))
+        if self.crank is not None and self.guide is not None and self.guide <= self.crank:
+            found.append(Fault("unloader.guide", f"{self.guide:g}", f"more than the crank, {self.crank:g} mm"))
+        if self.torque == "table" and self.points is not None:
+            try:
+                characteristic(self.points)
+            except SpecError as error:
+                found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+        if on and self.torque not in ("none", "crank"):
+            right = '"crank" or "none" with [freewheel]: a torque that ends as far back as it begins forwards cannot go on'
+            found.append(Fault("unloader.torque", f"'{self.torque}'", right))
+        return found
 
 
 class SynthesisTable(Record):
@@ -114,7 +161,8 @@ class Parts(ShaftHole):
 class Limits(Bears):
     """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
 
-    residual: peak torque that the unloader may leave to the cam, as a share of that without it.
+    residual: peak torque that the unloader may leave to the cam, as a share of that without it; advance_deg: how far a turn of a
+    link that turns on may be off.
     """
 
     pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
@@ -123,4 +171,5 @@ class Limits(Bears):
     speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
+    advance_deg: Annotated[float, Field(gt=0, le=360)] = 0.05
     min_wall: Length = 0.8

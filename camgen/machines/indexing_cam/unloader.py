@@ -55,8 +55,9 @@ class CrankSpring:
     """A spring on a cord that runs from a crank pin over a guide; the crank turns with the link, once less 2 lead a stroke.
 
     At a = 0 the crank stands `lead` (rad) past its dead centre, where the pin is farthest from the guide; at a = 1/2 pin and
-    guide are nearest. stiffness N/mm; crank: radius of the pin, guide: its distance from the crank's axis, both mm;
-    stretch: of the spring at a = 1/2, mm; stroke: of the link, rad.
+    guide are nearest. on: the link turns on, so the crank turns once a stroke, from `lead` before that place. stiffness N/mm;
+    crank: radius of the pin, guide: its distance from the crank's axis, both mm; stretch: of the spring where they are
+    nearest, mm; stroke: of the link, rad.
     """
 
     stiffness: float
@@ -65,28 +66,42 @@ class CrankSpring:
     stretch: float
     lead: float
     stroke: float
+    on: bool = False
+
+    @property
+    def begin(self) -> float:
+        """Of the crank past its dead centre as a stroke begins, rad."""
+        return -self.lead if self.on else self.lead
+
+    @property
+    def turn(self) -> float:
+        """Of the crank over the stroke, rad."""
+        return math.tau if self.on else 2 * (math.pi - self.lead)
+
+    @property
+    def farthest(self) -> float:
+        """Greatest distance of pin and guide, mm."""
+        return abs(self.crank * cmath.exp(1j * (0.0 if self.on else self.lead)) + self.guide)
 
     @property
     def stretches(self) -> tuple[float, float]:
-        """Of the spring over the stroke, mm: at its middle, and at the ends, `lead` past the dead centre."""
-        cord = abs(self.crank * cmath.exp(1j * self.lead) + self.guide)
-        return self.stretch, self.stretch + cord - (self.guide - self.crank)
+        """Of the spring over the stroke, mm: where pin and guide are nearest and farthest."""
+        return self.stretch, self.stretch + self.farthest - (self.guide - self.crank)
 
     def __call__(self, a: Floats) -> Floats:
         """Torque on the link, N m, (n,)."""
-        turn = 2 * (math.pi - self.lead)
-        phi = self.lead + turn * np.asarray(a, float)
+        phi = self.begin + self.turn * np.asarray(a, float)
         cord = np.sqrt(self.crank**2 + self.guide**2 + 2 * self.crank * self.guide * np.cos(phi))
         pull = self.stiffness * (self.stretch + cord - (self.guide - self.crank))
         lever = self.crank * self.guide * np.sin(phi) / cord
-        return np.asarray(pull * lever * 1e-3 * turn / self.stroke)
+        return np.asarray(pull * lever * 1e-3 * self.turn / self.stroke)
 
 
 def fitting(spring: CrankSpring, law: Law, unit: float) -> CrankSpring:
     """The same with the stiffness of which the least is left of the law's torque unit * c at its worst."""
     from scipy.optimize import minimize_scalar
 
-    kappa = np.linspace(0, 0.5, _FITTED)
+    kappa = np.linspace(0, 1.0 if spring.on else 0.5, _FITTED)
     pull, asked = replace(spring, stiffness=1.0)(law(kappa)), unit * law(kappa, 2)
     size = float(np.abs(asked).max() / np.abs(pull).max())  # convex in the stiffness: one least
     found = minimize_scalar(lambda share: float(np.abs(asked - share * size * pull).max()), bounds=(0.0, 4.0), method="bounded",

@@ -36,27 +36,34 @@ from camgen.machine.features import (
     Feature,
     Flat,
     GearTeeth,
+    Keyed,
     Mark,
     Mount,
     PinEyes,
     Ring,
     SlotFaces,
     StandIn,
+    Steady,
 )
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage import plates
+from camgen.machines.linkage.collars import collar
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import Placed, bearing_name, bearings, hand_crank, pin
+from camgen.machines.linkage.plates import SECOND, ground_plate, second
 from camgen.machines.linkage.seats import seated
+from camgen.machines.linkage.stubs import Stub, in_upper, stubs
 from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot
-from camgen.parts.catalogue import STEEL, Bought, nut, screw_for
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, pivot, touched
+from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.set_screws import SetScrewHub
 
 _MM = 1e-3
-_HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 _ABOUT = {
     "pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "nut": "Nut {} of a pin", "cover": "Cover {} of a guide",
 }  # fmt: skip
@@ -83,14 +90,15 @@ class Bodies:
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
         layout = self.layout
-        moving = [body.name for body in layout.machine.moving if body.name not in layout.alone]
-        parts = [self._plate(), *(self._link(name) for name in moving)]
+        moving = [link for link in layout.moving if link not in layout.alone]
+        base = ground_plate(layout, part_name(GROUND), self.collar_radius, self._pressed(GROUND))
+        parts = [base, *(self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
-        mounts += [Mount(part_name(name), name, z=layout.floor(layout.level[name])) for name in moving]
+        mounts += [Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
         for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
-                            *hand_crank(layout), *self._counterweight()]:  # fmt: skip
+                            *hand_crank(layout), *second(layout), *self._counterweight()]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -115,7 +123,13 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        return self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        return top if self.collar is None else top + self.collar.height
+
+    @property
+    def collar(self) -> SetScrewHub | None:
+        """What holds the driven link on a motor's shaft, if it is asked for."""
+        return collar(self.layout, self.layout.shaft_of(self.layout.driven))
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
@@ -132,7 +146,8 @@ class Bodies:
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
         covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
-        return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws]
+        screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
+        return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws, *plates.bought(self.layout)]
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate."""
@@ -149,12 +164,15 @@ class Bodies:
         holes: dict[str, Contour] = {}
         for point, z in points.items():
             holes[f"hole {point}"] = circle(z, layout.hole(point, link) / 2)
-            if layout.shafts.get(point) == link:
-                holes[f"hole {point}"] = self._profile(self.fits.press_clearance).moved(1, z)
+            flat = layout.profile(point, link)
+            if flat is not None:
+                holes[f"hole {point}"] = flat.moved(1, z)
         for point, (low, high) in layout.slots_of(link).items():
             radius = (layout.turning(point) + self.fits.slide_clearance) / 2
             holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
+        if link in layout.marks:
+            holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
         notes = [f"level {layout.level[link]}", *self._pressed(link), *notes]
         return Part(
@@ -168,46 +186,11 @@ class Bodies:
         fixed = [point for point in layout.points_of(link) if point in layout.pivots and layout.pressed_in(point) == link]
         return [f"pressed in here: {', '.join(fixed)}"] if fixed else []
 
-    def _plate(self) -> Part:
-        layout = self.layout
-        points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots}
-        holes = {f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()}
-        hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
-        hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
-        screw = self.sizes.mount_diameter / 2
-        under = self.collar + self.sizes.mount_diameter  # a screw's head beside the collar
-        face, motor = self.sizes.face, points[layout.shaft_of(layout.driven)]
-        beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts)]
-        pockets = {}
-        if face is not None:
-            beside.append((motor, math.sqrt(2) * face.half + self.sizes.mount_diameter))
-            wide = (face.screw.head + _HEAD_ROOM) / 2
-            hubs += [(motor + z, wide + self.sizes.wall) for z in face.screws]
-            holes |= {f"motor screw {k}": circle(motor + z, face.screw.clearance / 2) for k, z in enumerate(face.screws, 1)}
-            pockets = {f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)}
-        pairs = [(a, b) for a in beside for b in beside]
-        a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
-        way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
-        screws = [a[0] - way * (a[1] + screw), b[0] + way * (b[1] + screw)]
-        holes |= {f"screw {k}": circle(z, screw) for k, z in enumerate(screws, 1)}
-        outer = hull([*hubs, *((z, screw + self.sizes.wall) for z in screws)])
-        region = plate("ground plate", outer, holes, self.min_wall)
-        floor = self.sizes.base_thickness
-        layers = [Layer(region, 0.0, floor)]
-        if pockets:
-            under, region = floor - self.sizes.pocket, plate("ground plate", outer, holes | pockets, self.min_wall)
-            layers = [Layer(layers[0].region, 0.0, under), Layer(region, under, floor)]
-        return Part(
-            part_name(GROUND), "Ground plate", (*layers, *rails(layout, GROUND, floor)),
-            centres=(*points.values(), *screws), min_wall=self.min_wall,
-            notes=("the outermost holes are for screws from behind", *self._pressed(GROUND)), points=tuple(points.items()),
-        )  # fmt: skip
-
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
     @property
-    def collar(self) -> float:
-        """Radius of a shaft's collar, mm."""
+    def collar_radius(self) -> float:
+        """Of a shaft's collar, mm."""
         return self.sizes.shaft_diameter / 2 + self.sizes.head + self.sizes.wall
 
     def _profile(self, fit: float) -> Contour:
@@ -231,36 +214,57 @@ class Bodies:
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
         s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
-        held = layout.on(point)
-        at, top = layout.at(body, point), held[-1][1]
-        bought = layout.on_motor(point, GROUND)  # the motor's own shaft
-        if point in layout.shafts and not bought:
-            yield self._shaft(body, top, at)
-            ring = Region(circle(0j, self.collar), (self.bore,))
-            collar = Part(
-                "collar", "Collar of a shaft", (Layer(ring, 0.0, s.thickness),), centres=(0j,), min_wall=self.min_wall,
-                notes=("pressed and glued on the shaft under the plate",),
-            )  # fmt: skip
-            yield collar, Mount("collar", body, at, z=-play - s.thickness)
-        elif not bought:
-            yield from pin(layout, point)
+        if point in layout.carried:
+            return
+        at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
+        for stub in stubs(layout, point):
+            if point not in layout.shafts:
+                yield from pin(layout, point, stub)
+            elif stub.hangs:
+                yield self._shaft(layout.upper_web, stub, at)
+            elif not bought:
+                yield self._shaft(body, stub, at)
+                name, bore = "collar", self._profile(self.fits.press_clearance)
+                if layout.clutch(point):
+                    name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
+                lowest = Part(
+                    name, "Collar of a shaft", (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
+                    centres=(0j,), min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
+                )  # fmt: skip
+                yield lowest, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
+            elif self.collar is not None:
+                yield self.collar.collar(), Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1])
         yield from bearings(layout, point)
-        for (_, under), (high, _) in pairwise(held):
-            height = layout.floor(high) - under - 2 * play
+        for (_, under), (high, _) in (pair for stub in stubs(layout, point) for pair in pairwise(stub.held)):
+            height, step = high - under - 2 * play, s.thickness + play
+            rings = round((height + play) / step) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
-                ring_part = spacer("spacer", "Spacer", hole, wide, height, self.min_wall)
-                yield ring_part, Mount("spacer", body, at, z=under + play)
+                ring_part = spacer("spacer", "Spacer", hole, wide, s.thickness if s.of_sheet else height, self.min_wall)
+                mount = Mount("spacer", layout.carrier(body), at, z=under + play)
+                yield from ((ring_part, replace(mount, z=mount.z + k * step)) for k in range(rings))
 
-    def _shaft(self, link: str, top: float, at: complex) -> Placed:
-        """A link's shaft; the one that drives is longer below the plate."""
-        driven = link == self.layout.driven
-        below = self.sizes.shaft_length if driven else self.sizes.thickness + 2 * self.fits.slide_clearance
+    def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
+        """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""
+        driven, below = link == self.layout.driven, self.sizes.thickness + 2 * self.fits.slide_clearance
+        below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
         name = "shaft" if driven else f"shaft-{link}"
+        sleeved = link in (self.layout.driven, self.layout.upper_web) and any(stand.sleeve for stand in self.layout.stands)
+        top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
+        reach = [stand.merged.shaft for stand in self.layout.stands if stand.merged is not None]
+        top += max(reach, default=0.0) if stub.far and link in (self.layout.driven, self.layout.upper_web) else 0.0
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
-        part = Part(name, title, (layer,), centres=(0j,), notes=(f"glued into link {link} and the collar",))
-        return part, Mount(name, link, at, z=-below)
+        made = "turned" if self.sizes.of_sheet else "printed"
+        said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
+        part = Part(name, title, (layer,), centres=(0j,), notes=(said,), made=made)
+        loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
+        if loose:
+            end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
+            rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
+            steel = "hardened steel rod, h6, a flat ground on its upper end, for what is glued on it"
+            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(steel, *part.notes), made="bought", cut=1)
+        return part, Mount(name, self.layout.carrier(link), at, z=-below)
 
     # ---- cams -------------------------------------------------------------------------------------------------------
 
@@ -299,7 +303,8 @@ class Bodies:
             return
         for part in parts:
             yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
+            how = TURNED if s.pin == "dowel" else "printed"
+            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how)
             yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
     def _gear(self, wheel: Toothed) -> Placed:
@@ -307,15 +312,21 @@ class Bodies:
         layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
         start = float(layout.machine.start_of(wheel.link).angle)
         edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
-        region = plate(f"wheel of {wheel.link}", edge, {"bore": self._profile(press).moved(cmath.exp(1j * start))}, self.min_wall)
+        bore, held = self._profile(press).moved(cmath.exp(1j * start)), f"pressed and glued on the shaft of {wheel.link}"
+        wide = self.sizes.shaft_diameter + press
+        if wheel.link in layout.freewheels:
+            on, clutch = layout.freewheels[wheel.link]
+            wide = clutch.outside + press
+            bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+        region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, self.min_wall)
         notes = (
-            f"drawn at theta = 0, level {layout.level[wheel.level]}", f"pressed and glued on the shaft of {wheel.link}",
+            f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
             f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
         )  # fmt: skip
         layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
         part = Part(
             wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
-            bore=self.sizes.shaft_diameter + press, min_wall=self.min_wall,
+            bore=wide, min_wall=self.min_wall,
         )  # fmt: skip
         at = layout.at(wheel.link, layout.shaft_of(wheel.link))
         return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))
@@ -324,12 +335,15 @@ class Bodies:
 
     def _point_of(self, joint: m.Joint) -> tuple[str, str, str]:
         """The point of a pin or slot, and its two links, a slot's last."""
+        layout = self.layout
         if isinstance(joint, m.Slot):
-            return next(name for name, slot in self.layout.slots.items() if slot == joint), joint.runner.body, joint.guide.body
+            point = next(name for name, slot in layout.slots.items() if slot == joint)
+            return point, layout.web_at(joint.runner.body, point), joint.guide.body
         assert isinstance(joint, m.Pin)
-        at = self.layout.machine.body(joint.a.body).points
-        point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in self.layout.pivots.get(n, ()))
-        return point, joint.a.body, joint.b.body
+        at = layout.machine.body(joint.a.body).points
+        joined = {point: {layout.carrier(link) for link in links} for point, links in layout.pivots.items()}
+        point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in joined.get(n, ()))
+        return point, layout.web_at(joint.a.body, point), layout.web_at(joint.b.body, point)
 
     def _part_of(self, link: str) -> str:
         """Name of the part that a link is; of one that is a wheel alone, that wheel's."""
@@ -338,13 +352,15 @@ class Bodies:
         parts |= {each.level: each.part for each in self.layout.toothed if each.link == link}
         return part_name(link) if level is None else parts[level]
 
-    def _eye(self, point: str, link: str) -> Eye:
+    def _eye(self, point: str, link: str, beside: str = "") -> Eye:
+        """A link's hole at a point; of the ground the one in the plate that holds the other link's pin, or is nearer to it."""
+        if link == GROUND and beside and in_upper(self.layout, point, beside):
+            return Eye(SECOND, self.layout.at(GROUND, point), self.layout.far_hole(point))
         return Eye(self._part_of(link), self.layout.at(link, point), self.layout.hole(point, link))
 
     def features(self) -> Sequence[Feature]:
         """Holes, slots, rails, outlines and pins of every joint, and pens."""
         layout = self.layout
-        on = {(mount.body, mount.at): mount.part for mount in self.mounts if mount.part.startswith(("pin-", "shaft"))}
         found: list[Feature] = []
         for joint in layout.machine.joints:
             if isinstance(joint, m.Slide):
@@ -357,7 +373,7 @@ class Bodies:
                 if layout.on_motor(point, GROUND):  # its boss in the plate, its shaft in the link: the mean counts twice
                     pin = Eye(None, 0j, (layout.sizes.face.boss + layout.turning(point)) / 2, True)  # type: ignore[union-attr]
                 else:
-                    pin = Eye(on[fixed, layout.at(fixed, point)], 0j, layout.turning(point), True)
+                    pin = Eye(self._pin_of(point, fixed, b if a == fixed else a), 0j, layout.turning(point), True)
                 if isinstance(joint, m.Slot):
                     middle = sum(layout.slots_of(b)[point]) / 2
                     walls = Faces(part_name(b), middle, joint.angle, layout.hole(point, b))
@@ -365,12 +381,41 @@ class Bodies:
                 else:
                     held = (layout.bearing_in(point, link) for link in (a, b))
                     rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
-                    found.append(PinEyes(joint.name, self._eye(point, a), self._eye(point, b), pin, rings))
+                    found.append(PinEyes(joint.name, self._eye(point, a, b), self._eye(point, b, a), pin, rings))
         for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
             turns = self.pivot_of(one.link), self.pivot_of(other.link)
             found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
         found += [outline for tip in layout.tips for outline in self._outlines(tip)]
+        found += [*self._keyed(), *self._steady()]
         return [*found, *(Mark(self._eye(point, link)) for point, link in layout.pens.items())]
+
+    def _pin_of(self, point: str, link: str, beside: str) -> str:
+        """The part that is the pin or shaft of a point, fixed in a link, on which another one turns."""
+        layout, body, at = self.layout, self.layout.carrier(link), self.layout.at(link, point)
+        named = [each for each in self.mounts if each.part.startswith(("pin-", "shaft")) and (each.body, each.at) == (body, at)]
+        floor = layout.floor(layout.level[beside])
+        return max((each for each in named if each.z <= floor), key=lambda each: each.z, default=named[0]).part
+
+    def _keyed(self) -> Iterator[Keyed]:
+        """Webs on one crank pin."""
+        for (low, held), (high, _) in pairwise(self.layout.webs.items()):
+            yield Keyed(self._eye(held[1], low), self._eye(held[1], high), math.pi / 2)
+
+    def _steady(self) -> Iterator[Steady]:
+        """Pins and shafts that the second plate holds too."""
+        layout = self.layout
+        for point in (point for point in layout.points_of(GROUND) if layout.second is not None and layout.in_second(point)):
+            far, hangs = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)), layout.cut(point) is not None
+            if hangs and point not in layout.shafts:
+                continue  # it is the joints' own
+            joint = next((each.name for each in layout.machine.joints if isinstance(each, m.Pin)
+                          and self._point_of(each)[0] == point and GROUND in (each.a.body, each.b.body)), None)  # fmt: skip
+            if joint is None:
+                continue  # a spring's eye sits there
+            web = layout.upper_web
+            part = f"shaft-{web}" if hangs else self._pin_of(point, layout.pressed_in(point), GROUND)
+            ends = (self._eye(point, layout.driven), self._eye(point, web)) if hangs else None
+            yield Steady(joint, self._eye(point, GROUND), far, Eye(part, 0j, layout.turning(point), True), ends)
 
     def pivot_of(self, link: str) -> str:
         """Name of the pin on which a link turns on the ground."""
@@ -410,6 +455,8 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = self._point_of(joint)
                 joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
+            elif isinstance(joint, m.Cam):
+                joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 
@@ -436,5 +483,5 @@ class Bodies:
 
 def part_name(link: str) -> str:
     """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
-    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar")
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar", "shaft-collar")
     return f"link-{link}" if taken else link

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle
-from camgen.machines.linkage.tables import SUNK, Parts
+from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer, Part, hull

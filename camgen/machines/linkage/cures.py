@@ -3,6 +3,7 @@
     bow        of a link with two hubs, by as much as it lacks and twice that, to either side
     slimmer    that link's hubs, the head that is in the way, the pin or shaft
     smaller    pins, heads and walls all alike
+    plates     a second one, which lets pins be in two stubs, and a shaft that is interrupted
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from typing import Any
 
 from camgen.errors import DesignError
 from camgen.machine.run import Run
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.parts.levels import Axis, Band, Crowded
 
 Search = Callable[[Layout, Run, bool], dict[str, int] | None]
@@ -44,14 +46,14 @@ def cured(layout: Layout, run: Run, refused: Crowded, search: Search, tried: lis
     """The remedy: what was found to mend it, which keys may, and what was tried."""
     found = (next((said for said, other in kind if _lies(other, run, search)), "") for kind in _changed(layout, refused))
     mends = list(islice(filter(None, found), _MOST))
-    tries = f"; tried were {', '.join(tried)}, bows, slimmer and smaller parts"
+    tries = f"; tried: {', '.join(tried)}, bows, slimmer and smaller parts, two plates"
     return f"mended by {', or by '.join(mends)}; else {refused.remedy}{tries}" if mends else f"{refused.remedy}{tries}"
 
 
 def _lies(layout: Layout, run: Run, search: Search) -> bool:
     """Whether levels are found soon, the heads of the plate's pins over or under it."""
     try:
-        return any(search(each, run, False) is not None for each in (layout, replace(layout, sunk=True)))
+        return any(search(each, run, False) is not None for each in layout.heads())
     except DesignError:
         return False
 
@@ -77,6 +79,16 @@ def _changed(layout: Layout, refused: Crowded) -> Iterator[Iterable[tuple[str, L
     if s.pin == "printed":
         yield [(" and ".join(f"parts.{key} = {size:g}" for key, size in each.items()), _with(layout, each))
                for each in sizes if each["wall"] >= layout.min_wall and each["head"] >= least]  # fmt: skip
+    if s.plates == 1:
+        yield _with_two_plates(layout)
+
+
+def _with_two_plates(layout: Layout) -> Iterator[tuple[str, Layout]]:
+    """A layout with a second plate, then with an interrupted shaft too."""
+    yield "parts.plates = 2", _with(layout, {"plates": 2})
+    webbed = _with(layout, {"plates": 2, "shaft": "interrupted"})
+    if webbed.webs and layout.sizes.shaft == "through":
+        yield 'parts.plates = 2 and parts.shaft = "interrupted"', webbed
 
 
 _WIDEST = 1e5  # mm, bow that is worth a try

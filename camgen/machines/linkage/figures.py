@@ -11,11 +11,13 @@ import numpy as np
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
+from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import FourBar, four_bar
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, time_ratio
+from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
 from camgen.study import Plot, Sketch, Study, Table
@@ -56,6 +58,7 @@ def study(linkage: Linkage) -> Study:
             marks = path[::60]  # of equal time where the drive turns evenly
             series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
             plots.append(Plot(f"Path of {output.name}", "x, mm", "y, mm", series, equal=True, dots=("every 15 deg",)))
+    plots += _centrodes(linkage, run)
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
         numbers |= {f"{name}_length_mm": float(str(length)), f"{name}_least_radius_mm": float(str(radius))}
@@ -84,7 +87,8 @@ def study(linkage: Linkage) -> Study:
     if linkage.springs:
         notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
                      "pins; they are not in the sweep.")  # fmt: skip
-    notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage)] if linkage.lacking() is None else []
+    if linkage.lacking() is None:
+        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *steps(linkage.bodies.layout)]
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
@@ -129,7 +133,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
     if linkage.lacking() is not None:
         return Study()
-    machine, label = linkage.machine(), f"{linkage.angle_name}, deg"
+    machine, label = linkage.model, f"{linkage.angle_name}, deg"
     found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
@@ -165,6 +169,21 @@ def timing(linkage: Linkage) -> tuple[Study, ...]:
             series.append((output.name + name, np.degrees(theta), (value - least) / span if span else value - least))
     label = f"{linkage.drive.link}, deg"
     return (Study(plots=[Plot("Timing of the whole machine", label, "share of its stroke", series)]),)
+
+
+def _centrodes(linkage: Linkage, run: Run) -> list[Plot]:
+    """Of each link that draws a path and is pinned nowhere on the ground: where its instant centre runs."""
+    held = {body for joint in linkage.chain.joints if isinstance(joint, m.Pin) for body in (joint.a.body, joint.b.body)
+            if m.GROUND in (joint.a.body, joint.b.body)}  # fmt: skip
+    drawing = dict.fromkeys(each.of.of.body for each in linkage.chain.outputs if isinstance(each.of, m.Path))
+    found = []
+    for body in (body for body in drawing if body not in held):
+        levers = [abs(z) for z in linkage.chain.body(body).points.values()]
+        fixed, moving = centrodes(run, body, max(levers, default=0.0))
+        series = [(name, each.real, each.imag) for name, each in (("on the ground", fixed), (f"on {body}, in its axes", moving))]
+        if np.count_nonzero(np.isfinite(fixed)) > 1:
+            found.append(Plot(f"Centrodes of {body}: one rolls on the other", "x, mm", "y, mm", series, equal=True))
+    return found
 
 
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:

@@ -19,7 +19,7 @@ from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.features import Faces, SlideFaces
 from camgen.machines.linkage.covers import Cover
-from camgen.machines.linkage.tables import Parts
+from camgen.machines.linkage.sizes import Parts
 from camgen.parts.part import hull, with_bar
 from camgen.tolerances import SAME_POINT
 

@@ -1,8 +1,5 @@
 """What is where in a linkage of parts: holes and hubs, pins and shafts, slots, what slides between which rails, levels.
 
-    pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
-    shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
-    rider    what sits on a pin or shaft beside the links: rollers, wheels
     level    a link's or a wheel's: as high as the thickest on it and one play, so that flat faces run on each other; what is
              thinner stands on its floor, and spacers on that; 0 is the plate
 """
@@ -11,164 +8,70 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
-from camgen.machine import model as m
+from camgen.machines.linkage.collars import collar, levels_over
 from camgen.machines.linkage.covers import Cover, cover
 from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
-from camgen.machines.linkage.tables import Gear, Parts
-from camgen.machines.linkage.wheels import NOSE, Ridden, Tip, Toothed, Wheel, pivot, tips, toothed, with_seconds
+from camgen.machines.linkage.joined import GROUND, Joined, Stretched
+from camgen.machines.linkage.wheels import NOSE, Tip, pivot
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
-from camgen.parts.part import hull, with_bar
-from camgen.spec import Print
+from camgen.parts.part import d_bore, hull, with_bar
 
-GROUND = m.GROUND
+__all__ = ["GROUND", "Layout", "Stretched"]
+
+SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
-@dataclass(frozen=True)
-class Stretched:
-    """A spring between a body's point and another's, body and point each; diameter: outside, mm. Pins hold its eyes."""
+class Layout(Joined):
+    """A machine and the sizes of its parts, on their levels."""
 
-    a: tuple[str, str]
-    b: tuple[str, str]
-    diameter: float
+    # ---- holes and hubs -----------------------------------------------------------------------------------------------
 
+    def at(self, body: str, point: str) -> complex:
+        """Place of a point in a body's axes."""
+        return complex(self.bodies[body].points[point])
 
-@dataclass(frozen=True)
-class Layout:
-    """A machine and the sizes of its parts.
+    def turning(self, point: str) -> float:
+        """Diameter of what turns at a point, mm."""
+        thin = self.sizes.shoulder.diameter if self.kind(point) == "shoulder" else self.sizes.pin_diameter
+        return self.sizes.shaft_diameter if point in self.shafts else thin
 
-    drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
-    strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
-    slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link; weights: counterweights on shafts.
-    """
+    def kind(self, point: str) -> str:
+        """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it;
+        "keyed" of what joins webs."""
+        if point in self.shafts:
+            return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
+        if any(link in self.webs for link in self.pivots.get(point, ())):
+            return "keyed"
+        found = self.sizes.pins.get(point, self.sizes.pin)
+        return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
 
-    drawn: m.Machine
-    driven: str
-    sizes: Parts
-    fits: Print
-    min_wall: float
-    given: Mapping[str, int]
-    strokes: Mapping[str, tuple[float, float]]
-    cams: Mapping[str, Ridden] = field(default_factory=dict)
-    gears: Mapping[str, Gear] = field(default_factory=dict)
-    stems: Mapping[str, str] = field(default_factory=dict)
-    sunk: bool = False
-    springs: Mapping[str, Stretched] = field(default_factory=dict)
-    weights: Sequence[Wheel] = ()
+    def bearing(self, point: str) -> Bearing | None:
+        """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        return (self.clutch(point) or narrowest(self.turning(point))) if self.kind(point) == "bearing" else None
 
-    # ---- joints -----------------------------------------------------------------------------------------------------
+    def bearing_in(self, point: str, link: str) -> Bearing | None:
+        """The ball bearing in a link's hole at a point."""
+        return None if self.kind(point) != "bearing" or link == self.pressed_in(point) else self.bearing(point)
 
-    @cached_property
-    def machine(self) -> m.Machine:
-        """The machine with all its points."""
-        return with_seconds(self.drawn, self.cams)
+    def spacer_diameter(self, point: str) -> float:
+        """Of what keeps links apart on a pin or shaft, mm: it lies beside the seat of a bearing."""
+        bearing = None if point in self.shafts else self.bearing(point)
+        return (self.turning(point) if bearing is None else bearing.outside) + 2 * self.sizes.head
 
-    def lacking(self) -> DesignError | None:
-        """What to say of joints of which no bodies are made."""
-        try:
-            self.toothed  # noqa: B018
-        except DesignError as error:
-            return error
-        slid = next((tip for tip in self.tips if tip.hung and tip.joint.slide is not None), None)
-        if slid is not None:
-            return DesignError(
-                "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
-                'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
-            )  # fmt: skip
-        held = next((tip for tip in self.tips if not tip.rolls and tip.closure != "force"), None)
-        if held is not None:
-            return DesignError(
-                f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
-            )
-        return None
-
-    @cached_property
-    def slides(self) -> dict[str, m.Slide]:
-        """The slide of each link that slides."""
-        return {joint.runner.body: joint for joint in self.machine.joints if isinstance(joint, m.Slide)}
-
-    @cached_property
-    def slots(self) -> dict[str, m.Slot]:
-        """The slot that a point's pin runs in, by the point's name."""
-        found: dict[str, m.Slot] = {}
-        for joint in (joint for joint in self.machine.joints if isinstance(joint, m.Slot)):
-            points = self.machine.body(joint.runner.body).points
-            found[next(name for name, z in points.items() if z == joint.runner.at)] = joint
-        if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
-            raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own")
-        return found
-
-    @cached_property
-    def tips(self) -> list[Tip]:
-        """What runs on each cam."""
-        return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
-
-    @cached_property
-    def toothed(self) -> list[Toothed]:
-        """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
-        return toothed(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
-
-    @cached_property
-    def wheels(self) -> list[Wheel]:
-        """Cam discs, gears' wheels, counterweights."""
-        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
-
-    @cached_property
-    def pivots(self) -> dict[str, tuple[str, ...]]:
-        """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
-        bodies, slots = self.machine.bodies, self.slots
-        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked
-        carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
-        return {
-            name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
-            for name, links in carriers.items() if len(links) > 1 or name in slots or name in ridden
-        }  # fmt: skip
-
-    @cached_property
-    def hooked(self) -> set[str]:
-        """Points on whose pin a spring's eye sits."""
-        return {point for each in self.springs.values() for _, point in (each.a, each.b)}
-
-    def below(self, spring: Stretched) -> int:
-        """How many levels a spring takes under its own."""
-        return max(0, math.ceil((spring.diameter - self._least) / (self._least + self.fits.slide_clearance)))
-
-    @cached_property
-    def alone(self) -> dict[str, str]:
-        """Links that are no more than a wheel on their shaft, and the level of that wheel."""
-        carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
-        shaped = (link for link in carried if self.sizes.shape(link).hub_diameter)
-        more = {link for link in carried if len(self.machine.body(link).points) > 1}.union(shaped)
-        return {link: level for link, level in carried.items() if link not in more}
-
-    @cached_property
-    def shafts(self) -> dict[str, str]:
-        """The link that is fixed on the shaft at a point: the driven one's first."""
-        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels)])
-        return {
-            next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
-        }
-
-    @cached_property
-    def riders(self) -> dict[str, list[str]]:
-        """Levels of what sits on a pin or shaft beside the links, by the point's name."""
-        found: dict[str, list[str]] = {}
-        for tip in (tip for tip in self.tips if tip.rolls):
-            found.setdefault(tip.point, []).append(tip.level)
-        for wheel in self.wheels:
-            found.setdefault(self.shaft_of(wheel.link), []).append(wheel.level)
-        for name, each in self.springs.items():
-            for _, point in (each.a, each.b):
-                found.setdefault(point, []).append(name)
-        return found
+    def head_radius(self, point: str) -> float:
+        """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
+        found = self.spacer_diameter(point) / 2
+        screw, held = self.sizes.shoulder if self.kind(point) == "shoulder" else None, collar(self, point)
+        found = found if held is None else max(found, held.least_radius)
+        return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
     @cached_property
     def hung(self) -> set[str]:
@@ -184,72 +87,58 @@ class Layout:
         grounded = {point for point in grounded - self.hooked if point not in self.slots}
         return {point for point in grounded if self.kind(point) in ("printed", "dowel")} if self.sunk else set()
 
-    def shaft_of(self, link: str) -> str:
-        """The point of a link's shaft."""
-        return next(point for point, held in self.shafts.items() if held == link)
-
-    @cached_property
-    def pens(self) -> dict[str, str]:
-        """The link of each point that is an output and no pin."""
-        found = {}
-        for output in self.machine.outputs:
-            if isinstance(output.of, m.Path) and self.sizes.pen_diameter and output.of.of.body != GROUND:
-                body = self.machine.body(output.of.of.body)
-                name = next(name for name, z in body.points.items() if z == output.of.of.at)
-                if name not in self.pivots:
-                    found[name] = body.name
-        return found
-
-    def on_motor(self, point: str, link: str) -> bool:
-        """Whether a hole is the plate's for the motor's boss."""
-        return self.sizes.face is not None and link == GROUND and self.shafts.get(point) == self.driven
-
-    # ---- holes and hubs -----------------------------------------------------------------------------------------------
-
-    def at(self, body: str, point: str) -> complex:
-        """Place of a point in a body's axes."""
-        return complex(self.machine.body(body).points[point])
-
-    def turning(self, point: str) -> float:
-        """Diameter of what turns at a point, mm."""
-        thin = self.sizes.shoulder.diameter if self.kind(point) == "shoulder" else self.sizes.pin_diameter
-        return self.sizes.shaft_diameter if point in self.shafts else thin
-
-    def kind(self, point: str) -> str:
-        """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it."""
-        if point in self.shafts:
-            return self.sizes.pins.get(point, "printed")
-        found = self.sizes.pins.get(point, self.sizes.pin)
-        return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
-
-    def bearing(self, point: str) -> Bearing | None:
-        """The narrowest ball bearing on the pin of a point."""
-        return narrowest(self.turning(point)) if self.kind(point) == "bearing" else None
-
-    def bearing_in(self, point: str, link: str) -> Bearing | None:
-        """The ball bearing in a link's hole at a point."""
-        return None if self.kind(point) != "bearing" or link == self.pressed_in(point) else self.bearing(point)
-
-    def spacer_diameter(self, point: str) -> float:
-        """Of what keeps links apart on a pin or shaft, mm: it lies beside the seat of a bearing."""
-        bearing = None if point in self.shafts else self.bearing(point)
-        return (self.turning(point) if bearing is None else bearing.outside) + 2 * self.sizes.head
-
-    def head_radius(self, point: str) -> float:
-        """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
-        found = self.spacer_diameter(point) / 2
-        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
-        return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
+    def below(self, spring: Stretched) -> int:
+        """How many levels a spring takes under its own."""
+        return max(0, math.ceil((spring.diameter - self._least) / (self._least + self.fits.slide_clearance)))
 
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
         if point in self.shafts:
+            return levels_over(self, point, self._least), 0
+        if sum(link in self.webs for link in self.pivots[point]) > 1:
             return 0, 0
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least
             step = least + self.fits.slide_clearance
             return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
         return (0, 1) if point in self.hung else (1, 0)
+
+    def heads(self) -> list[Layout]:
+        """It, and where one plate holds the ground's pins, it with their heads under that."""
+        return [self] if self.sizes.plates > 1 else [self, replace(self, sunk=True)]
+
+    def between_plates(self, point: str) -> bool:
+        """Whether a second plate can hold the far end of what stands on the ground at a point."""
+        if self.sizes.plates < 2 or self.pivots[point][0] != GROUND:
+            return False
+        if point in self.shafts:
+            return self.shafts[point] in self.webs or not self.on_motor(point, GROUND)
+        return self.kind(point) in ("printed", "dowel")
+
+    def cut(self, point: str) -> int | None:
+        """The highest level of the lower stub of a point that is two, one on each plate; None of what goes through."""
+        return None if self.second is None else self.second.cuts.get(point)
+
+    def in_second(self, point: str) -> bool:
+        """Whether the second plate holds what stands on the ground at a point, or a stub of it."""
+        at = self.cut(point)
+        return self.second is not None and self.between_plates(point) and (at is None or at < self.on(point)[-1][0])
+
+    def far_hole(self, point: str) -> float:
+        """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
+        return self.turning(point) + (self.fits.slide_clearance if point in self.shafts else self.fits.press_clearance)
+
+    def profile(self, point: str, link: str) -> Contour | None:
+        """A link's hole at a point where it has a flat: that of what turns it, or of a web's crank pin; None of a round one."""
+        s, fit = self.sizes, self.fits.press_clearance
+        if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
+            return d_bore(s.shaft_diameter + fit, s.shaft_flat)
+        return d_bore(s.pin_diameter + fit, self.key_depth) if link in self.webs and self.kind(point) == "keyed" else None
+
+    @property
+    def key_depth(self) -> float:
+        """Of the flats of crank pins, mm: the shaft's, by their diameters."""
+        return self.sizes.shaft_flat * self.sizes.pin_diameter / self.sizes.shaft_diameter
 
     def head_room(self, point: str) -> float:
         """Height of the levels that are kept free over a pin's highest link, mm."""
@@ -259,7 +148,7 @@ class Layout:
     @property
     def _least(self) -> float:
         """Thickness of the thinnest link, mm."""
-        return min([self.sizes.thickness, *(self.thickness(body.name) for body in self.machine.moving)])
+        return min([self.sizes.thickness, *map(self.thickness, self.moving)])
 
     def pressed_in(self, point: str) -> str:
         """The link in which the pin or the shaft of a point is fixed."""
@@ -289,7 +178,7 @@ class Layout:
 
     def fit(self, point: str, link: str) -> float:
         """Diametral fit of a link's hole at a point, mm."""
-        fixed = link == self.pressed_in(point) or self.on_motor(point, link) or self.kind(point) == "bearing"
+        fixed = link == self.pressed_in(point) or link in self.webs or self.on_motor(point, link) or self.kind(point) == "bearing"
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
@@ -304,7 +193,7 @@ class Layout:
 
     def points_of(self, link: str) -> dict[str, complex]:
         """The points of a link that have a round hole, in its axes."""
-        points = self.machine.body(link).points.items()
+        points = self.bodies[link].points.items()
         return {name: complex(z) for name, z in points if name in self.pivots or self.pens.get(name) == link}
 
     def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
@@ -441,10 +330,10 @@ class Layout:
     @property
     def lying(self) -> list[str]:
         """What lies on a level: links, what touches on shafts, springs."""
-        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
         if not self.springs.keys().isdisjoint(found):
-            raise ValueError(f"a spring is called as a link or wheel: {', '.join(self.springs.keys() & set(found))}")
+            raise ValueError(f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}")
         return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float]]:
@@ -475,7 +364,7 @@ class Layout:
     @cached_property
     def _heights(self) -> list[float]:
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
-        links = [body.name for body in self.machine.moving if body.name not in self.alone]
+        links = [link for link in self.moving if link not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
         thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
@@ -495,3 +384,17 @@ class Layout:
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""
         return self.floor(level) + self._heights[level]
+
+    @property
+    def line(self) -> tuple[float, float]:
+        """Where a sleeve on the shaft that drives begins, over the second plate, and where that shaft ends in it, mm."""
+        low = self.ceiling + self.sizes.base_thickness + self.fits.slide_clearance
+        return low, low + SLEEVE * self.sizes.shaft_diameter
+
+    @property
+    def ceiling(self) -> float:
+        """Height of the underside of the second plate, a play over the highest thing, mm."""
+        assert self.second is not None, "asked for with two plates alone"
+        play, most = self.fits.slide_clearance, max(self.level.values())
+        step = max(self._least, self.sizes.head, self.sizes.thickness) + play
+        return round(self.top(most) + play + max(0, self.second.highest - most) * step, 9)

@@ -15,11 +15,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from camgen.errors import DesignError, Fault, listed
 from camgen.findings import Finding, at_least
@@ -31,14 +31,16 @@ from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, wheels
+from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
+from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
-from camgen.machines.linkage.stacking import laid
+from camgen.machines.linkage.sizes import Name, Parts
+from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.journals import Post
@@ -47,6 +49,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
 from camgen.study import Study, together
 
@@ -81,12 +84,14 @@ class Signal:
 def _one_drive(value: object) -> object:
     """A list of drives is told for what it is."""
     if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: a chain of more freedoms than one is not made; let gears or cams couple them")
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
     return value
 
 
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
+
+    frame_part: ClassVar[str] = m.GROUND
 
     points: t.Points
     links: t.Links
@@ -102,28 +107,47 @@ class Linkage(Mechanism):
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
     counterweight: Counterweight | None = None
-    masses: dict[t.Name, t.Masses] = {}
-    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts.model_validate({})
+    masses: dict[Name, t.Masses] = {}
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_validate({})
     layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_sheet(cls, data: Any) -> Any:
+        return sheets.filled(data, "parts")
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
-        found = self._drawing.faults()
+        found = drawing_faults(self._drawing)
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
-        lying = [*moving, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         if self.counterweight is not None:
             found += weight_faults(self.counterweight, self.drive, self.masses, lying)
             lying.append(NAME)
         found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
+        found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
+        if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
+            found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
+        if self.making.plates < 2:
+            right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
+            found += [Fault(f"include.{k}.mounted", "true", right) for k, each in enumerate(self.includes) if each.mounted]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
+
+    @property
+    def _webs(self) -> list[str]:
+        """Names of the further webs of an interrupted shaft."""
+        if self.making.shaft == "through" or self.drive.link not in self.links or m.GROUND not in self.links:
+            return []
+        thrown = webs.throws(self.links, self.drive.link, [slot.pin for slot in self.slots])
+        return [webs.web_name(self.drive.link, k) for k in range(1, len(thrown) + self.making.plates - 1)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -144,10 +168,11 @@ class Linkage(Mechanism):
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
-        host = self.model_dump(by_alias=True, exclude_none=True)
-        top = max(high for _, high in inc.heights(self.bodies.parts, self.bodies.mounts))
-        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, self.print.slide_clearance)
-        inc.distinct(found, self.bodies.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        host, bare = self.model_dump(by_alias=True, exclude_none=True), self._bare
+        top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
+        play = self.print.slide_clearance
+        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, play, self._line)
+        inc.distinct(found, bare.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
         return found
 
     @cached_property
@@ -212,6 +237,11 @@ class Linkage(Mechanism):
     def shaft_needed(self) -> float | None:
         """Of the motor under the plate."""
         return None if self.making.face is None else self.bodies.shaft_reach
+
+    @property
+    def hub(self) -> SetScrewHub | None:
+        """The collar on the motor's shaft."""
+        return None if self.making.face is None else self.bodies.collar
 
     @property
     def motor_frame(self) -> str:
@@ -280,9 +310,36 @@ class Linkage(Mechanism):
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
+    @property
+    def _line(self) -> inc.Line | None:
+        """The upper end of the shaft that drives, for what stands on the second plate."""
+        layout = self._bare.layout
+        if layout.second is None:
+            return None
+        point = layout.shaft_of(self.drive.link)
+        axis = layout.at(m.GROUND, point) if layout.in_second(point) else None
+        shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
+        return inc.Line(axis, layout.line[1], self.chain.start[self.drive.link].angle, self.making, shaft, layout.ceiling)
+
+    @cached_property
+    def _kept(self) -> tuple[tuple[complex, float], ...]:
+        """Holes of what stands on the second plate, of which its posts keep clear."""
+        host = self.model_dump(by_alias=True, exclude_none=True) if any(each.mounted for each in self.includes) else {}
+        return inc.kept(self.includes, host, self.drive.speed_rpm) if host else ()
+
     @cached_property
     def bodies(self) -> Bodies:
-        """What is made of it; levels that [layers] leaves open are found."""
+        """What is made of it, and what holds machines that stand on it."""
+        stands = tuple(each.stand for each in self.modules if each.mounted)
+        return Bodies(replace(self._bare.layout, stands=stands), self._bare.weight) if stands else self._bare
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """Of the ground plate, for screws from behind."""
+        return [(z, self.making.mount_diameter) for z in self.bodies.parts[0].centres[-2:]]
+
+    @cached_property
+    def _bare(self) -> Bodies:
+        """What is made of it alone; levels that [layers] leaves open are found."""
         lacking = self.lacking()
         if lacking is not None:
             raise lacking
@@ -311,12 +368,12 @@ class Linkage(Mechanism):
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
-            springs={each.name: each.stretched for each in self.sprung},
+            springs={each.name: each.stretched for each in self.sprung}, kept=self._kept,
         )  # fmt: skip
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
-        return self._layout.lacking()
+        return lacking(self._layout)
 
     def found(self) -> Mapping[str, object]:
         """Levels, the included specs and where they stand, and what every mechanism fills in."""
@@ -329,7 +386,7 @@ class Linkage(Mechanism):
         """The same with its levels, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
-        same = vars(self).keys() & {"chain", "bodies", "_balanced", "modules", "sprung"}
+        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -374,10 +431,6 @@ class Linkage(Mechanism):
             lash = _LASH * stroke(course) if given is None else given
             found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
         return tuple(found)
-
-    def printed(self) -> Sequence[Part]:
-        """All that are printed."""
-        return [part for part in self.parts() if part.made == "printed"]
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws, springs."""

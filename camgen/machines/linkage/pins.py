@@ -5,6 +5,7 @@
     shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
     bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
                head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring
+    keyed      a crank pin, which joins the webs of an interrupted shaft
     crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
 """
 
@@ -18,8 +19,11 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
+from camgen.machines.linkage.stubs import Stub
+from camgen.machines.linkage.webs import keyed_pin
 from camgen.parts.catalogue import BEARINGS, Bearing, dowel
 from camgen.parts.hardware import headed, plate, spacer
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
@@ -38,6 +42,7 @@ def refuse(layout: Layout) -> None:
             "no link turns there": len(links) < 2, "it is in a slot": kind == "bearing" and point in layout.slots,
             "a roller or a spring sits on it": kind == "bearing" and point in layout.riders and point not in layout.shafts,
             "it is the motor's shaft": layout.on_motor(point, GROUND), "a roller hangs on it": kind == "shoulder" and hangs,
+            "it joins webs of the shaft": layout.kind(point) == "keyed",
             "it is a shaft, printed or in a bearing": kind in ("shoulder", "dowel") and point in layout.shafts,
         }  # fmt: skip
         for why in (why for why, wrong in said.items() if wrong):
@@ -59,18 +64,29 @@ def refuse(layout: Layout) -> None:
                 raise DesignError(key, layout.thickness(link), least, "mm", f"pin {point}", remedy)
 
 
-def pin(layout: Layout, point: str) -> Iterator[Placed]:
-    """The pin of a point and what holds it, on the link in which it is fixed."""
-    s, play, body = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
-    held, at, hung = layout.on(point), layout.at(body, point), point in layout.hung
-    bottom = layout.floor(held[0][0])
-    grip = held[-1][1] + play - bottom
+def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
+    """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
+    s, play, link = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
+    body, at, hung = layout.carrier(link), layout.at(link, point), point in layout.hung or stub.hangs
+    bottom = stub.held[0][0]
+    grip = stub.held[-1][1] + play - bottom
+    if stub.through:
+        yield _between(layout, point, stub)
+        return
     match layout.kind(point):
+        case "keyed":
+            ends = [top - low for low, top in (stub.held[0], stub.held[-1])]
+            if layout.beyond(point)[0]:  # a head in place of the upper web
+                between, ends = grip - ends[0], [ends[0], 0.0]
+            else:
+                between = stub.held[-1][0] - stub.held[0][1]
+            head = s.pin_diameter / 2 + s.head, s.head
+            made = keyed_pin(s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head)
+            yield made, Mount("pin", body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
-            low = bottom - (play + cap.thickness) * hung
-            yield steel, Mount("pin", body, at, z=low)
-            yield cap, Mount("cap", body, at, z=low if hung else bottom + grip)
+            yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
+            yield cap, Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip)
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
@@ -83,20 +99,35 @@ def pin(layout: Layout, point: str) -> Iterator[Placed]:
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
 
 
+def _between(layout: Layout, point: str, stub: Stub) -> Placed:
+    """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
+    s, whole = layout.sizes, stub.held[-1][1]
+    mount, notes = Mount("pin", GROUND, layout.at(GROUND, point)), ("pressed and glued into both plates",)
+    if layout.kind(point) != "dowel":
+        return rod("pin", "Pin", s.pin_diameter, whole, notes=notes), mount
+    length = dowel(s.pin_diameter, whole)
+    if length < whole - s.base_thickness / 2:
+        raise DesignError(
+            "length of the dowel", length, whole - s.base_thickness / 2, "mm", f"pin {point}",
+            f'change parts.thickness or parts.base_thickness, or make parts.pins.{point} "printed"',
+        )  # fmt: skip
+    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",)
+    return replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought"), mount
+
+
 def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     """A dowel through so much, mm, and the cap on what stands out; DesignError where none of such a length is sold."""
     s = layout.sizes
     length = dowel(s.pin_diameter, grip + s.thickness)
     least = grip + max(layout.min_wall, s.head / 2)
     if length < least:
-        raise DesignError(
-            "length of the dowel", length, least, "mm", f"pin {point}",
-            'change parts.thickness or parts.pin_diameter, or make parts.pin "printed"',
-        )  # fmt: skip
+        remedy = f"change {s.thick_key} or parts.pin_diameter"
+        remedy += ": thin dowels are sold shorter" if s.of_sheet else ', or make parts.pin "printed"'
+        raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy)
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
-    return steel, spacer("cap", "Cap of a pin", hole, wide, length - grip, layout.min_wall)
+    return steel, spacer("cap", "Cap of a pin", hole, wide, s.thickness if s.of_sheet else length - grip, layout.min_wall)
 
 
 def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float) -> Iterator[Placed]:
@@ -106,7 +137,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if not grip <= length <= grip + room:
         raise DesignError(
             "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
-            f'change parts.thickness, or make parts.pins.{point} "printed"',
+            f'change {s.thick_key}, or make parts.pins.{point} "{"dowel" if s.of_sheet else "printed"}"',
         )  # fmt: skip
     discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
     layers, z = [], 0.0
@@ -124,7 +155,7 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
         fill = spacer("spacer", "Spacer", screw.diameter + layout.fits.slide_clearance, wide, length - grip, layout.min_wall)
-        yield fill, Mount("spacer", body, at, z=bottom + grip)
+        yield replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill, Mount("spacer", body, at, z=bottom + grip)
 
 
 def bearings(layout: Layout, point: str) -> Iterator[Placed]:
@@ -142,9 +173,12 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    notes = (f"ball bearing {bearing.name}, {bearing.size}, pressed into its link",)
-    ring = spacer(bearing_name(bearing), "Ball bearing", bearing.bore, bearing.outside, bearing.width, layout.min_wall)
-    return replace(ring, notes=notes, made="bought")
+    title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
+    if bearing in [clutch for _, clutch in layout.freewheels.values()]:
+        said = "pressed in so that, seen from above, the ring can only turn counter-clockwise on its shaft"
+        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", said]
+    ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
+    return replace(ring, notes=tuple(notes), made="bought")
 
 
 def hand_crank(layout: Layout) -> Iterator[Placed]:

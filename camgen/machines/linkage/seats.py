@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from camgen.geometry.outlines import Contour, circle
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
 from camgen.parts.catalogue import Bearing
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer
@@ -28,7 +29,7 @@ def lip(layout: Layout) -> float:
 def seat_floor(layout: Layout, point: str, link: str) -> float:
     """Height of a bearing's lower side over that of its link, mm; 0 in the ground's plate, which its seat goes through."""
     bearing = layout.bearing_in(point, link)
-    if bearing is None or link == GROUND:
+    if bearing is None or link == GROUND or link in layout.freewheels:
         return 0.0
     return round(layout.thickness(link) - layout.fits.slide_clearance - bearing.width, 9)
 

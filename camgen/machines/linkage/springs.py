@@ -16,7 +16,7 @@ from camgen.errors import DesignError, Fault
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage import tables as t
-from camgen.machines.linkage.layout import Stretched
+from camgen.machines.linkage.joined import Stretched
 from camgen.parts.catalogue import Bought
 from camgen.parts.springs import ExtensionSpring, extension_spring
 from camgen.spec import unknown

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -13,9 +13,11 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.cures import cured, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
-from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.joined import GROUND, Second
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse
-from camgen.parts.levels import Axis, Band, Crowded, Wall, hull_corners, levels
+from camgen.machines.linkage.plates import columns, post_radius
+from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, hull_corners, levels, span
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -35,19 +37,40 @@ def laid(layout: Layout, run: Run) -> Layout:
         refused: DesignError | None = None
         for tried in tries:
             try:
-                found = [(each, found_levels(each, run, explain)) for each in (tried, replace(tried, sunk=True))]
+                found = [(each, found_levels(each, run, explain)) for each in tried.heads()]
             except DesignError as error:
                 refused = refused or error
                 continue
             best = min((pair for pair in found if pair[1]), key=lambda pair: max((pair[1] or {}).values()), default=None)
             if best is not None and best[1] is not None:
-                return replace(best[0], given=best[1])
+                return covered(replace(best[0], given=best[1]), run)
     assert refused is not None
     if not isinstance(refused, Crowded):
         raise refused
-    ways_tried = ["all orders of the levels", "heads over and under the plate"]
+    ways_tried = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
     ways_tried += [f"rails {', '.join(STEMS)}"] if len(tries) > 1 else []
     raise refused.mended(cured(tries[0], run, refused, found_levels, ways_tried))
+
+
+@dataclass(frozen=True)
+class Things:
+    """What is to be laid, and pairs of levels of which the first must lie over the second."""
+
+    bands: list[Band]
+    axes: list[Axis]
+    walls: list[Wall]
+    over: list[tuple[str, str]]
+
+
+def covered(layout: Layout, run: Run) -> Layout:
+    """A layout on its levels with the second plate, where one is asked for; run: samples over the whole motion."""
+    if layout.sizes.plates < 2:
+        return layout
+    t, gap = things(layout, run), layout.fits.slide_clearance
+    ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level).items()}
+    every: list[Band | Axis | Wall] = [*t.bands, *t.axes, *t.walls]
+    places = columns(every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
+    return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in every)))
 
 
 def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
@@ -55,13 +78,19 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
 
     Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
     """
+    t, gap = things(layout, run), layout.fits.slide_clearance
+    return levels(t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, searched=explain)
+
+
+def things(layout: Layout, run: Run) -> Things:
+    """What is to be laid; run: samples over the whole motion."""
     bands, axes, over = [], [], []
 
     def ways(link: str, places: Sequence[complex]) -> np.ndarray:
         """Places of a link on the ground, (k, n)."""
         if link == GROUND:
             return np.array([np.full(run.theta.shape, z, complex) for z in places])
-        pose = run.pose(link)
+        pose = run.pose(layout.carrier(link))
         return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
 
     def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str, slim: str, move: str) -> Band:
@@ -69,8 +98,8 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
         places = ways(link, [discs[k][0] for k in corners])
         return Band(name, places, max(radius for _, radius in discs), on, slim=slim, move=move)
 
-    for body in (body for body in layout.machine.moving if body.name not in layout.alone):
-        link, arm = body.name, None if body.name in layout.guides else layout.arm_band(body.name)
+    for link in (link for link in layout.moving if link not in layout.alone):
+        arm = None if link in layout.guides else layout.arm_band(link)
         discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
         if arm is not None:
             reach = arm.width / 2 + arm.sagitta
@@ -104,12 +133,23 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
         moving, shaft = tuple(link for link in links if link != GROUND), layout.shafts.get(point)
         moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
         upper = layout.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
+        hanging = tuple(link for link in moving if link in layout.webs and link != shaft) if shaft is not None else ()
         if shaft is not None or point in layout.slots:
-            over += [(upper, link) for link in moving if link != upper]
+            over += [(upper, link) for link in moving if link not in (upper, *hanging)]
         held = (*moving, *layout.riders.get(point, ()))
+        loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
+        over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
+        if shaft is not None and layout.webs.get(shaft):
+            over += [(shaft, rider) for rider in layout.riders.get(point, ())]
+        elif any(link in layout.webs for link in moving):  # what turns on a throw lies between its webs
+            low, *high = (link for link in moving if link in layout.webs)
+            between = [link for link in held if link not in layout.webs]
+            over += [(link, low) for link in between] + [(web, link) for web in high for link in between]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
-        axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point)))
+        low_ends = () if shaft is None else tuple(link for link in held if link not in hanging)
+        axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point),
+                         layout.between_plates(point), low_ends, hanging))  # fmt: skip
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body
@@ -124,4 +164,25 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
             half, slim = layout.sizes.rail_width / 2, "a smaller parts.rail_width"
             walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
         over += [(link, on)] if on != GROUND else []
-    return levels(bands, axes, run.theta, layout.fits.slide_clearance, layout.given, walls, over, explain, searched=explain)
+    over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
+    return Things(bands, axes, walls, over)
+
+
+def lacking(layout: Layout) -> DesignError | None:
+    """What to say of joints of which no bodies are made."""
+    try:
+        layout.toothed  # noqa: B018
+    except DesignError as error:
+        return error
+    slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)
+    if slid is not None:
+        return DesignError(
+            "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
+            'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
+        )  # fmt: skip
+    held = next((tip for tip in layout.tips if not tip.rolls and tip.closure != "force"), None)
+    if held is not None:
+        return DesignError(
+            f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
+        )
+    return None

@@ -7,29 +7,18 @@ lengths override drawn distances. Two links that share a point are pinned there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
+from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import Bears
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
-from camgen.parts.catalogue import DOWELS, MOTOR_FACES, SHOULDER_SCREWS, MotorFace, ShoulderScrew
-from camgen.spec import Length, Record, Rpm, turning, unknown
+from camgen.spec import Length, Record, Rpm, turning
 
-SUNK = 0.2  # mm, by which a screw's head lies below the surface
-
-Name = Annotated[
-    str,
-    Field(
-        pattern=r"^[A-Za-z][A-Za-z0-9_]*$",
-        max_length=40,
-        description="a name of letters, digits and _, a letter first",
-    ),
-]
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = tuple[Coordinate, Coordinate]
 Two = tuple[Name, Name]
@@ -176,6 +165,9 @@ class Include(Record):
     z: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
         None, description="mm, how far it is raised; unless given it stands above all before it"
     )
+    mounted: bool = Field(
+        False, description="whether its frame stands on this machine's second plate; shafts in one line are joined by a sleeve"
+    )
     ride: dict[str, Name] = Field(
         {}, description="bodies of it that links of this machine carry, in place of its own guides and cams: body = link"
     )
@@ -197,132 +189,6 @@ def pair(key: str) -> tuple[str, str] | None:
     """The two points of a key of [lengths], "A-B"; None where it is none."""
     names = key.split("-")
     return (names[0].strip(), names[1].strip()) if len(names) == 2 and all(names) else None
-
-
-class Shape(Record):
-    """The body of one link, where it differs from the others."""
-
-    hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
-    width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
-    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] = Field(
-        0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
-    )
-    thickness: Length | None = Field(None, description="mm; that of all links unless given")
-
-
-PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
-
-
-class Parts(Record):
-    """Sizes of the bodies; a further table by a link's name is the shape of that link."""
-
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Shape] = Field(init=False)
-
-    thickness: Length = Field(4.0, description="mm, of a link")
-    pin: PinKind = Field(
-        "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
-    )
-    pins: dict[Name, PinKind] = Field({}, description="the same of one point")
-    pin_diameter: Length = Field(5.0, description="mm, of pins")
-    wall: Length = Field(2.0, description="mm, round each hole")
-    head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
-    base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
-    shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
-    shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
-    shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
-    motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
-        "none", description="screwed under the plate, its own shaft drives"
-    )
-    hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
-    )
-    rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
-    cover: bool = Field(True, description="whether a cover on its rails holds down what slides")
-    mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
-    pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
-    )
-
-    def shape(self, link: str) -> Shape:
-        """What is special to a link."""
-        return (self.__pydantic_extra__ or {}).get(link, Shape.model_validate({}))
-
-    @property
-    def shoulder(self) -> ShoulderScrew:
-        """The thinnest shoulder screw that is as thick as a pin."""
-        return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
-
-    @property
-    def least_crank(self) -> float:
-        """Shortest hand crank, mm: hubs of shaft and knob beside each other."""
-        return self.shaft_diameter / 2 + 2 * self.head + 2 * self.wall + self.pin_diameter
-
-    @property
-    def face(self) -> MotorFace | None:
-        """Of the motor under the plate."""
-        return MOTOR_FACES.get(self.motor)
-
-    @property
-    def pocket(self) -> float:
-        """Depth of the pockets for the heads of its screws, mm."""
-        return 0.0 if self.face is None else self.face.screw.height + SUNK
-
-    def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
-        """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
-        known = [*type(self).model_fields, *links]
-        found = [unknown(f"parts.{name}", None, known) for name in self.__pydantic_extra__ or {} if name not in known]
-        least = f"at least the nozzle, {nozzle:g} mm"
-        for link in links:
-            thickness = self.shape(link).thickness
-            if thickness is not None and link == "ground":
-                right = "nothing here: the plate's is parts.base_thickness"
-                found.append(Fault("parts.ground.thickness", f"{thickness:g}", right))
-            elif thickness is not None and thickness < nozzle:
-                found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
-            width = self.shape(link).width
-            if width is not None and width < max(nozzle, min_wall):
-                thinnest = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
-                found.append(Fault(f"parts.{link}.width", f"{width:g}", thinnest))
-        kinds = {self.pin, *self.pins.values()}
-        if "dowel" in kinds and self.pin_diameter not in DOWELS:
-            right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
-            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
-        if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
-            right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
-            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
-        if self.face is not None:
-            if self.shaft_diameter != self.face.shaft:
-                right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"
-                found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
-            if self.base_thickness < self.pocket + 2 * nozzle:
-                right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
-                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
-            grip, screw = self.base_thickness - self.pocket, self.face.screw
-            if self.face.screw_length(grip) < grip + screw.nominal / 2:
-                right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
-                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
-        if self.head > self.thickness:
-            right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
-            found.append(Fault("parts.head", f"{self.head:g}", right))
-        if self.hand_crank:
-            right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
-            if self.face is not None:
-                right = f"nothing here, or no parts.motor: {self.motor} drives"
-            if self.face is not None or self.hand_crank < self.least_crank:
-                found.append(Fault("parts.hand_crank", f"{self.hand_crank:g}", right))
-            if self.shaft_length < 2 * self.thickness + 2:
-                right = f"at least {2 * self.thickness + 2:g} mm: the collar under the plate and the hand crank"
-                found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
-        elif self.shaft_length < self.thickness + 2:
-            right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
-            found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
-        thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]
-        found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
-        if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
-            right = "between a twentieth and half of shaft_diameter, so that it turns the link"
-            found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
-        return found
 
 
 class Limits(Bears):

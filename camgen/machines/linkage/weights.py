@@ -52,8 +52,8 @@ def counterbalanced(
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
         own = first_moment(link, at, bodies.parts, bodies.mounts, density)
         made = spec.fitted(
-            whole - spec.other, own, bodies.collar, bodies.bore, layout.sizes.thickness, density, layout.fits, layout.min_wall,
-            f"pressed and glued on the shaft of {link}",
+            whole - spec.other, own, bodies.collar_radius, bodies.bore, layout.sizes.thickness, density, layout.fits,
+            layout.min_wall, f"pressed and glued on the shaft of {link}",
         )  # fmt: skip
         if bodies.layout.weights and abs(made[2] - radius) <= _SAME:
             break

@@ -22,10 +22,12 @@ from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, steepest
+from camgen.machine.cams.machine import OuterWallTouch, PlacedTouch, ProfileTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
-from camgen.machines.linkage.tables import Gear, Parts
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
@@ -253,6 +255,16 @@ def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance
             level = key if spec.shape == "roller" else joint.follower
             found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, key, spec.shape, rim))
     return found
+
+
+def touched(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
+    """The joint with what it is touched by, unless it says so itself; at: its shaft on the cam's link, mm."""
+    mine = [tip for tip in tips if tip.joint.name == joint.name]
+    if joint.touches or not mine:
+        return joint
+    touches = [PlacedTouch(ProfileTouch(tip.cam), tip.turn, at) for tip in mine]
+    touches += [PlacedTouch(OuterWallTouch(tip.cam), tip.turn, at) for tip in mine if tip.grooved]
+    return replace(joint, touches=tuple(touches), leaves=mine[0].leaves)
 
 
 def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, least: float) -> list[Toothed]:

@@ -14,7 +14,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
 from camgen.machines.loads import bearing, counterweights, drive, follower
-from camgen.machines.loads.tables import Drives
+from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
 
@@ -35,6 +35,8 @@ class Assessment:
 
 def assess(mechanism: Mechanism) -> Assessment:
     """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for."""
+    if not mechanism.model.drives:
+        return Assessment()
     found = weighed(mechanism)
     machine, motor = found.machine, mechanism.drives
     held: list[Finding] = []
@@ -48,25 +50,26 @@ def assess(mechanism: Mechanism) -> Assessment:
         lost = [NotJudged(code, why, "motor.speed_rpm") for code in ("DRIVE_TORQUE", "PV", "PIN_STRESS")]
         return Assessment(held, Study(tables=[_masses(found)]), (*left, *lost))
     theta = np.linspace(*mechanism.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
-    run = solve(machine, theta)
+    bears, journals = mechanism.bears, mechanism.journals()
+    run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
-    bears = mechanism.bears
     outlines: dict[str, CamOutline] = {}
     for each in mechanism.features():
         if isinstance(each, CamOutline):
             outlines.setdefault(each.joint, each)
     parts = {part.name: part for part in mechanism.parts()}
-    plain = bearing.plain_bearings(run, forces, mechanism.journals(), bears)
+    plain = bearing.plain_bearings(run, forces, journals, bears, mechanism.load)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
-    turned, more = drive.driven(run, forces, plain.friction + bearing.guides(run, forces), motor)
+    turned, more = drive.driven(run, forces, motor)
     shaken = np.abs(forces.shaking)
     numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
     numbers |= {f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(np.nanmax(np.abs(load), initial=0.0))
                 for name, load in forces.reactions.items()}  # fmt: skip
     numbers |= follower.balance(run, forces)
     swung = follower.elastic(run, mechanism.load)
+    grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
     posts = bearing.bent_posts(forces, mechanism.posts(), bears)
-    for borne in (plain, posts, touched, turned, swung, follower.sprung(mechanism.return_spring, machine.speed)):
+    for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
         numbers |= borne.numbers
@@ -87,9 +90,3 @@ def _masses(found: Weighed) -> Table:
         for body in found.machine.moving
     ]  # fmt: skip
     return Table("Masses", ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"), rows)
-
-
-def drives_of(mechanism: Mechanism) -> Drives | None:
-    """The table [motor], where there is one."""
-    motor = getattr(mechanism, "motor", None)
-    return motor if isinstance(motor, Drives) else None

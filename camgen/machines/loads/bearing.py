@@ -1,6 +1,6 @@
 """What a machine's contacts, pins and plain bearings bear at its speed: HERTZ, PV, PIN_STRESS, BEARING_LIFE.
 
-Friction heats, and is not part of the reactions that it follows from. Where no limit is published for a plastic, a finding fails
+Reactions have the friction of the joints in them. Where no limit is published for a plastic, a finding fails
 only beyond what every plastic bears, or beyond what the spec itself says; the table ranks all.
 """
 
@@ -17,11 +17,14 @@ import numpy as np
 from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import strength
 from camgen.machine.features import CamOutline
+from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
-from camgen.machine.model import GROUND, Cam, Pin, Slide
+from camgen.machine.friction import circle
+from camgen.machine.model import GROUND, Cam, Pin
 from camgen.machine.run import Run
 from camgen.machines.loads.journals import Journal, Post
-from camgen.machines.loads.tables import Bears
+from camgen.machines.loads.rubbing import coefficient
+from camgen.machines.loads.tables import Bears, Weight
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.catalogue import BEARINGS, Bearing
@@ -34,20 +37,21 @@ _RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
 
 @dataclass
 class Borne:
-    """What was found: for the report. friction: heat of all joints over the motion, (n,) W."""
+    """What was found: for the report."""
 
     findings: list[Finding] = field(default_factory=list)
     numbers: dict[str, float] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
     left: list[NotJudged] = field(default_factory=list)
-    friction: Any = 0.0
 
 
-def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears]) -> Borne:
+def plain_bearings(
+    run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears], load: Weight | None = None
+) -> Borne:
     """PV of the worst plain one, PIN_STRESS of every pin whose bearing is known, BEARING_LIFE of ball bearings, and a table.
 
-    bears: what the spec says of a joint.
+    bears: what the spec says of a joint; load: of its friction.
     """
     borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
     usual = materials.PV_MOST
@@ -57,13 +61,9 @@ def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], be
         assert isinstance(joint, Pin)
         force = _finite(np.abs(forces.reactions[name]))
         turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
-        steel = "steel" in (journal.shaft, journal.hole)
-        friction = materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
-        friction = materials.FRICTION_BALL if journal.ball else friction
-        slides = strength.sliding(force, turning, journal.diameter, journal.length, friction)
+        slides = strength.sliding(force, turning, journal.diameter, journal.length, circle(1.0, coefficient(journal, load)))
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
-        borne.friction = borne.friction + slides.heat
         borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears(name))
         if journal.ball is not None:
             _life(borne, name, journal.ball, force, turning, bears(name))
@@ -71,12 +71,12 @@ def plain_bearings(run: Run, forces: Forces, journals: Mapping[str, Journal], be
         found.append((slides.pv, journal, slides))
         rows.append((name, journal.diameter, journal.length, float(np.max(force)), float(np.max(slides.pressure)),
                      float(np.max(slides.speed)), slides.pv, slides.pv / usual, slides.power, bent, sheared))  # fmt: skip
-    borne.numbers |= {"friction_heat_w": float(np.mean(borne.friction))} if journals else {}
+    borne.numbers |= {"friction_heat_w": mean_torque(run.theta, _finite(forces.rubs))} if journals else {}
     if not found:
         return borne
     pv, worst, slides = max(found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual))
     given = bears(worst.joint).pv_mpa_m_s
-    said = f"{slides.power:.3g} W of heat at a friction of {_friction(worst):g}"
+    said = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
     said += (
         f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry" if given else
         f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
@@ -110,11 +110,6 @@ def bent_posts(forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bea
                 worst[post.name] = each.measured, each
     borne.findings += [each for _, each in worst.values()]
     return borne
-
-
-def _friction(journal: Journal) -> float:
-    steel = "steel" in (journal.shaft, journal.hole)
-    return materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
 
 
 def _pin(
@@ -179,6 +174,7 @@ def contacts(
             f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
             f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
         )  # fmt: skip
+        said += "; the ends of the line press harder still: round them"
         where = f"{joint.name}, {outline.part}, cam angle {math.degrees(float(theta[worst])):.1f} deg"
         borne.findings.append(at_most("HERTZ", float(pressure[worst]), limit, "MPa", where, said))
         borne.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = float(pressure[worst])
@@ -209,16 +205,6 @@ def _life(
     if bears.bearing_life_h is not None:
         said = f"{ball.name}, C = {ball.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
         borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", f"{what}{name}", said))
-
-
-def guides(run: Run, forces: Forces) -> Any:
-    """Heat of the guides of slides, (n,) W: of printed faces, by their normal force alone."""
-    heat: Any = 0.0
-    for joint in run.machine.joints:
-        if isinstance(joint, Slide):
-            speed = run.machine.speed * run.length(joint.name)[1] * 1e-3
-            heat = heat + materials.FRICTION_PRINTED * _finite(np.abs(forces.normals[joint.name])) * np.abs(speed)
-    return heat
 
 
 def _rate(run: Run, body: str) -> Any:

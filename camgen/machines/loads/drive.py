@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import flywheel
 from camgen.machine.forces import Forces
-from camgen.machine.model import MM
+from camgen.machine.model import MM, Turning
 from camgen.machine.run import Run
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Drives
 from camgen.numerics import Floats
+from camgen.parts import materials
 from camgen.parts.motors import SHAFTS, STEPPERS, Motor
+from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Plot
 
 _NOTHING = 1e-12  # N m
@@ -49,16 +51,18 @@ def reach(drives: Drives | None, frame: str, needed: float) -> Finding | NotJudg
     return at_least("SHAFT_REACH", length, needed, "mm", "motor", message, 1e-9)
 
 
-def driven(run: Run, forces: Forces, friction: Any, drives: Drives | None) -> tuple[Borne, list[NotJudged]]:
-    """Torque, power and evenness of the machine's one drive; friction: heat of all joints, (n,) W."""
+def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list[NotJudged]]:
+    """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them."""
     borne, speed, theta = Borne(), run.machine.speed, run.theta
     drive = run.machine.drives[0]
-    torque = np.where(np.isfinite(forces.drives[drive.name]), forces.drives[drive.name], 0.0)
+    torque, asked = _on_shaft(run, forces.smooth), _on_shaft(run, forces.drives)
     rate = np.abs(drive.law(theta, 1)) * abs(speed)
-    with np.errstate(all="ignore"):
-        rubs = np.where(rate > 1e-3 * abs(speed), friction / rate, 0.0) + np.zeros(len(theta))
-    sense = np.sign(speed * drive.law(theta, 1))
-    asked = torque + sense * rubs
+    if np.any(forces.locks):
+        locked, turn = float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))), math.degrees(float(np.ptp(theta)))
+        said = "no torque turns it on there: friction of its joints grows with what it holds back; load.friction, a ball " \
+            "bearing, a steeper transmission angle"  # fmt: skip
+        at = math.degrees(float(theta[int(np.argmax(forces.locks))]))
+        borne.findings.append(at_most("SELF_LOCKING", min(locked, turn), 0.0, "deg", f"drive, from {at:.1f} deg", said))
     worst = int(np.argmax(np.abs(asked)))
     energy = flywheel.energy_swing(theta, asked * np.sign(speed))
     inertia = _turning(run, drive.body) + (0.0 if drives is None else drives.flywheel_kg_m2)
@@ -70,6 +74,10 @@ def driven(run: Run, forces: Forces, friction: Any, drives: Drives | None) -> tu
         **{f"flywheel_for_{100 * share:g}_percent_kg_m2": max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
            for share in _SHOWN},
     }  # fmt: skip
+    if isinstance(drive.law, Turning) and abs(float(np.ptp(theta)) - math.tau) < 1e-9 and energy:
+        size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), asked)
+        told = {"balance_spring_n_m": size, "balance_spring_at_deg": math.degrees(place), "drive_torque_balanced_n_m": left}
+        borne.numbers |= told if left < float(np.max(np.abs(asked))) else {}
     curves: list[tuple[str, Floats, Floats]] = [("with friction", np.degrees(theta), asked)]
     curves += [("without", np.degrees(theta), torque)]
     title = "Torque that the motor gives, with friction in the joints and without"
@@ -82,8 +90,8 @@ def driven(run: Run, forces: Forces, friction: Any, drives: Drives | None) -> tu
         borne.findings.append(at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", "drive", said))
     motor, peak = motor_of(drives), float(np.abs(asked[worst]))
     if motor is None and peak < _NOTHING:
-        why = "nothing is known of what it moves: no part, mass or load"
-        return borne, [NotJudged("DRIVE_TORQUE", why, "what it moves")]
+        why = "nothing is known of what the drive moves: there is no part, mass or load"
+        return borne, [NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass")]
     if motor is None:
         why = f"{peak:.3g} N m are needed at {abs(speed) * 60 / math.tau:.4g} rpm, and nothing says what the motor gives"
         return borne, [NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model")]
@@ -92,6 +100,35 @@ def driven(run: Run, forces: Forces, friction: Any, drives: Drives | None) -> tu
     where = f"drive, {math.degrees(float(theta[worst])):.1f} deg"
     borne.findings.append(at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said))
     return borne, []
+
+
+def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
+    """HUB_SLIP of a hub on a round shaft: what its set screw holds against the drive's peak torque, N m; where the shaft has a
+    flat that turns the hub, by how much it is held along the shaft alone."""
+    borne = Borne()
+    if hub is None:
+        return borne
+    bears = materials.of(plastic).bears
+    force = hub.force(bears)
+    seat = TURNED * force * hub.screw.nominal * MM
+    holds = HOLDS * force * hub.bore / 2 * MM
+    borne.numbers |= {"set_screw_tightened_n_m": seat, "set_screw_holds_along_shaft_n": HOLDS * force}
+    if not hub.flat:
+        borne.numbers["set_screw_holds_n_m"] = holds
+        said = f"{hub.thread} tightened with {seat:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears " \
+            f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"  # fmt: skip
+        borne.findings.append(at_most("HUB_SLIP", torque, holds, "N m", f"set screw, shaft of {hub.bore:g} mm", said))
+    return borne
+
+
+def _on_shaft(run: Run, drives: Mapping[str, Floats]) -> Floats:
+    """Torque of all drives on the first one, (n,) N m, by the power that each gives; 0 where it is not known."""
+    first, *others = run.machine.drives
+    total, rate = drives[first.name], first.law(run.theta, 1)
+    for each in others:
+        power = drives[each.name] * each.law(run.theta, 1) * (MM if each.slide else 1.0)
+        total = total + np.where(rate != 0, power / np.where(rate != 0, rate, 1.0), 0.0)
+    return np.where(np.isfinite(total), total, 0.0)
 
 
 def _turning(run: Run, body: str) -> float:

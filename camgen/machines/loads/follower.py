@@ -13,11 +13,13 @@ from camgen.machine.balancing import crank_weight
 from camgen.machine.cams.dynamics import Elastic, residual
 from camgen.machine.constraints import Constraints, solved
 from camgen.machine.forces import Forces
+from camgen.machine.friction import smooth
 from camgen.machine.model import MM, Cam, Machine, Turning
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
+from camgen.motion.polydyne import Polydyne
 from camgen.numerics import Floats
 from camgen.parts.springs import Mounted
 from camgen.study import Plot, Table
@@ -50,6 +52,9 @@ def elastic(run: Run, load: Weight | None) -> Borne:
         f"vibration_in_dwells_{key}_{unit}": scale * float(np.max(np.abs(x[rests]), initial=0.0)),
         f"acceleration_factor_{key}": float(np.max(np.abs(bend))) / peak if peak else 1.0,
     }
+    if isinstance(cam.law, Polydyne):
+        off = cam.law(theta - cam.phase) + x - cam.law.wanted(theta - cam.phase)
+        borne.numbers[f"off_wanted_{key}_{unit}"] = scale * float(np.max(np.abs(off)))
     degrees = np.degrees(theta)
     borne.plots.append(Plot(f"Vibration of the follower, {cam.name}", "cam angle, deg", unit, [("y - s", degrees, scale * x)]))
     borne.plots.append(Plot(f"Acceleration of the follower, {cam.name}", "cam angle, deg", f"{unit}/s^2",
@@ -70,8 +75,8 @@ def elastic(run: Run, load: Weight | None) -> Borne:
 
 
 def _slow(run: Run) -> Machine:
-    """The same so slow that inertia does nothing."""
-    return replace(run.machine, speed=1e-6 * run.machine.speed)
+    """The same so slow that inertia does nothing, and without friction in its joints."""
+    return replace(smooth(run.machine), speed=1e-6 * run.machine.speed)
 
 
 def effective_inertia(run: Run, cam: Cam) -> float:

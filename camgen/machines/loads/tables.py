@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from camgen.machines.loads.applied import Applied
 from camgen.spec import SHARE, Length, Record
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -38,11 +39,14 @@ class Drives(Record):
 
 
 class Weight(Record):
-    """What pulls on all that is made, and how stiff a follower is."""
+    """What acts on all that is made: weight, friction, loads; and how stiff a follower is."""
 
     gravity_deg: Annotated[float, Field(ge=-360, le=360)] | None = None
     stiffness: Positive | None = None
     damping_ratio: Annotated[float, Field(ge=0, lt=1, json_schema_extra=SHARE)] = 0.05
+    friction: Annotated[float, Field(ge=0, le=3, json_schema_extra=SHARE)] | None = None
+    contact_friction: Annotated[float, Field(ge=0, le=3, json_schema_extra=SHARE)] = 0.0
+    on: Annotated[tuple[Applied, ...], Field(max_length=100)] = ()
 
 
 class Bears(Record):

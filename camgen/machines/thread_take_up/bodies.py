@@ -18,6 +18,7 @@ from camgen.machine.features import Balance, Mount, Strand
 from camgen.machines.loads.counterweights import balance_of, first_moment
 from camgen.machines.loads.weights import weighed
 from camgen.machines.thread_take_up.joints import mounts_of
+from camgen.parts.catalogue import TURNED
 from camgen.parts.hardware import grooved, headed
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 from camgen.tolerances import SAME_POINT
@@ -122,14 +123,19 @@ class Bodies:
             *(weight or (collar,)),
             pin_a,
             pin_b,
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,)),
+            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,), self._thin),
             finger,
             self._post("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2),
         )  # fmt: skip
 
     @property
     def _made(self) -> str:
-        return "printed" if self.sizes.pins == "printed" else "turned of steel"
+        return "printed" if self.sizes.pins == "printed" else TURNED
+
+    @property
+    def _thin(self) -> str:
+        """How what does not bear a crank is made."""
+        return TURNED if self.sizes.pins == "all-steel" else "printed"
 
     @cached_property
     def _turning(self) -> tuple[Part, Part, Part, Part]:
@@ -180,9 +186,9 @@ class Bodies:
         """The same with a groove for the thread under its head."""
         wide, groove = diameter + 2 * HEAD, self.sizes.groove
         if not groove:
-            return headed(name, title, diameter, length, wide, HEAD, count, (_GLUED,))
+            return headed(name, title, diameter, length, wide, HEAD, count, (_GLUED,), self._thin)
         notes = (_GLUED, f"the thread runs in the groove, {groove:g} high, between head and shoulder")
-        return grooved(name, title, diameter, length, wide, HEAD, groove, count, notes)
+        return grooved(name, title, diameter, length, wide, HEAD, groove, count, notes, self._thin)
 
     def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
         """A band round hubs with holes; raises DesignError where two holes meet."""

@@ -273,7 +273,11 @@ class TakeUp:
         """Least and greatest of the coupler's or the output crank's rate, each with its angle, rad."""
 
         def slope(theta: Floats, order: int) -> Floats:
-            return self.rates(theta, 1)[output] if order == 0 else np.full(theta.shape, math.nan)
+            if order == 0:
+                return self.rates(theta, 1)[output]
+            step = 1e-5  # rad: as good a slope as Newton's method needs
+            ahead, behind = np.split(self.rates(np.append(theta + step, theta - step), 1)[output], 2)
+            return (ahead - behind) / (2 * step)
 
         at = np.append(zeros(slope), 0.0)
         value = self.rates(at)[output]

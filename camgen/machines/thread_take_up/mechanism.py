@@ -19,7 +19,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
@@ -30,84 +30,26 @@ from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extrem
 from camgen.machine.features import Asked, Balance, Feature, Mount, Strand
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machines.loads.counterweights import Counterweight, found_moment
-from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.thread_take_up.bodies import HEAD, Bodies
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.joints import LINKS, features_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
+from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
 from camgen.parts.catalogue import Bought, screw_for, turning_text
 from camgen.parts.part import Part, clearance
-from camgen.spec import Length, Record, Rpm, turning, validate
+from camgen.spec import validate
 from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
-
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-Point = tuple[Coordinate, Coordinate]
 
 _TURN = np.linspace(0, math.tau, 1440, endpoint=False)  # where gaps are looked for; parts move < 0.2 mm between two
 
 
-class Geometry(Record):
-    """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
-
-    input_crank: Length
-    coupler: Length
-    output_crank: Length
-    frame: Length
-    eye_distance: Length
-    eye_angle_deg: Annotated[float, Field(gt=-180, le=180)]
-    branch: Literal[1, -1]
-    guides: tuple[Point, Point]
-    frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-
-
-class Motor(Drives):
-    """What drives the input crank."""
-
-    speed_rpm: Annotated[Rpm, turning(0.001)]
-
-
-class Wanted(Record):
-    """What `camgen design` searches for and a build checks; each wish may be left out."""
-
-    feed_range: Length | None = None
-    let_down_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
-    dwell_deg: Annotated[float, Field(gt=0, lt=360)] | None = None
-    dwell_radius: Length = 1.0
-    tolerance: Annotated[float, Field(ge=1e-6, le=0.5)] = 0.01
-
-
-class Parts(Record):
-    """The links as bodies."""
-
-    thickness: Length = 4.0
-    wall: Length = 1.2
-    shaft_diameter: Length = 6.0
-    shaft_length: Length = 12.0
-    shaft_flat: Length = 0.5
-    pin_diameter: Length = 3.5
-    pins: Literal["printed", "steel"] = "printed"
-    mount_diameter: Length = 2.5
-    finger_diameter: Length = 2.0
-    guide_diameter: Length = 2.0
-    thread_height: Length = 6.0
-    groove: Annotated[float, Field(ge=0, le=1e6)] = 2.0
-
-
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it."""
-
-    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
-    gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
-    excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    min_wall: Length = 0.8
-
-
 class ThreadTakeUp(Mechanism):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
+
+    frame_part: ClassVar[str] = "frame"
 
     geometry: Geometry
     motor: Motor | None = None
@@ -193,6 +135,11 @@ class ThreadTakeUp(Mechanism):
     def bodies(self) -> Bodies:
         """What its parts are."""
         return Bodies(self)
+
+    def fixings(self) -> Sequence[tuple[complex, float]]:
+        """The frame's holes for screws from behind."""
+        t = self.take_up
+        return [(z, self.making.mount_diameter) for z in self.bodies.mount_holes(t.pivot, t.guides)]
 
     def parts(self) -> Sequence[Part]:
         """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides."""

@@ -36,7 +36,7 @@ _NOTES = (
     "Source: Semin, Korneenko, Kirillov, Mikheeva, Two-crank four-bar thread take-up of a sewing machine (in Russian).",
     "Feed: straight thread between the centres of guides and finger; the wrap round their radii is left out.",
     "Wear measure: mean over the turn of |reaction| times |relative angular speed| in the joint, N rad/s (load times "
-    "sliding way, to be multiplied by the pin's radius).",
+    "sliding distance, to be multiplied by the pin's radius).",
 )
 # Said of the source's own lengths alone.
 _ERRATA = (

@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -26,7 +26,7 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Contour, Floats, Points, Region, circle
+from camgen.geometry.outlines import Floats, Points, Region, circle
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
 from camgen.machine.cams.machine import FollowerLoad, Loaded, MirroredTouch, ProfileTouch, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
@@ -34,7 +34,6 @@ from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import unweighed
 from camgen.machines.loads.journals import Journal
-from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.uniform_swing.pictures import Model, pictures
@@ -42,60 +41,27 @@ from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
 from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact, source_figures
-from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable, SpringTable, machine_faults
+from camgen.machines.uniform_swing.tables import (
+    BaseTable,
+    ColletTable,
+    FrameTable,
+    Geometry,
+    Limits,
+    Motor,
+    NozzleTable,
+    Parts,
+    SpringTable,
+    machine_faults,
+)
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.catalogue import TURNED, Bearing, Bought
 from camgen.parts.inertia import inertia_of
-from camgen.parts.part import Layer, Part, arrowhead, d_bore, keyed_bore, windows
+from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.parts.springs import Mounted, wound
-from camgen.spec import Length, Record, Rpm, turning
 from camgen.study import Plot, Sketch, Study, Table
 
 _ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
-
-
-class Geometry(Record):
-    """Lengths and angles of the mechanism."""
-
-    pivot_distance: Length
-    arm_offset: Length
-    swing_deg: Annotated[float, Field(gt=0, lt=180)]
-    tip_radius: Annotated[float, Field(ge=0, le=1e6)]
-    closure: Literal["conjugate", "force"] = "conjugate"
-    reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
-
-
-class Motor(Drives):
-    """What drives the cam."""
-
-    speed_rpm: Annotated[Rpm, turning()] = 30.0
-
-
-class Parts(Record):
-    """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
-
-    make: Literal["machine", "cams"] = "cams"
-    thickness: Length = 6.0
-    bore: Length = 8.0
-    shaft: Literal["plain", "keyway", "d-flat"] = "plain"
-    key_width: Length = 2.0
-    key_depth: Length = 1.0
-    flat_depth: Length = 0.5
-    pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
-    windows: Annotated[int, Field(ge=0, le=24)] = 5
-    wall: Length = 3.0
-    mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
-
-
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it."""
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.1
-    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    min_wall: Length = 0.8
 
 
 class UniformSwing(Mechanism):
@@ -125,18 +91,6 @@ class UniformSwing(Mechanism):
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
             (p.mark_depth < p.thickness, "parts.mark_depth", p.mark_depth, f"less than the thickness, {p.thickness:g} mm"),
-            (
-                p.shaft != "d-flat" or p.flat_depth < p.bore,
-                "parts.flat_depth",
-                p.flat_depth,
-                f"less than the bore, {p.bore:g} mm",
-            ),
-            (
-                p.shaft != "keyway" or p.key_width < p.bore,
-                "parts.key_width",
-                p.key_width,
-                f"less than the bore, {p.bore:g} mm",
-            ),
         ]
         if p.make == "machine":
             sizes = self.geometry.tip_radius, self.print.slide_clearance, self.print.press_clearance, p.pin_diameter
@@ -145,7 +99,7 @@ class UniformSwing(Mechanism):
         deg = None if self.load is None else self.load.gravity_deg
         weight = None if deg is None else unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
-        return found if weight is None else [*found, weight]
+        return [*found, *p.misfits(), *([] if weight is None else [weight])]
 
     @cached_property
     def cam(self) -> DiscCam:
@@ -195,6 +149,7 @@ class UniformSwing(Mechanism):
             cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
             p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
             self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
+            TURNED if p.pins == "steel" else "printed",
         )  # fmt: skip
 
     def stand_ins(self) -> Sequence[StandIn]:
@@ -214,7 +169,7 @@ class UniformSwing(Mechanism):
     def _cam_part(self) -> Part:
         p, outline = self.making, self.cam.outline
         rim = self._rim
-        bore, reach = self._bore()
+        bore, reach = p.hole()
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
             raise DesignError(
@@ -256,15 +211,15 @@ class UniformSwing(Mechanism):
         p = self.making
         if p.make == "machine" and p.pin_diameter:
             return self._room.pins(self._rim, p.pin_diameter, p.wall)
-        return place_pins(self._rim, self._bore()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
+        return place_pins(self._rim, self.making.hole()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
 
     @cached_property
     def _room(self) -> Room:
         g, p, fits = self.geometry, self.making, self.print
         return Room(
-            g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius, p.bore, self._bore()[1], p.shaft == "plain",
-            g.closure == "conjugate", self.base.face.half, fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
-            self.frame, self.collet,
+            g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius, p.bore, p.hole()[1],
+            p.shaft == "plain", g.closure == "conjugate", self.base.face.half, fits.slide_clearance, fits.press_clearance,
+            self.allowed.min_wall, self.frame, self.collet,
         )  # fmt: skip
 
     def _mark(self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]) -> tuple[complex, float, complex] | None:
@@ -280,11 +235,7 @@ class UniformSwing(Mechanism):
 
     def _part_notes(self, marked: bool) -> tuple[str, ...]:
         """What the drawing says beside the numbers."""
-        p, notes = self.making, []
-        if p.shaft == "keyway":
-            notes.append(f"hole A: bore {p.bore:g}, keyway on +Y {p.key_width:g} wide, its floor {p.key_depth:g} above the bore")
-        elif p.shaft == "d-flat":
-            notes.append(f"hole A: bore {p.bore:g}, flat on +Y {p.flat_depth:g} below its top")
+        p, notes = self.making, [*self.making.notes()]
         if marked:
             notes.append("engraved arrow: sense of turning of the cam that is not turned over")
         elif p.mark_depth:
@@ -294,15 +245,6 @@ class UniformSwing(Mechanism):
             notes.append("two alike, one turned over about Oy, engraved faces together")
             notes.append("the tip at -Y rides on this one, the tip at +Y on the other")
         return tuple(notes)
-
-    def _bore(self) -> tuple[Contour, float]:
-        """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
-        p = self.making
-        if p.shaft == "keyway":
-            return keyed_bore(p.bore, p.key_width, p.key_depth), math.hypot(p.key_width / 2, p.bore / 2 + p.key_depth)
-        if p.shaft == "d-flat":
-            return d_bore(p.bore, p.flat_depth), p.bore / 2
-        return circle(0j, p.bore / 2), p.bore / 2
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 

@@ -39,7 +39,8 @@ class SwingMachine:
 
     cam_part: the cam as made; pins: places of its pin holes; swing: peak to peak, rad; reachable: follower angle over
     the cam angle; pair: two cams and two frames; plain: the shaft is clamped by a collet; flat: depth of its flat, 0:
-    none; wall, pin_wall: wanted, and kept round the pins; slide, press: diametral fits; room: that the geometry leaves.
+    none; wall, pin_wall: wanted, and kept round the pins; slide, press: diametral fits; room: that the geometry leaves;
+    pins_made: how.
     """
 
     cam: DiscCam
@@ -61,6 +62,7 @@ class SwingMachine:
     collet: ColletTable
     nozzle: NozzleTable
     room: Room
+    pins_made: str = "printed"
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
 
@@ -227,7 +229,7 @@ class SwingMachine:
         ]
         sizes += [("collet.wall", self.collet.wall, self._sleeve_wall)] if self.plain else []
         less = [f"{name} {made:.3g} instead of {wanted:g}" for name, wanted, made in sizes if made < wanted - LAYOUT]
-        return (f"Smaller for want of room, mm: {'; '.join(less)}.",) if less else ()
+        return (f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}.",) if less else ()
 
     @cached_property
     def tip_pin(self) -> float:
@@ -292,9 +294,10 @@ class SwingMachine:
         glued = ("pressed and glued",)
         if self.pins and self.cam_pin_length > self.thickness:
             diameter = self.pin - self.press
-            made.append(rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length, len(self.pins), glued))
+            made.append(rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length, len(self.pins), glued, self.pins_made))
         if self.pair and self.pin:
-            made.append(rod("frame-pin", "Pin of the frames", self.pin - self.press, 2 * self.thickness, 2, glued))
+            length = 2 * self.thickness
+            made.append(rod("frame-pin", "Pin of the frames", self.pin - self.press, length, 2, glued, self.pins_made))
         return tuple(made)
 
     @property

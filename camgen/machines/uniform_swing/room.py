@@ -192,4 +192,4 @@ class Room:
             if fine.any():
                 nearest = values[fine][np.argmin(np.abs(values[fine] - now))]
                 said.append(f"geometry.{key} = {nearest:g}")
-        return f"room enough has {', or '.join(said)}" if said else "use other lengths, or a smaller geometry.swing_deg"
+        return f"there is room with {', or '.join(said)}" if said else "use other lengths, or a smaller geometry.swing_deg"

@@ -21,7 +21,7 @@ _BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
 _JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
 _SAMPLES = 1441
-_NO_SPRING = "A sharp reversal asks for an endless force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
+_NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
 
 
 def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:

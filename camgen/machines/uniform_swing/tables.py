@@ -1,4 +1,4 @@
-"""Tables of the spec that describe the machine round a uniform-swing cam: base, frame, collet, nozzle, spring; their faults."""
+"""The tables of a uniform-swing spec: the cam's, and those of the machine round it, from base to spring; their faults."""
 
 from __future__ import annotations
 
@@ -7,11 +7,51 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from camgen.machines.loads.tables import Bears, Drives
 from camgen.parts.catalogue import BEARINGS, DOWELS, MOTOR_FACES, Bearing, MotorFace, flange
-from camgen.spec import Length, Record
+from camgen.parts.disc_cams import ShaftHole
+from camgen.spec import Length, Record, Rpm, turning
 
 Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
 Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
+
+
+class Geometry(Record):
+    """Lengths and angles of the mechanism."""
+
+    pivot_distance: Length
+    arm_offset: Length
+    swing_deg: Annotated[float, Field(gt=0, lt=180)]
+    tip_radius: Annotated[float, Field(ge=0, le=1e6)]
+    closure: Literal["conjugate", "force"] = "conjugate"
+    reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+
+
+class Motor(Drives):
+    """What drives the cam."""
+
+    speed_rpm: Annotated[Rpm, turning()] = 30.0
+
+
+class Parts(ShaftHole):
+    """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
+
+    thickness: Length = 6.0
+    pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
+    pins: Literal["printed", "steel"] = "printed"
+    windows: Annotated[int, Field(ge=0, le=24)] = 5
+    wall: Length = 3.0
+    mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
+
+
+class Limits(Bears):
+    """What the designer accepts; a finding fails beyond it."""
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.1
+    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    min_wall: Length = 0.8
 
 
 class BaseTable(Record):

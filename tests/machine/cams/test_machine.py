@@ -18,7 +18,7 @@ from camgen.machine import Forces, solve
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.machine import FollowerLoad, MirroredTouch, OuterWallTouch, ProfileTouch, cam_machine, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machines.disc_cam import DiscCamDrive
+from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.motion.laws import POLYNOMIAL_345
 from camgen.motion.program import Program, Segment, uniform_swing
 from camgen.parts.inertia import inertia_of

@@ -55,7 +55,17 @@ def hand_over(text: str, file: Path | None) -> None:
         with open(file, "x", encoding="utf-8") as stream:
             stream.write(text)
     except FileExistsError:
-        raise FileError(file, "exists already and is left as it is; choose another name") from None
+        raise _taken(file) from None
+
+
+def refuse_taken(file: Path | None) -> None:
+    """FileError where the file that is to be written exists: asked before a search."""
+    if file is not None and file.exists():
+        raise _taken(file)
+
+
+def _taken(file: Path) -> FileError:
+    return FileError(file, "exists already and is left as it is; choose another name")
 
 
 def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:

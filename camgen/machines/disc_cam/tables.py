@@ -59,6 +59,12 @@ class LoadTable(Weight):
     inertia_kg_m2: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     damping: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     resistance: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    polydyne: bool = False
+
+    def stretch(self, speed: float) -> float:
+        """What a follower's mass lags by per unit of its acceleration over the cam angle, 1/rad^2; speed: rad/s."""
+        mass = self.mass_kg * 1e-3 or self.inertia_kg_m2  # with N/mm and mm, or N m/rad and rad
+        return mass * speed**2 / self.stiffness if self.stiffness else 0.0
 
 
 class SpringTable(Record):

@@ -11,18 +11,17 @@ roller runs between the cam and an outer wall, three plates pinned together.   [
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import DesignError, Fault
+from camgen.errors import Fault
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
@@ -32,12 +31,12 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
-from camgen.machines.bench import Bench, Tip
-from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of
-from camgen.machines.disc_cam_tables import Geometry, Limits, LoadTable, Motor, SpringTable
-from camgen.machines.linkage.troughs import open_rails
+from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
+from camgen.machines.disc_cam.followers import standing_on
+from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.standing import StandingCams
+from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.numerics import greatest
@@ -46,9 +45,11 @@ from camgen.parts.part import Part
 from camgen.parts.springs import Mounted, wound
 from camgen.study import Plot, Sketch, Study, Table
 
+if TYPE_CHECKING:
+    from camgen.machines.bench import Bench
+
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
-_UP = 1j
 
 
 class DiscCamDrive(StandingCams):
@@ -95,8 +96,10 @@ class DiscCamDrive(StandingCams):
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
-        found += self.size_faults("follower")
+        found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
+        if not found and self.load is not None and self.load.polydyne:
+            found += polydyne_faults(self.load, program(self.segment, 1 / self._unit[1]))
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -111,6 +114,8 @@ class DiscCamDrive(StandingCams):
     def program(self) -> Program:
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
         made = program(self.segment, 1 / self._unit[1])
+        if self.load is not None and self.load.polydyne:
+            made = polydyne(made, self.load.stretch(self.speed))
         return made if self.sense > 0 else made.backwards()
 
     @cached_property
@@ -128,53 +133,7 @@ class DiscCamDrive(StandingCams):
         """Displacement that the exact cam gives: the wanted one less the undercut, (n,)."""
         return self.cam.reachable(theta)
 
-    # ---- followers --------------------------------------------------------------------------------------------------
-
-    def _followers(self, base: float) -> Sequence[Follower]:
-        """The follower on a base circle; with conjugate closure also its second one, on the far side.
-
-        Raises DesignError where it cannot stand on that circle.
-        """
-        f, top = self.geometry.follower, self._highest[1]
-        both = self.geometry.closure == "conjugate"
-        radius = f.radius or 0.0
-        prime = base + radius
-        if f.motion == "translating":
-            if f.shape == "flat":
-                start = f.offset + _UP * base
-                return [SlidingFace(start, _UP), SlidingFace(start - _UP * (2 * base + top), _UP, -1)][: 1 + both]
-            if abs(f.offset) >= prime:
-                raise DesignError(
-                    "geometry.follower.offset", f.offset, prime, "mm", "the base circle",
-                    "the slide passes beside the pitch circle: use a smaller offset or a larger base_radius",
-                )  # fmt: skip
-            high = math.sqrt(prime**2 - f.offset**2)
-            start = f.offset + _UP * high
-            second = SlidingTip(start - _UP * (2 * high + top), _UP, radius, -1)
-            return [SlidingTip(start, _UP, radius), second][: 1 + both]
-        far = f.pivot_distance or 0.0
-        if f.shape == "flat":
-            share = (base - f.face_offset) / far
-            if not abs(share) < 1:
-                raise DesignError(
-                    "geometry.base_radius", base, far + f.face_offset, "mm", "the base circle",
-                    "the face cannot touch it from that pivot: use a smaller base_radius or a larger pivot_distance",
-                )  # fmt: skip
-            facing = cmath.rect(1, -math.acos(share))
-            turned = facing.conjugate() * cmath.exp(-1j * top)
-            return [SwingingFace(complex(far), facing, f.face_offset), SwingingFace(complex(far), turned, f.face_offset)][
-                : 1 + both
-            ]
-        arm = f.arm or 0.0
-        bearing = (far**2 + arm**2 - prime**2) / (2 * far * arm)
-        if not abs(bearing) < 1:
-            raise DesignError(
-                "geometry.base_radius", base, max(abs(far - arm), min(far + arm, prime)) - radius, "mm", "the base circle",
-                "pivot_distance, arm and the pitch circle make no triangle: change one of them",
-            )  # fmt: skip
-        spoke = -cmath.rect(arm, math.acos(bearing))
-        second_arm = spoke.conjugate() * cmath.exp(-1j * top)
-        return [SwingingArm(complex(far), spoke, radius, 1), SwingingArm(complex(far), second_arm, radius, -1)][: 1 + both]
+    # ---- the cam ----------------------------------------------------------------------------------------------------
 
     @cached_property
     def base_radius(self) -> float:
@@ -187,7 +146,7 @@ class DiscCamDrive(StandingCams):
         def make(size: float) -> DiscCam[Follower]:
             """size: distance of the trace point, or of the face, from the axis at s = 0; in line with it where it slides."""
             base = math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
-            return DiscCam(self.program, self._followers(base)[0])
+            return DiscCam(self.program, standing_on(base, self.geometry, self._highest[1])[0])
 
         stroke = self._highest[1] - self._highest[0]
         low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
@@ -208,7 +167,7 @@ class DiscCamDrive(StandingCams):
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
         """The cam; with conjugate closure also the second one."""
-        return [DiscCam(self.program, follower) for follower in self._followers(self.base_radius)]
+        return [DiscCam(self.program, follower) for follower in standing_on(self.base_radius, self.geometry, self._highest[1])]
 
     @property
     def cam(self) -> DiscCam[Follower]:
@@ -225,6 +184,8 @@ class DiscCamDrive(StandingCams):
         return self.making.make == "machine"
 
     def _stood(self) -> Bench:
+        from camgen.machines.bench import Bench, Tip
+
         f, load = self.geometry.follower, self._load or FollowerLoad()
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
@@ -392,7 +353,7 @@ class DiscCamDrive(StandingCams):
         notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
         if math.isinf(self.program.peak(2)):
             notes.append("The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out.")
-        notes += open_rails(self.bench.bodies.layout) if self.standing else []
+        notes += self.bench.notes if self.standing else []
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes

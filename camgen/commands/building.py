@@ -1,0 +1,78 @@
+"""`camgen build`, `camgen check`: files made and judged, files judged again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from camgen.commands.options import ANY_KIND, EXIT_CODES, jobs_option, json_option, kinds_of, quiet_option, verbose_option
+from camgen.commands.running import each, refuse_one_name_twice
+from camgen.errors import Fault, SpecError
+
+if TYPE_CHECKING:
+    from camgen.commands.running import Work
+    from camgen.pipeline.jobs import Progress
+    from camgen.report.report import Report
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@click.option("--only", metavar="KINDS", callback=kinds_of, help=f"Make only these, of {','.join(ANY_KIND)}.")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
+@jobs_option
+@json_option
+@quiet_option
+@verbose_option
+def build(
+    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, **shown: bool
+) -> None:  # fmt: skip
+    """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
+
+    def work() -> Work:
+        from camgen.pipeline import build as pipeline
+
+        if len(specs) > 1:
+            refuse_one_name_twice(specs, settings)
+        return partial(pipeline.build, out=out, only=only, overrides=settings)
+
+    each(specs, work, jobs, **shown)
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--gcode", multiple=True, type=click.Path(path_type=Path), help="Judge this in place of the folder's files.")
+@click.option("--line-width", type=click.FloatRange(0.01, 10), help="Of G-code that does not say it (CuraEngine), mm.")
+@jobs_option
+@json_option
+@quiet_option
+@verbose_option
+def check(
+    folders: Sequence[Path], gcode: Sequence[Path], line_width: float | None, jobs: int, **shown: bool
+) -> None:  # fmt: skip
+    """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
+
+    With --gcode, once for each plate: what a printer lays down of it (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
+    """
+    if gcode and len(folders) > 1:
+        raise SpecError([Fault("--gcode", f"with {len(folders)} folders", "one folder, whose plates they are")], "command line")
+
+    def work() -> Work:
+        if gcode:
+            return partial(_sliced, plates=gcode, line_width=line_width)
+        from camgen.pipeline import build as pipeline
+
+        return pipeline.check
+
+    each(folders, work, jobs, **shown)
+
+
+def _sliced(folder: Path, plates: Sequence[Path], line_width: float | None, progress: Progress, jobs: int) -> Report:
+    """A folder judged by the G-code of its plates; its own steps take one core."""
+    from camgen.pipeline.sliced import check_gcode
+
+    return check_gcode(folder, plates, line_width, progress)

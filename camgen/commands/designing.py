@@ -1,0 +1,37 @@
+"""`camgen design`: the spec that fulfils a wish."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from camgen.commands.options import EXIT_CODES
+from camgen.commands.running import hand_over, refuse_taken
+from camgen.errors import Fault, FileError, SpecError, printable
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: wanted.feed_range=80.")
+@click.option("--front", type=click.Path(path_type=Path), help="Folder for all designs that are best in something, and a page.")
+@click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
+def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path | None, jobs: int) -> None:
+    """Search for what SPEC's table [wanted] ([synthesis] of an indexing cam) asks; write that spec to FILE, or print it.
+
+    A path is traced by a linkage that is found; of any machine keys vary until every limit holds: camgen guide design.
+    """
+    from camgen.design import run
+
+    refuse_taken(file)
+    if front is not None and front.exists():
+        raise FileError(front, "exists already and is left as it is; choose another folder")
+    text, found = run.design(spec, settings, jobs or os.cpu_count() or 1, lambda said: click.echo(printable(said), err=True))
+    if front is not None:
+        if found is None:
+            raise SpecError([Fault("--front", str(front), "a search for a path: it alone has a front")], "command line")
+        found.write(front)
+    hand_over(text, file)

@@ -1,0 +1,66 @@
+"""`camgen list`, `camgen explain`, `camgen guide`, `camgen selftest`: what camgen knows, and whether it still does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import click
+
+from camgen import guide
+from camgen.commands.options import completed
+from camgen.commands.running import known, show
+
+
+@click.command("list")
+def list_() -> None:
+    """List the mechanisms and the laws of motion."""
+    from camgen import starters
+    from camgen.machines import MECHANISMS
+    from camgen.motion.laws import LAWS
+    from camgen.motion.segments import ABOUT, FAMILIES
+
+    click.echo("Mechanisms")
+    for name in MECHANISMS:
+        click.echo(f"  {name:<20} {starters.summary(name)}")
+    click.echo("\nExamples")
+    for name in starters.examples():
+        click.echo(f"  {name:<20} {starters.summary(name)}")
+    click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
+    for law in LAWS.values():
+        click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
+    click.echo('\nLaws with parameters, as law = { name = "...", KEY = ... }')
+    for name, about in ABOUT.items():
+        click.echo(f"  {name:<20} {', '.join(FAMILIES.get(name, ())) or 'no key'}: {about}")
+
+
+@click.command()
+@click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=completed(guide.entries))
+def explain(codes: Sequence[str]) -> None:
+    """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
+    entries = guide.entries()
+    if codes:
+        asked = [known("CODE", code.upper().replace("-", "_"), entries, "camgen explain") for code in codes]
+        show("\n".join(entries[code] for code in asked))
+        return
+    for code, entry in entries.items():
+        click.echo(f"{code:<20} {guide.in_short(entry)}")
+
+
+@click.command("guide")
+@click.argument("topic", required=False, shell_complete=completed(lambda: guide.TOPICS))
+def guide_(topic: str | None) -> None:
+    """Show a page of the guide; without a TOPIC, list them."""
+    if topic is None:
+        click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
+    else:
+        show(guide.page(known("TOPIC", topic, guide.TOPICS, "camgen guide")))
+
+
+@click.command()
+def selftest() -> None:
+    """Print published constants, and what the five papers print, beside ours; exit 1 if one is off."""
+    from camgen.machines.selftest import rows, to_text
+
+    found = list(rows())
+    click.echo(to_text(found))
+    raise click.exceptions.Exit(0 if all(row.ok for row in found) else 1)

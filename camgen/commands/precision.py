@@ -1,0 +1,60 @@
+"""`camgen bench`, `camgen tolerance`: what the accuracy of files costs, and what that of prints does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from camgen.commands.options import EXIT_CODES, json_option
+from camgen.commands.running import refuse_one_name_twice
+from camgen.errors import printable
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument("specs", metavar="[SPEC]...", nargs=-1, type=click.Path(path_type=Path))
+@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+def bench(specs: Sequence[Path], out: Path) -> None:
+    """Measure what tolerances from 1e-1 to 1e-7 mm buy and cost, for each SPEC, or for three starter specs.
+
+    Makes the parts that set the motion, reads them back and prints vertices, arcs, errors, sizes and seconds by stage.
+    Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding that fails is a file that is not sound, or a
+    motion that is further off than its tolerance allows.
+    """
+    from camgen import starters
+    from camgen.pipeline import benchmark_report
+    from camgen.report.terminal import Bar
+
+    refuse_one_name_twice(specs, ())
+    own = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
+    with Bar() as progress:
+        benches = benchmark_report.run(specs or own, out, progress)
+    click.echo("\n\n".join(map(benchmark_report.to_text, benches)))
+    raise click.exceptions.Exit(1 if any(row.faults for bench in benches for row in bench.rows) else 0)
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as print.size_error=0.05.")
+@click.option("--samples", type=int, default=100_000, help="Printed copies.  [default: 100000]")
+@click.option("--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]")
+@click.option("--worst", type=int, default=10, help="How many of the worst are really rolled and closed.  [default: 10]")
+@click.option("--html", type=click.Path(path_type=Path), help="Write tables and curves to this page, too.")
+@json_option
+def tolerance(
+    spec: Path, settings: Sequence[str], samples: int, seed: int, worst: int, html: Path | None, as_json: bool
+) -> None:  # fmt: skip
+    """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
+    from camgen.pipeline import tolerance_report
+    from camgen.report.report import to_json, write_html
+    from camgen.report.terminal import Bar
+
+    with Bar() as progress:
+        report = tolerance_report.tolerance(spec, settings, samples, seed, worst, progress)
+    if html is not None:
+        write_html(html, report)
+    if as_json:
+        click.echo(to_json(report), nl=False)
+    else:
+        click.echo(printable(tolerance_report.to_text(report), keep="\n"))

@@ -1,0 +1,58 @@
+"""`camgen new`, `camgen schema`: a spec to begin with, and what its keys are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from camgen.commands.options import completed, mechanisms, specs_known
+from camgen.commands.running import hand_over, known, spec_name
+from camgen.errors import Fault, SpecError, printable
+
+
+@click.command()
+@click.argument("mechanism", shell_complete=completed(specs_known))
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@click.option("--from", "source", metavar="CHAIN", type=click.Path(path_type=Path), help="PMKS lines, or pylinkage's JSON.")
+def new(mechanism: str, file: Path | None, source: Path | None) -> None:
+    """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; it builds as it is.
+
+    camgen list names them all.
+
+    With --from a linkage is read from a file of another program: PMKS lines, J[R, P[x, y], L[ground, crank]], or the JSON of
+    pylinkage's mechanism_to_dict.
+    """
+    from camgen import starters
+    from camgen.machines import load
+
+    kind = starters.kind(known("MECHANISM", mechanism, specs_known(), "camgen list"))
+    if source is None:
+        text = starters.text(mechanism)
+    elif mechanism != "linkage":
+        alone = "nothing here: only a linkage is read from another program"
+        raise SpecError([Fault("--from", str(source), alone)], "command line")
+    else:
+        from camgen.machines.linkage.bridges import read_chain, spec_text
+
+        text = spec_text(read_chain(source), spec_name(file or source), source.name)
+    text = f"#:schema ./{starters.schema_name(kind)}\n{text}"
+    hand_over(text, file)
+    if file is None:
+        click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
+        return
+    click.echo(printable(f"wrote {file}, which builds as it is"), err=True)
+    if starters.write_schema(load(kind), kind, file.parent):
+        named = file.parent / starters.schema_name(kind)
+        click.echo(printable(f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"), err=True)
+    click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
+
+
+@click.command()
+@click.argument("mechanism", shell_complete=completed(mechanisms))
+def schema(mechanism: str) -> None:
+    """Print the JSON Schema of a MECHANISM's spec, for editors."""
+    from camgen import starters
+    from camgen.machines import load
+
+    click.echo(starters.schema_text(load(known("MECHANISM", mechanism, mechanisms(), "camgen list")), mechanism), nl=False)

@@ -1,0 +1,182 @@
+"""Linkages that trace a wanted path: random drawings of every chain, evolved coarsely, polished, and the best kept.
+
+    sow       random drawings of a chain, the best of them a population
+    evolve    differential evolution with its own factors learnt (JADE, Zhang and Sanderson 2009)
+    polish    Gauss-Newton on the exact distances (`polish.py`)
+    front     the designs that no other one beats in both error and length of bars
+
+A task is one chain with one seed and draws on nothing else, so the front is the same for any number of cores.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from camgen.design.chains import Chain, chains
+from camgen.design.polish import Goal, normed, packed, polished, unpacked
+from camgen.numerics import Floats, Points
+
+_SOWN = 3000
+_GLANCED = 64  # angles of a turn while evolving
+_BEST = 0.1  # share of the population that the others are drawn towards
+_POLISHED = 12  # designs of a task, each by every weight
+_WEIGHTS = (0.02, 0.2, 1.0)  # of the bars against the error
+_MEASURED = 2000  # angles of a turn at the end
+_RICHEST = 12  # chains that are searched again
+
+
+@dataclass(frozen=True)
+class Found:
+    """A design: its chain, its drawing in the place of the wanted path, error and length of all bars in the path's unit."""
+
+    chain: Chain
+    drawn: tuple[complex, ...]
+    error: float
+    bars: float
+
+
+@dataclass(frozen=True)
+class Task:
+    """One chain from one seed: population, generations and the weights by which it evolves."""
+
+    chain: Chain
+    seed: int
+    size: int
+    generations: int
+    weights: tuple[float, ...]
+
+
+Told = Callable[[str], None]
+Runner = Callable[[Callable[[Task], "list[Found]"], Sequence[Task]], Iterable["list[Found]"]]
+
+
+def kinds(most_pairs: int, grounds: int) -> list[Chain]:
+    """Chains of two pairs and more: four-bars first."""
+    return [chain for pairs in range(2, most_pairs + 1) for chain in chains(pairs, grounds)]
+
+
+def search(
+    goal: Goal, kinds: Sequence[Chain], effort: int = 1, seed: int = 0, run: Runner = map, told: Told = lambda text: None,
+) -> list[Found]:  # fmt: skip
+    """Designs for a path, a front from the least error to the least length of bars; run: `map`, or that of several cores.
+
+    effort: how often the richest chains are searched again. The same call gives the same front.
+    """
+    solve = partial(solved, goal)
+    first = [Task(chain, seed * 100_003 + k, 48, 40, (1.0,)) for k, chain in enumerate(kinds)]
+    by_chain = dict(zip(kinds, run(solve, first), strict=True))
+    found = front(design for designs in by_chain.values() for design in designs)
+    for again in range(effort):
+        told(f"{len(found)} designs on the front; the {min(_RICHEST, len(kinds))} best chains are searched again")
+        ranked = sorted(kinds, key=lambda chain: -area(by_chain[chain], goal))[:_RICHEST]
+        tasks = [Task(chain, (seed + 1) * 100_003 + 1000 * (again * _RICHEST + k) + repeat, 64, 120, (0.3, 1.0, 3.0))
+                 for k, chain in enumerate(ranked) for repeat in range(4)]  # fmt: skip
+        for task, designs in zip(tasks, run(solve, tasks), strict=True):
+            by_chain[task.chain] = front([*by_chain[task.chain], *designs])
+        found = front(design for designs in by_chain.values() for design in designs)
+    return found
+
+
+def front(designs: Iterable[Found]) -> list[Found]:
+    """Those that no other one beats in both error and bars, by rising error."""
+    kept: list[Found] = []
+    for design in sorted(designs, key=lambda each: (each.error, each.bars)):
+        if not kept or design.bars < kept[-1].bars:
+            kept.append(design)
+    return kept
+
+
+def area(designs: Iterable[Found], goal: Goal) -> float:
+    """Share of the field below (worst error, most bars) that a front dominates, 0 to 1."""
+    kept = [each for each in front(designs) if each.error < goal.worst and each.bars < goal.most]
+    ends = [each.error for each in kept[1:]] + [goal.worst]
+    held = sum((end - each.error) * (goal.most - each.bars) for each, end in zip(kept, ends, strict=True))
+    return held / (goal.worst * goal.most)
+
+
+def solved(goal: Goal, task: Task) -> list[Found]:
+    """The front of one task."""
+    rng, chain = np.random.default_rng(task.seed), task.chain
+    starts = [_evolved(goal, task, weight, rng) for weight in task.weights]
+    numbers, error, bars = (np.concatenate(parts) for parts in zip(*starts, strict=True))
+    picked = _picked(error, bars)
+    if not picked.size:
+        return []
+    weights = np.repeat(_WEIGHTS, picked.size)
+    better, error, bars = polished(chain, np.tile(numbers[picked], (len(_WEIGHTS), 1)), weights, goal)
+    drawn = unpacked(better)
+    return front(each for k in _picked(error, bars) if (each := _measured(goal, chain, drawn[k])))
+
+
+def _measured(goal: Goal, chain: Chain, drawn: Points) -> Found | None:
+    """A design at full resolution, laid on the target; None where it opens between the angles of the search, or is too thin."""
+    path, least = chain.trace(drawn[None], _MEASURED)
+    error, factor, shift = goal.target.measured(path[:, 0])
+    lengths = chain.lengths(drawn[None]) * abs(factor)
+    if not goal.allows(lengths, least)[0]:
+        return None
+    return Found(chain, tuple((drawn * factor + shift).tolist()), error, float(np.sum(lengths)))
+
+
+def _picked(error: Floats, bars: Floats) -> Floats:
+    """Numbers of the designs on the front, of a long one those evenly along it."""
+    order = np.lexsort((bars, error))
+    order = order[np.isfinite(error[order])]
+    order = order[bars[order] < np.concatenate([[np.inf], np.minimum.accumulate(bars[order])[:-1]])]
+    if len(order) <= _POLISHED:
+        return np.asarray(order)
+    return np.asarray(order[np.unique(np.linspace(0, len(order) - 1, _POLISHED).astype(int))])
+
+
+def _glanced(goal: Goal, chain: Chain, numbers: Floats, weight: float) -> tuple[Floats, Floats, Floats]:
+    """Value, error and bars of designs by a fast look; one that cannot be made costs more the more it opens."""
+    drawn = unpacked(numbers)
+    paths, least = chain.trace(drawn, _GLANCED)
+    error, bars = np.full(len(drawn), np.inf), np.full(len(drawn), np.inf)
+    closed = np.flatnonzero(least >= goal.sine)
+    if closed.size:
+        laid, factor = goal.target.laid(paths[:, closed])
+        lengths = chain.lengths(drawn[closed]) * np.abs(factor)[:, None]
+        bars[closed] = np.sum(lengths, axis=1)
+        use = goal.allows(lengths, least[closed]) & (bars[closed] < goal.most)
+        error[closed[use]] = goal.target.glance(laid[:, use])
+    value = goal.value(error, bars, weight)
+    return np.where(np.isfinite(value), value, 50.0 - np.clip(least, -40.0, 1.0)), error, bars
+
+
+def _evolved(goal: Goal, task: Task, weight: float, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
+    """Designs met on the way that were better than what they replaced, and the last population: numbers, error, bars."""
+    chain, size = task.chain, task.size
+    sown = rng.normal(size=(_SOWN, chain.size)) + 1j * rng.normal(size=(_SOWN, chain.size))
+    x = normed(packed(sown))
+    value, error, bars = _glanced(goal, chain, x, weight)
+    best = np.argsort(value, kind="stable")[:size]
+    x, value = x[best], value[best]
+    met = [(x, error[best], bars[best])]
+    left, factor, crossing = x[:0], 0.5, 0.5
+    numbers = np.arange(size)
+    for _ in range(task.generations):
+        rates = np.clip(rng.normal(crossing, 0.1, size), 0.0, 1.0)
+        factors = np.clip(factor + 0.1 * rng.standard_cauchy(size), 0.05, 1.0)
+        leaders = np.argsort(value, kind="stable")[: math.ceil(_BEST * size)]
+        pool = np.concatenate([x, left])
+        leader, one = x[rng.choice(leaders, size)], x[rng.integers(size, size=size)]
+        other = pool[rng.integers(len(pool), size=size)]
+        crossed = rng.random(x.shape) < rates[:, None]
+        crossed[numbers, rng.integers(x.shape[1], size=size)] = True
+        tried = np.where(crossed, x + factors[:, None] * (leader - x + one - other), x)
+        then, error, bars = _glanced(goal, chain, tried, weight)
+        better = then < value
+        if better.any():
+            left = np.concatenate([left, x[better]])[-size:]
+            met.append((tried[better], error[better], bars[better]))
+            x, value = normed(np.where(better[:, None], tried, x)), np.where(better, then, value)
+            factor = 0.9 * factor + 0.1 * float(np.sum(factors[better] ** 2) / np.sum(factors[better]))
+            crossing = 0.9 * crossing + 0.1 * float(np.mean(rates[better]))
+    numbers_, error, bars = (np.concatenate(parts) for parts in zip(*met, strict=True))
+    return numbers_, error, bars

@@ -1,0 +1,140 @@
+"""Designs of a chain made better until nothing more is won: damped Gauss-Newton steps, many designs at once.
+
+    value = error / worst error + weight * bars / most bars      both shares of what a search asks for, `Goal`
+
+The error is a mean of distances d, not of their squares: each distance counts with the weight 1/d of the step before
+(iteratively reweighted least squares, Weiszfeld 1937), so that the step's gradient is the true one. A step is kept only
+where the value falls. The design's place, turn and size do not count: a design is drawn with its crank along x, of mean
+point distance 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camgen.design.chains import Chain
+from camgen.design.target import Flags, Near, Target
+from camgen.numerics import Floats, Points
+
+_STEPS = 128  # angles of a turn
+_ROUNDS = 14
+_SHARE = 1e-5  # of the drawing's size: step of a difference quotient
+_SMALL = 1e-3  # of the chord: distances below it count by their squares
+_THIN = 1e-3  # of the chord: bars below it
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a search asks for; lengths in units of the target's points.
+
+    worst, most: error and length of all bars beyond which a design is of no use; shortest: bar that can be made; sine: least
+    of the angle between two bars of a pair.
+    """
+
+    target: Target
+    worst: float
+    most: float
+    shortest: float = 0.0
+    sine: float = 1e-3
+
+    def value(self, error: Floats, bars: Floats, weight: Floats | float) -> Floats:
+        """Less is better; (designs,)."""
+        return np.asarray(error / self.worst + weight * bars / self.most)
+
+    def allows(self, lengths: Floats, least: Floats) -> Flags:
+        """Which designs can be made, by the lengths of their bars (designs, bars) and their least sines (designs,)."""
+        return np.asarray((least >= self.sine) & (np.min(lengths, axis=1) >= self.shortest))
+
+
+def packed(drawn: Points) -> Floats:
+    """A design's numbers, (designs, 2 points - 2): x and y of all points but O."""
+    moved = drawn[:, 1:] - drawn[:, :1]
+    return np.concatenate([moved.real, moved.imag], axis=1)
+
+
+def unpacked(numbers: Floats) -> Points:
+    """The drawing of a design's numbers, O at 0."""
+    x, y = np.split(numbers, 2, axis=1)
+    return np.concatenate([np.zeros((len(numbers), 1), complex), x + 1j * y], axis=1)
+
+
+def normed(numbers: Floats) -> Floats:
+    """The same designs with the crank along x and the points at a mean distance of 1 from O."""
+    drawn = unpacked(numbers)
+    size = np.mean(np.abs(drawn[:, 1:]), axis=1)[:, None]
+    along = drawn[:, 1:2] / np.maximum(np.abs(drawn[:, 1:2]), 1e-300)
+    return packed(drawn / (size * along))
+
+
+@dataclass(frozen=True)
+class _State:
+    """Designs as they lie on the target: paths (steps, designs), lengths (designs, bars), what is near, and what it costs."""
+
+    laid: Points
+    lengths: Floats
+    near: Near
+    value: Floats
+
+    def mixed(self, other: _State, take: Flags) -> _State:
+        """The other's designs where they are taken."""
+        lengths = np.where(take[:, None], other.lengths, self.lengths)
+        laid, value = (np.where(take, b, a) for a, b in ((self.laid, other.laid), (self.value, other.value)))
+        return _State(laid, lengths, self.near.mixed(other.near, take), value)
+
+
+def polished(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> tuple[Floats, Floats, Floats]:
+    """Better designs from given ones, (designs, numbers), each by its own weight: numbers, error, length of all bars."""
+    x = normed(numbers)
+    state = _state(chain, x, weight, goal)
+    damping = np.full(len(x), 1e-2)
+    unit = np.eye(x.shape[1])
+    for _ in range(_ROUNDS):
+        slope, bend = _expanded(chain, x, weight, goal, state)
+        held = bend + 1e-6 * unit + damping[:, None, None] * unit * np.einsum("ndd->nd", bend)[:, None, :]
+        tried = x - np.linalg.solve(held, slope[:, :, None])[:, :, 0]
+        then = _state(chain, tried, weight, goal)
+        better = then.value < state.value
+        damping = np.where(better, np.maximum(damping / 4, 1e-5), damping * 5)
+        x = np.where(better[:, None], tried, x)
+        state = state.mixed(then, better)
+    return x, state.near.error, np.sum(state.lengths, axis=1)
+
+
+def _state(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> _State:
+    drawn = unpacked(numbers)
+    paths, least = chain.trace(drawn, _STEPS)
+    laid, factor = goal.target.laid(paths)
+    lengths = chain.lengths(drawn) * np.abs(factor)[:, None]
+    near = goal.target.near(laid)
+    near = replace(near, error=np.where(goal.allows(lengths, least), near.error, np.inf))
+    return _State(laid, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight))
+
+
+def _expanded(chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: _State) -> tuple[Floats, Floats]:
+    """Slope (designs, numbers) and approximate second derivative of the value."""
+    designs, count = numbers.shape
+    moved = np.repeat(numbers[:, None], count, axis=1)
+    moved[:, np.arange(count), np.arange(count)] += _SHARE
+    drawn = unpacked(moved.reshape(-1, count))
+    laid, factor = goal.target.laid(chain.trace(drawn, _STEPS)[0])
+    shift = ((laid.reshape(_STEPS, designs, count) - state.laid[:, :, None]) / _SHARE).transpose(1, 0, 2)
+    lengths = (chain.lengths(drawn) * np.abs(factor)[:, None]).reshape(designs, count, -1)
+    longer = (lengths - state.lengths[:, None]) / _SHARE
+
+    small = _SMALL * goal.target.chord
+    paths, near = state.laid.T, state.near
+    slope = np.einsum("ndb->nd", longer) * (weight / goal.most)[:, None]
+    # a length as the square of its root: the step's second derivative stays positive
+    pull = (weight / goal.most)[:, None] * 0.5 / np.maximum(state.lengths, _THIN * goal.target.chord)
+    bend = np.einsum("ndb,nb,neb->nde", longer, pull, longer)
+    back = np.take_along_axis(paths, near.nearest, axis=1)
+    moves = np.take_along_axis(shift, near.nearest[:, :, None], axis=1)
+    for gap, move in ((paths - near.goal, shift), (back - near.wanted, moves)):
+        distance = np.maximum(np.abs(gap), 1e-12)
+        grown = (np.conj(gap / distance)[:, :, None] * move).real  # slope of each distance
+        share = 1 / (goal.worst * gap.shape[1])
+        slope += share * np.einsum("ntd,nt->nd", grown, np.minimum(distance / small, 1.0))
+        bend += share * np.einsum("ntd,nt,nte->nde", grown, 1 / np.maximum(distance, small), grown)
+    return slope, bend

@@ -1,0 +1,180 @@
+"""A wanted path and how far traced paths lie from it, whatever their place, turn and size.
+
+A path is turned until its longest chord lies along x, scaled until that chord is as long as the target's, and moved until
+its least x and y are 0; the target is laid both ways round. Error: mean distance from the path's points to the nearest one of
+the target, and the other way, together (the chamfer distance). Fast looks take a grid of distances and few points; `measured`
+takes all of them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.numerics import Floats, Indices, Points
+
+Flags = NDArray[np.bool_]
+
+_DIRECTIONS = 32  # in which the ends of a chord are looked for; the ends found are true points of the path
+_FEWEST, _FEW, _MANY = 12, 72, 256  # points of the target: to tell its sense, in a fast look, in a refinement
+_CELLS = 200  # of the grid along the chord
+_MARGIN = 40  # cells round the target
+_BLOCK = 48  # paths whose distances fit the processor's cache
+
+
+@dataclass(frozen=True)
+class Near:
+    """Nearest points: error of each path, and for its points and the target's the nearest of the other kind."""
+
+    error: Floats  # (paths,)
+    goal: Points  # nearest of the target to each point of a path, (paths, steps)
+    wanted: Points  # points of the target, (paths, many)
+    nearest: Indices  # the path's point nearest to each of them, (paths, many)
+
+    def mixed(self, other: Near, take: Flags) -> Near:
+        """The other's paths where they are taken, (paths,)."""
+        aside = take[:, None]
+        return Near(np.where(take, other.error, self.error), np.where(aside, other.goal, self.goal),
+                    np.where(aside, other.wanted, self.wanted), np.where(aside, other.nearest, self.nearest))  # fmt: skip
+
+
+class Target:
+    """points: of the path wanted, complex, in any order, dense (a line through them is not drawn)."""
+
+    def __init__(self, points: Points) -> None:
+        from scipy.spatial import cKDTree
+
+        chord = _farthest(points)
+        self.chord = abs(chord)
+        turned = points * np.conj(chord) / abs(chord)
+        self.senses = tuple(_to_corner(each) for each in (turned, -turned))
+        turns = (chord / abs(chord), -chord / abs(chord))
+        # how each sense goes back to the points as they were given: turn, and where its corner is
+        self.placed = tuple((turn, complex(points[0] - turn * sense[0])) for turn, sense in zip(turns, self.senses, strict=True))
+        picked = _spread(points, min(_MANY, len(points)))
+        self.many = tuple(sense[picked] for sense in self.senses)
+        self.few = tuple(sense[picked[:_FEW]] for sense in self.senses)
+        self.trees = tuple(cKDTree(np.stack([sense.real, sense.imag], axis=-1)) for sense in self.senses)
+        self.cell = self.chord / _CELLS
+        self.grids = tuple(self._grid(tree) for tree in self.trees)
+
+    def _grid(self, tree: object) -> Floats:
+        high = max(float(np.max(sense.imag)) for sense in self.senses)
+        x = np.arange(-_MARGIN, _CELLS + _MARGIN + 1) * self.cell
+        y = np.arange(-_MARGIN, math.ceil(high / self.cell) + _MARGIN + 1) * self.cell
+        distances = tree.query(np.stack(np.meshgrid(x, y), axis=-1))[0]  # type: ignore[attr-defined]
+        return np.asarray(distances, dtype=np.float32)
+
+    def laid(self, paths: Points) -> tuple[Points, Points]:
+        """Paths (steps, designs) as they lie on the target, and the complex factor that did it (scale and turn), (designs,)."""
+        chord = _chords(paths)
+        size = np.maximum(np.abs(chord), 1e-300)
+        factor = np.conj(chord) / size * (self.chord / size)
+        return _to_corner(paths * factor), np.asarray(factor, complex)
+
+    def glance(self, laid: Points) -> Floats:
+        """Error of each path, (designs,), by the grid and few points: within a few hundredths of the spacing of the points."""
+        found = np.empty(laid.shape[1])
+        ways = np.stack([self._looked_up(grid, laid) for grid in self.grids])
+        better = np.argmin(ways + [_from_points(few[:_FEWEST], laid) for few in self.few], axis=0)
+        for sense, few in enumerate(self.few):
+            own = np.flatnonzero(better == sense)
+            if own.size:
+                found[own] = ways[sense, own] + _from_points(few, laid[:, own])
+        return found
+
+    def _looked_up(self, grid: Floats, laid: Points) -> Floats:
+        column = np.clip(np.rint(laid.real / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[1] - 1)
+        row = np.clip(np.rint(laid.imag / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[0] - 1)
+        return np.asarray(np.mean(grid[row, column], axis=0))
+
+    def near(self, laid: Points) -> Near:
+        """What lies next to what, for a refinement: of the better sense of each path."""
+        both = [self._near(sense, laid) for sense in (0, 1)]
+        return both[0].mixed(both[1], both[1].error < both[0].error)
+
+    def _near(self, sense: int, laid: Points) -> Near:
+        out, goal = self.trees[sense].query(np.stack([laid.real.T, laid.imag.T], axis=-1))
+        wanted = self.many[sense]
+        nearest = np.empty((laid.shape[1], len(wanted)), dtype=np.intp)
+        back = np.empty(nearest.shape)
+        for k, path in enumerate(laid.T):
+            distance = np.abs(wanted[:, None] - path)
+            nearest[k] = np.argmin(distance, axis=1)
+            back[k] = distance[np.arange(len(wanted)), nearest[k]]
+        error = np.mean(out, axis=1) + np.mean(back, axis=1)
+        return Near(error, self.senses[sense][goal], np.broadcast_to(wanted, back.shape), nearest)
+
+    def measured(self, path: Points) -> tuple[float, complex, complex]:
+        """Error of one path by all its points and all of the target's, nothing left out or taken from a grid; and how it lies
+        on the points as they were given: factor and shift, both complex."""
+        from scipy.spatial import cKDTree
+
+        chord = _farthest(path)
+        factor = np.conj(chord) / abs(chord) ** 2 * self.chord
+        laid = _to_corner(path * factor)
+        places = np.stack([laid.real, laid.imag], axis=-1)
+        tree = cKDTree(places)
+        errors = [
+            float(np.mean(own.query(places)[0]) + np.mean(tree.query(np.stack([sense.real, sense.imag], axis=-1))[0]))
+            for own, sense in zip(self.trees, self.senses, strict=True)
+        ]
+        turn, corner = self.placed[errors[1] < errors[0]]
+        return min(errors), complex(factor * turn), complex(corner + turn * (laid[0] - path[0] * factor))
+
+
+def _to_corner(paths: Points) -> Points:
+    return np.asarray(paths - (np.min(paths.real, axis=0) + 1j * np.min(paths.imag, axis=0)), complex)
+
+
+def _chords(paths: Points) -> Points:
+    """Longest chord of each path (steps, designs) between points that are extreme in one of some directions, (designs,)."""
+    angles = math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    directions = np.stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
+    reach = np.stack([paths.real.T, paths.imag.T], axis=-1).astype(np.float32) @ directions
+    own = np.arange(paths.shape[1])[:, None]
+    chords = paths.T[own, np.argmax(reach, axis=1)] - paths.T[own, np.argmin(reach, axis=1)]
+    return np.asarray(chords[own[:, 0], np.argmax(np.abs(chords), axis=1)])
+
+
+def _farthest(points: Points) -> complex:
+    """From one end of the longest chord to the other."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        points = points[ConvexHull(np.stack([points.real, points.imag], axis=-1)).vertices]
+    except QhullError:  # all on one line: its ends are the extremes along it
+        along = (points * np.conj(points[np.argmax(np.abs(points - points[0]))] - points[0])).real
+        points = points[[int(np.argmin(along)), int(np.argmax(along))]]
+    distance = np.abs(points[:, None] - points)
+    a, b = np.unravel_index(np.argmax(distance), distance.shape)
+    return complex(points[b] - points[a])
+
+
+def _spread(points: Points, count: int) -> Indices:
+    """Numbers of points far from each other: each next one is the farthest from those taken."""
+    taken = [0]
+    gap = np.abs(points - points[0])
+    while len(taken) < count:
+        taken.append(int(np.argmax(gap)))
+        gap = np.minimum(gap, np.abs(points - points[taken[-1]]))
+    return np.asarray(taken, dtype=np.intp)
+
+
+def _from_points(points: Points, laid: Points) -> Floats:
+    """Mean distance from the points to the nearest one of each path, (designs,)."""
+    x, y = (np.ascontiguousarray(part, dtype=np.float32) for part in (laid.real.T, laid.imag.T))
+    px, py = (part.astype(np.float32)[:, None, None] for part in (points.real, points.imag))
+    found = np.empty(laid.shape[1])
+    for first in range(0, len(found), _BLOCK):
+        own = slice(first, first + _BLOCK)
+        square = x[None, own] - px
+        square *= square
+        more = y[None, own] - py
+        more *= more
+        square += more
+        found[own] = np.mean(np.sqrt(np.min(square, axis=2)), axis=0)
+    return found

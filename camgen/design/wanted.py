@@ -1,0 +1,128 @@
+"""The table [wanted] of `camgen design`, where a linkage is found for a path, or values of keys for a machine's limits."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import Fault, FileError, SpecError
+from camgen.numerics import Points
+from camgen.spec import Checked, Data, Length, Record, read_bytes, validate
+
+_MOST_POINTS = 20_000
+_DENSE = 500  # points of a path that is joined by lines
+_TWICE = 3.0  # times the sides of its box: a line through points in order is shorter
+
+Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
+Bounds = tuple[Annotated[float, Field(ge=-1e9, le=1e9)], Annotated[float, Field(ge=-1e9, le=1e9)]]
+
+
+class PathWish(Record):
+    """A path that a point of a linkage is to trace; everything but [points], [links] and [[output]] is the spec's own."""
+
+    path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(description="mm, [x, y] of its points, or a CSV file")
+    joined: bool = Field(True, description="whether lines join the points in their order; false: a dense cloud in any order")
+    tolerance: Length | None = Field(None, description="mm, how far path and points may be apart; none: best trade-off")
+    bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
+    shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
+    transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least between two links at a pin")
+    effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how often the best chains are searched again")
+    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
+
+    def points(self, folder: Path) -> Points:
+        """Its points, dense; SpecError or FileError where they are no path."""
+        given = _table(folder / self.path) if isinstance(self.path, str) else self.path
+        z = np.array([complex(*place) for place in given], complex)
+        z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
+        box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
+        if z.size < 3 or box < 1e-3:
+            raise SpecError([Fault("wanted.path", f"{z.size} different points", "at least 3 that are apart, mm")])
+        if not self.joined:
+            return np.asarray(z)
+        steps = np.abs(np.diff(z))
+        if steps.sum() > _TWICE * 2 * (np.ptp(z.real) + np.ptp(z.imag)):
+            right = "points in the order of the path, or wanted.joined = false for a cloud of them"
+            said = f"a line of {steps.sum():.6g} mm through all points in a box of {box:.6g}"
+            raise SpecError([Fault("wanted.path", said, right)])
+        at = np.concatenate([[0.0], np.cumsum(steps)])
+        along = np.linspace(0.0, at[-1], max(_DENSE, 2 * z.size))
+        return np.asarray(np.interp(along, at, z.real) + 1j * np.interp(along, at, z.imag))
+
+
+class KeyWish(Record):
+    """Values of keys by which all limits of a machine hold, and a figure is least or greatest."""
+
+    vary: Annotated[dict[str, Bounds], Field(min_length=1, max_length=8)] = Field(
+        description="keys that may change, each with its least and greatest value"
+    )
+    least: str | None = Field(None, description="a figure, or a key that varies, that is to be as small as can be")
+    most: str | None = Field(None, description="or as great as can be")
+    figures: dict[str, Bounds] = Field({}, description="figures that must lie between a least and a greatest value")
+    effort: Annotated[int, Field(ge=1, le=50)] = Field(1, description="times sixty designs for each key, and a simplex's")
+    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other values")
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        found = [Fault(f"wanted.vary.{key}", f"[{low:g}, {high:g}]", "the least value first, then the greatest")
+                 for key, (low, high) in self.vary.items() if not low < high]  # fmt: skip
+        if (self.least is None) == (self.most is None):
+            found.append(Fault("wanted.least", "", "one of wanted.least and wanted.most: what the search is for"))
+        found += [Fault(f"wanted.figures.{name}", f"[{low:g}, {high:g}]", "the least value first, then the greatest")
+                  for name, (low, high) in self.figures.items() if not low <= high]  # fmt: skip
+        return found
+
+
+class _AsksPath(Checked):
+    wanted: PathWish
+
+
+class _AsksKeys(Checked):
+    wanted: KeyWish
+
+    def faults(self) -> Sequence[Fault]:
+        """Of the wish."""
+        return self.wanted.faults()
+
+
+def wish(data: Mapping[str, Any], source: str) -> PathWish | KeyWish | None:
+    """The wish of a spec's tables; None where it is the machine's own, or there is none; SpecError with its faults."""
+    table = data.get("wanted")
+    if isinstance(table, dict) and "path" in table:
+        return validate(_AsksPath, {"wanted": table}, source).wanted
+    if isinstance(table, dict) and "vary" in table:
+        return validate(_AsksKeys, {"wanted": table}, source).wanted
+    return None
+
+
+def without(data: Data) -> Data:
+    """The tables less [wanted]."""
+    return {key: value for key, value in data.items() if key != "wanted"}
+
+
+def _table(path: Path) -> list[tuple[float, float]]:
+    """Rows x, y of a CSV file, a line of names before them or not."""
+    try:
+        text = read_bytes(path, 10_000_000, "a table of points").decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(path, "is no table: it is not text in UTF-8") from None
+    rows: list[tuple[float, float]] = []
+    for number, row in enumerate(csv.reader(text.replace(";", ",").replace("\t", ",").splitlines()), 1):
+        if not any(map(str.strip, row)):
+            continue
+        try:
+            x, y = (float(cell) for cell in row)
+        except ValueError:
+            if not rows and number == 1:
+                continue
+            raise FileError(path, f"line {number}: two numbers, x and y in mm, were expected") from None
+        if not max(abs(x), abs(y)) <= 1e5:
+            raise FileError(path, f"line {number}: x and y within +-100000 mm were expected")
+        rows.append((x, y))
+    if len(rows) > _MOST_POINTS:
+        raise FileError(path, f"holds {len(rows)} points; {_MOST_POINTS} at most are taken")
+    return rows

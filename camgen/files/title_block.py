@@ -1,0 +1,93 @@
+"""The title block of a drawing: what it says beside the part's shape, its cells, and the symbol of first-angle projection."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from camgen import __version__
+from camgen.files.dimensions import Hole, number
+from camgen.files.sheet import Sheet
+from camgen.parts.part import Part
+from camgen.tolerances import SAME_POINT
+
+SIZE = (170.0, 36.0)  # mm [width of ISO 7200]
+_ROW = 12.0
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How a round hole of a part, centre and diameter in mm, fits what goes through: "slide on Ø6"."""
+
+    at: complex
+    diameter: float
+    words: str
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a drawing says of a part besides its shape; "" or None is left out.
+
+    tolerance: general tolerance; number: of the drawing, its file's name unless given; mass_g: of one part, g;
+    profile_step_deg: between the rows of a cam's table.
+    """
+
+    mechanism: str = ""
+    material: str = ""
+    mass_g: float | None = None
+    tolerance: str = ""
+    number: str = ""
+    date: str = ""
+    fits: Sequence[Fit] = ()
+    profile_step_deg: float | None = None
+
+    def shape(self, hole: Hole) -> str:
+        """What a hole is, with its fit where one is known."""
+        for fit in self.fits:
+            if abs(fit.at - hole.place) < SAME_POINT and abs(fit.diameter - 2 * hole.radius) < SAME_POINT:
+                return f"{hole.shape} {fit.words}"
+        return hole.shape
+
+
+def grams(mass: float) -> str:
+    """A mass to three digits, g."""
+    return f"{float(f'{mass:.3g}'):g} g"
+
+
+def title_block(sheet: Sheet, right: float, low: float, part: Part, facts: Facts, stem: str, scale: float, size: str) -> None:
+    """Draw the block with its lower right corner there; scale: mm of paper for a mm of the part."""
+    mass = "" if facts.mass_g is None else grams(facts.mass_g)
+    middle = [("Mechanism", facts.mechanism, 0.0), ("Material", facts.material, 36.0), ("Mass", mass, 24.0),
+              ("General tolerance", facts.tolerance, 36.0), ("Date", facts.date, 30.0)]  # fmt: skip
+    middle = [cell for cell in middle if cell[1]]
+    middle = [(key, value, width or SIZE[0] - sum(cell[2] for cell in middle)) for key, value, width in middle]
+    rows = [
+        [("Quantity", str(part.count), 22.0), ("Scale", f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}", 22.0),
+         ("Sheet", size, 18.0), ("Units", "mm", 18.0), ("Projection", "", 45.0), ("Made by", f"camgen {__version__}", 45.0)],
+        middle,
+        [("Part", part.title, 85.0), ("Drawing number", facts.number or f"{stem}-drawing", 85.0)],
+    ]  # fmt: skip
+    for k, row in enumerate(rows):
+        corner = complex(right - SIZE[0], low + _ROW * k)
+        for key, value, width in row:
+            sheet.line(corner, corner + width, corner + width + 1j * _ROW, corner + 1j * _ROW, layer="TEXT", closed=True)
+            sheet.text(corner + 1.5 + 8.6j, key, 1.8)
+            if key == "Projection":
+                _first_angle(sheet, corner + 12 + 4.3j)
+                sheet.text(corner + 24 + 3.2j, "first angle", 2.5, room=width - 25)
+            else:
+                sheet.text(corner + 1.5 + 2.6j, value, 3.5, room=width - 3)
+            corner += width
+
+
+def _first_angle(sheet: Sheet, middle: complex) -> None:
+    """A cone's frustum from the side, small end left, and to its right as seen from there. [ISO 5456-2]"""
+    large, small = 2.8, 1.4  # radii, mm
+    side, front = middle - 5.5, middle + 4.5
+    sheet.line(side - 2.8 - 1j * small, side + 2.8 - 1j * large, side + 2.8 + 1j * large, side - 2.8 + 1j * small,
+               layer="TEXT", closed=True)  # fmt: skip
+    for radius in (large, small):
+        sheet.arc(front, radius, 0.0, 6.283185307179586, "TEXT")
+    sheet.line(side - 4, side + 4, layer="CENTER")
+    sheet.line(front - 4, front + 4, layer="CENTER")
+    sheet.line(front - 3.6j, front + 3.6j, layer="CENTER")

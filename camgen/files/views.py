@@ -1,0 +1,212 @@
+"""What the further views of a drawing show of a part, mm of the part, before it is laid on paper.
+
+    side      from the left, heights to the right: z + iy
+    above     along y, heights downwards on paper: x + iz
+    section   a cut along x, seen from above as well: x + iz
+
+Hidden edges are those of holes and bores behind material, as the boxes that they fill.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from camgen.geometry.arcs import as_circle, fit_arcs
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
+from camgen.parts.part import Layer, Part
+from camgen.tolerances import SAME_POINT
+
+_FINE = 1e-5  # mm, chord tolerance of radii in a cam's table
+_MOST = 40  # layers of a part that gets a section
+
+
+def corners(contour: Contour, tolerance: float) -> Floats:
+    """Corners of a contour as a polygon, (n, 2) mm."""
+    z = facet_contour(contour, tolerance)
+    return np.column_stack([z.real, z.imag])
+
+
+def area(region: Region, tolerance: float) -> Any:
+    """A region as a polygon of shapely."""
+    import shapely
+
+    return shapely.Polygon(corners(region.outer, tolerance), [corners(hole, tolerance) for hole in region.holes])
+
+
+def contours_of(shape: Any) -> Iterator[Contour]:
+    """Outlines and holes of what shapely gives."""
+    import shapely
+
+    for piece in shapely.get_parts(shape):
+        rings = (piece.exterior, *piece.interiors) if piece.geom_type == "Polygon" else ()
+        yield from (polygon((shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])).tolist()) for ring in rings)
+
+
+def from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
+    """What the view along y shows of a crossed part: of each layer the second outline, as far as the layer goes."""
+    import shapely
+
+    whole, found = area(crossed, tolerance), list[Contour]()
+    for layer in part.layers:
+        low, high = extent([layer.region.outer])
+        found += contours_of(whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1)))
+    return found
+
+
+# ---- hidden edges ----------------------------------------------------------------------------------------------------
+
+
+def _span(region: Region, x: float, tolerance: float) -> tuple[float, float]:
+    """From where to where a region reaches on the upright line at x."""
+    import shapely
+
+    shape = area(region, tolerance)
+    _, low, _, high = shape.bounds
+    cut = shape.intersection(shapely.LineString([(x, low - 1), (x, high + 1)]))
+    return (low, high) if cut.is_empty else (cut.bounds[1], cut.bounds[3])
+
+
+def side_bores(part: Part, tolerance: float) -> list[Contour]:
+    """Boxes of the bores in the view from the left: z + iy, those of one width joined where layers lie on each other."""
+    found = [rectangle(complex(a, y0), complex(b, y1)) for y0, y1, a, b in _boxes(part, tolerance, 1)]
+    for low, high in _across(part, tolerance):
+        y0, y1 = _span(part.region, (low.real + high.real) / 2, tolerance)
+        found.append(rectangle(complex(low.imag, y0), complex(high.imag, y1)))
+    return found
+
+
+def plan_bores(part: Part, tolerance: float) -> list[Contour]:
+    """Boxes of bores along y in the view along z: x + iy."""
+    found = []
+    for low, high in _across(part, tolerance):
+        y0, y1 = _span(part.region, (low.real + high.real) / 2, tolerance)
+        found.append(rectangle(complex(low.real, y0), complex(high.real, y1)))
+    return found
+
+
+def above_bores(part: Part, tolerance: float) -> list[Contour]:
+    """Boxes of a crossed part's bores along z in the view from above: x + iz."""
+    boxes = _boxes(part, tolerance, 0) if part.crossed is not None else []
+    return [rectangle(complex(x0, a), complex(x1, b)) for x0, x1, a, b in boxes]
+
+
+def _boxes(part: Part, tolerance: float, axis: Literal[0, 1]) -> list[tuple[float, float, float, float]]:
+    """Of bores along z their least and greatest x (axis 0) or y, and from where to where they go: z."""
+    spans: dict[tuple[float, float], list[tuple[float, float]]] = {}
+    for layer, low, high in _holes(part, tolerance):
+        z0, z1 = layer.z0, layer.z1
+        if part.crossed is not None:
+            bottom, top = _span(part.crossed, (low.real + high.real) / 2, tolerance)
+            z0, z1 = max(z0, bottom), min(z1, top)
+        ends = (low.imag, high.imag) if axis else (low.real, high.real)
+        spans.setdefault((round(ends[0], 6), round(ends[1], 6)), []).append((z0, z1))
+    return [(*ends, a, b) for ends, each in spans.items() for a, b in _joined(each)]
+
+
+def _holes(part: Part, tolerance: float) -> Iterator[tuple[Layer, complex, complex]]:
+    """Every hole of every layer: the layer, and the corners of its box."""
+    for layer in part.layers:
+        for hole in layer.region.holes:
+            low, high = extent([fit_arcs(hole, tolerance)])
+            yield layer, low, high
+
+
+def _across(part: Part, tolerance: float) -> list[tuple[complex, complex]]:
+    """Corners of the boxes of bores along y: x + iz."""
+    return [extent([fit_arcs(hole, tolerance)]) for hole in part.crossed.holes] if part.crossed is not None else []
+
+
+def _joined(spans: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Spans in order, those that meet as one."""
+    found: list[tuple[float, float]] = []
+    for low, high in sorted(set(spans)):
+        if found and low <= found[-1][1] + SAME_POINT:
+            found[-1] = (found[-1][0], max(high, found[-1][1]))
+        else:
+            found.append((low, high))
+    return found
+
+
+# ---- section ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Section:
+    """A cut along the line y: what of the material it meets, and the edges that are seen behind it, as x + iz, mm."""
+
+    y: float
+    faces: Any
+    beyond: Sequence[tuple[complex, complex]]
+
+
+def section(part: Part, tolerance: float) -> Section | None:
+    """The cut that meets the most holes in their middle; None of a part whose layers are alike, or all discs without holes."""
+    layers = part.layers
+    plain = not any(layer.region.holes for layer in layers) and all(as_circle(layer.region.outer) for layer in layers)
+    if part.crossed is not None or plain or len(layers) > _MOST or len({layer.region for layer in layers}) < 2:
+        return None
+    import shapely
+
+    low, high = extent([fit_arcs(layer.region.outer, tolerance) for layer in layers])
+    middles = [(a.imag + b.imag) / 2 for _, a, b in _holes(part, tolerance)]
+    datum = 0.0 if low.imag < 0 < high.imag else (low.imag + high.imag) / 2
+    y = max([datum, *middles], key=lambda y: (sum(abs(y - each) < SAME_POINT for each in middles), -abs(y - datum)))
+    line = shapely.LineString([(low.real - 1, y), (high.real + 1, y)])
+    shapes = {layer.region: area(layer.region, tolerance) for layer in (*layers, *part.engraved)}
+
+    def filled(layers: Sequence[Layer]) -> Any:
+        """What the plane meets of layers."""
+        met = [(layer, each.bounds) for layer in layers for each in shapely.get_parts(shapes[layer.region].intersection(line))]
+        return shapely.union_all([shapely.box(x0, layer.z0, x1, layer.z1) for layer, (x0, _, x1, _) in met if x1 > x0])
+
+    cut = filled(layers).difference(filled(part.engraved))
+    # behind it: the sides of each piece of a layer, and between two levels an edge where they differ
+    half = shapely.box(low.real - 1, low.imag - 1, high.real + 1, y)
+    heights = sorted({z for layer in layers for z in (layer.z0, layer.z1)})
+    stacked = [shapely.union_all([shapes[each.region] for each in layers if each.z0 <= z < each.z1]) for z in heights]
+    levels = [level.intersection(half) for level in stacked]
+    edges = []
+    for z, top, below, level in zip(heights, [*heights[1:], heights[-1]], [shapely.Polygon(), *levels], levels, strict=False):
+        steps = level.symmetric_difference(below).buffer(-2 * tolerance)
+        edges += [[(x, z), (x, top)] for piece in shapely.get_parts(level) if piece.area > 0 for x in piece.bounds[0::2]]
+        edges += [[(piece.bounds[0], z), (piece.bounds[2], z)] for piece in shapely.get_parts(steps) if piece.area > 0]
+    seen = shapely.union_all(shapely.linestrings(edges)).difference(cut.buffer(SAME_POINT))
+    lines = [shapely.get_coordinates(edge) @ np.array([1, 1j]) for edge in shapely.get_parts(shapely.line_merge(seen))]
+    return Section(y, cut.simplify(1e-9), [(complex(a), complex(b)) for z in lines for a, b in zip(z, z[1:], strict=False)])
+
+
+def hatching(faces: Any, step: float) -> list[tuple[complex, complex]]:
+    """Lines at 45 deg that fill the faces, so far apart."""
+    import shapely
+
+    x0, y0, x1, y1 = faces.bounds
+    starts = np.arange(x0 - (y1 - y0) + step / 2, x1, step * math.sqrt(2))
+    lines = shapely.linestrings([[(x, y0), (x + y1 - y0, y1)] for x in starts]) if len(starts) else []
+    pieces = [piece for line in lines for piece in shapely.get_parts(faces.intersection(line)) if piece.length > step / 10]
+    ends = [shapely.get_coordinates(piece) @ np.array([1, 1j]) for piece in pieces]
+    return [(complex(z[0]), complex(z[-1])) for z in ends]
+
+
+# ---- a cam's table ---------------------------------------------------------------------------------------------------
+
+
+def polar_table(contour: Contour, step_deg: float) -> list[tuple[float, float]]:
+    """Angle, deg from the x axis, and distance from the origin of a contour, mm; nothing where a ray meets it more than once."""
+    z = facet_contour(contour.counter_clockwise(), _FINE)
+    z = np.append(z, z[0])
+    angle = np.unwrap(np.angle(z))
+    if not (np.all(np.diff(angle) > 0) and math.isclose(angle[-1] - angle[0], math.tau)):
+        return []
+    degrees = np.arange(0, 360, step_deg)
+    along = np.radians(degrees)
+    k = np.searchsorted(angle, angle[0] + (along - angle[0]) % math.tau, side="right") - 1
+    k = np.minimum(k, len(z) - 2)
+    edge = z[k + 1] - z[k]
+    radius = (z[k].conj() * edge).imag / (np.exp(-1j * along) * edge).imag
+    return list(zip(degrees.tolist(), radius.tolist(), strict=True))

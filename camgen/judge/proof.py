@@ -1,0 +1,186 @@
+"""The proof: a machine closed on what was measured, at any angle, and what each joint's play and shift do to its outputs.
+
+Newton's method closes all measured joints at once, from where the joints as meant put the bodies; the same Jacobian tells
+how far a displacement in each joint moves each output. It knows nothing of loops and dyads, and not what made a curve.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.judge.cams import judged_angles
+from camgen.judge.joints import Closable, Rolled
+from camgen.machine.closing import Closed, close
+from camgen.machine.constraints import Constraints
+from camgen.machine.model import Cam, Law, Machine
+from camgen.numerics import Floats
+
+_KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
+_CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
+
+
+@dataclass(frozen=True)
+class Moved:
+    """One output at n angles, in its own unit: value (complex for a path) and slope to theta, (n,), nan where the machine does
+    not close; reach: by joint, how far a displacement of 1 mm in it can move the output, (n,); play: the same by what all
+    joints' clearances give either way, worst case, first order."""
+
+    value: Any
+    slope: Any
+    reach: Mapping[str, Floats]
+    play: Floats
+
+
+Laws = tuple[tuple[str, Law], ...]  # of cams by name, in place of those of the machine: what undercut outlines give
+
+
+class _Meant:
+    """The machine with its joints where they are meant, from which all others start."""
+
+    def __init__(self, machine: Machine, low: float, high: float) -> None:
+        self.system = Constraints(machine)
+        self._known = close(self.system, np.linspace(low, high, _KNOWN))
+        self._systems: dict[Laws, Constraints] = {(): self.system}
+        self._seen: dict[tuple[str, bytes, Laws], tuple[Any, Any]] = {}
+
+    def near(self, theta: Floats) -> Floats:
+        """Poses from those at the nearest known angle, (n, 3 bodies)."""
+        known = self._known
+        k = np.rint(np.interp(theta, known.theta, np.arange(len(known.theta)))).astype(int)
+        h = (theta - known.theta[k])[:, None]
+        return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
+
+    def when(self, body: str, angles: Floats) -> Floats:
+        """Where between the first and the last angle a body that turns one way alone stands at angles, (n,) rad of any turn."""
+        at = np.asarray(self.system.angle(body, self._known.q) + np.zeros(_KNOWN))
+        sense = np.sign(at[-1] - at[0])
+        if not np.all(sense * np.diff(at) > 0):
+            return np.empty(0)
+        low, high = min(at[0], at[-1]), max(at[0], at[-1])
+        turns = np.arange(math.floor(low / math.tau) - 1, math.ceil(high / math.tau) + 1)
+        every = np.ravel(angles[:, None] + math.tau * turns)
+        every = every[(low <= every) & (every <= high)]
+        return np.asarray(np.interp(sense * every, sense * at, self._known.theta))
+
+    def outcome(self, output: str, theta: Floats, laws: Laws = ()) -> tuple[Any, Any]:
+        """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
+        key = (output, theta.tobytes(), laws)
+        if key in self._seen:
+            return self._seen[key]
+        if laws not in self._systems:
+            self._systems[laws] = Constraints(with_laws(self.system.machine, laws))
+        system = self._systems[laws]
+        parts = [_outcome(system, output, close(system, part, self.near(part), 1)) for part in _parts(system, theta)]
+        found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+        if len(theta) > _KNOWN:
+            self._seen[key] = found
+        return found
+
+
+# A machine is the same object for all kinds of its files.
+_meant = lru_cache(maxsize=1)(_Meant)
+
+
+class Proof:
+    """A machine on its measured joints, ready at any angle; laws: what its exact outlines give, where that is not meant."""
+
+    def __init__(self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()) -> None:
+        self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
+        self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
+        self._radii = measured.radii
+        self.plays |= {name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()}
+        for name, (drive, *others) in measured.outlines.items():
+            if others:
+                self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
+        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), Constraints(measured.machine)
+        self._seen: dict[bytes, Mapping[str, Moved]] = {}
+
+    def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """The output and its slope by the joints as they are meant, (n,)."""
+        return self._meant.outcome(output, theta)
+
+    def reachable(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """The same less what the spec itself undercuts."""
+        return self._meant.outcome(output, theta, self._laws)
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Angles beside those at which a follower goes from one element of its outline to the next, (n,) rad."""
+        cams = [(joint, joint.law) for joint in self.machine.joints if isinstance(joint, Cam)]
+        found = [self._meant.when(joint.cam, law.contact.changes + joint.phase) for joint, law in cams if isinstance(law, Rolled)]
+        return np.concatenate([np.empty(0), *found])
+
+    def moved(self, output: str, theta: Floats) -> Moved:
+        """The output by the joints as they are, (n,)."""
+        key = theta.tobytes()
+        if key not in self._seen:
+            parts = [self._at(part) for part in _parts(self._system, theta)]
+            if len(self._seen) > 3:
+                del self._seen[next(reversed(self._seen))]  # the judged angles, which came first, stay
+            self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
+        return self._seen[key][output]
+
+    def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
+        """Its value and slope alone, (n,)."""
+        if theta.tobytes() in self._seen:
+            moved = self._seen[theta.tobytes()][output]
+            return moved.value, moved.slope
+        return _outcome(self._system, output, close(self._system, theta, self._meant.near(theta), 1))[:2]
+
+    def _at(self, theta: Floats) -> Mapping[str, Moved]:
+        """All outputs by the joints as they are, (n,)."""
+        closed = close(self._system, theta, self._meant.near(theta), 1)
+        poses = np.where(np.isnan(closed.q), 0.0, closed.q)
+        levers: dict[str, Any] = dict(self._radii)
+        levers |= {
+            joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
+            for joint in self.machine.joints
+            if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
+        }
+        found = {}
+        every = self._system.shares([output.name for output in self.machine.outputs], poses, theta)
+        for output, shares in zip(self.machine.outputs, every, strict=True):
+            value, slope, lost = _outcome(self._system, output.name, closed)
+            reach, play = {}, np.zeros(len(theta))
+            for joint in self.machine.joints:
+                share = np.where(lost, np.nan, shares[joint.name])
+                play = play + share * max(self.plays[joint.name], 0.0) / 2
+                if joint.name in levers or joint.name in self.fits:
+                    reach[joint.name] = share / levers.get(joint.name, 1.0)
+            found[output.name] = Moved(value, slope, reach, play)
+        return found
+
+
+def with_laws(machine: Machine, laws: Laws) -> Machine:
+    """The machine with other laws of its cams."""
+    new = dict(laws)
+    joints = (replace(joint, law=new.get(joint.name, joint.law)) if isinstance(joint, Cam) else joint for joint in machine.joints)
+    return replace(machine, joints=tuple(joints))
+
+
+def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
+    """So few angles at a time that their matrices stay small."""
+    return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
+
+
+def _joined(parts: Sequence[Moved]) -> Moved:
+    """The same at all angles."""
+    reach = {name: np.concatenate([part.reach[name] for part in parts]) for name in parts[0].reach}
+    value, slope, play = (np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play"))
+    return Moved(value, slope, reach, play)
+
+
+def _outcome(system: Constraints, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
+    """An output, its slope to theta, and where it is lost, (n,)."""
+    value, gradient = system.output(output, closed.q)
+    slopes = np.einsum("nkc,nc->nk", gradient, closed.first)
+    slope = slopes[:, 0] + 1j * slopes[:, 1] if slopes.shape[1] > 1 else slopes[:, 0]
+    lost = np.asarray(np.isnan(closed.q).any(axis=1))
+    return np.where(lost, np.nan, value), np.where(lost, np.nan, slope), lost

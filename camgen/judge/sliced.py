@@ -1,0 +1,225 @@
+"""G-code of a plate, judged: each part on it found, and what is laid of it, layer by layer, in the part's own frame.
+
+    body      walls that lie over each other: one part, of one piece or of several
+    known     a solid as it was sent to the printer, on the side on which it lies
+    copy      a body that is known: where it lies, and its layers
+
+A body is known by its height, its area and its outlines half way up, laid on each other as rigid bodies are.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.geometry.mesh import Mesh, components, slice_mesh
+from camgen.geometry.registration import Laid, dense, deviation, lay
+from camgen.geometry.rings import Floats, Points, Ring, Shape
+from camgen.judge.round_trip import pieces_of
+
+if TYPE_CHECKING:
+    from camgen.files.gcode import Wall
+
+_COARSE = 0.1  # mm, to which walls are taken where only their place counts
+_STEP = 0.2  # mm, between points of edges that are laid on each other
+_FEW, _MANY = 150, 3000  # points that are laid on others: to find the turn, and to measure it
+_STARTS = 24  # turns from which outlines are laid on each other where the plate's own do not serve
+_ALIKE = 0.15  # mm rms: a body that lies so near to a solid is its print
+_NO_OTHER = 0.6  # mm rms: what is farther off is another part
+_AREA = 0.1  # share by which the area of a layer may differ
+_FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
+_CHORDS = 1e-4  # mm, of outlines that are joined
+_SLIVER = 1e-4  # mm^2, what facets leave of a hole
+
+
+@dataclass(frozen=True)
+class Known:
+    """A part's solid in its own frame as it was sent, the rotation (3, 3) that lays it on the bed, and the turns about the
+    vertical, rad, in which its copies lie on the folder's own plates."""
+
+    part: str
+    solid: Mesh
+    turn: Floats
+    turns: tuple[float, ...] = ()
+
+    @property
+    def over(self) -> bool | None:
+        """Whether it lies turned over; None where it lies on a side."""
+        up = float(self.turn[2, 2])
+        return None if abs(abs(up) - 1) > _FLAT else up < 0
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What is laid between two heights over the bed, mm: walls, and whether each is that of a hole."""
+
+    low: float
+    top: float
+    walls: tuple[Wall, ...]
+    holes: tuple[bool, ...]
+
+    @property
+    def middle(self) -> float:
+        """The height at which slicers cut a solid for it, mm over the bed."""
+        return (self.low + self.top) / 2
+
+    def edges(self, further: tuple[float, float] = (0.0, 0.0)) -> list[Ring]:
+        """Edges of what is laid; further: how much outwards of an outline and inwards of a hole, mm."""
+        pairs = zip(self.walls, self.holes, strict=True)
+        return [edge for wall, hole in pairs if (edge := wall.edge(hole, further[hole])) is not None]
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A body that is the print of a part: bed = exp(i turn) * lying + place; off: rms mm of its outline half way up."""
+
+    known: Known
+    laid: Laid
+    layers: tuple[Layer, ...]
+
+    def inside(self, ring: Ring, shrinkage: float = 0.0) -> Ring:
+        """A ring of the bed in the part's own frame; shrinkage: share by which it still shrinks about the part's origin."""
+        turn = cmath.exp(-1j * self.laid.turn)
+        lying = ring.moved(turn, -turn * self.laid.shift)
+        return lying.moved(-1 if self.known.over else 1, mirror=bool(self.known.over)).moved(1 - shrinkage)
+
+    def height(self, layer: Layer) -> float:
+        """The middle of a layer in the part's own frame, mm."""
+        z = self.known.solid.vertices[:, 2]
+        return float(z.max() - layer.middle if self.known.over else z.min() + layer.middle)
+
+
+def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
+    """The bodies that walls make, each with its layers from below."""
+    import shapely
+
+    flat = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (wall.ring.facetted(_COARSE) for wall in walls)]
+    tree = shapely.STRtree(flat)
+    a, b = tree.query(flat, predicate="intersects")
+    label = components(len(flat), a, b)
+    tops = sorted({round(wall.z, 4) for wall in walls})
+    lows = dict(zip(tops, [0.0, *tops], strict=False))
+    found = []
+    for one in np.unique(label):
+        members = np.flatnonzero(label == one).tolist()
+        layers = []
+        for top in sorted({round(walls[k].z, 4) for k in members}):
+            here = [k for k in members if round(walls[k].z, 4) == top]
+            within = [sum(flat[j].area > flat[k].area and flat[j].contains(flat[k]) for j in here) % 2 == 1 for k in here]
+            layers.append(Layer(lows[top], top, tuple(walls[k] for k in here), tuple(within)))
+        found.append(tuple(layers))
+    return found
+
+
+def copy_of(layers: Sequence[Layer], known: Sequence[Known]) -> Copy | None:
+    """The part of which a body is the print; None where it is like none of them."""
+    best: Copy | None = None
+    middle = layers[len(layers) // 2]
+    own = [dense(ring.points, _STEP) for ring in middle.edges()]
+    if not own:
+        return None
+    thick, area = max(layer.top - layer.low for layer in layers), _net(own)
+    centre = _centre(own)
+    for each in known:
+        lying = Mesh(each.solid.vertices @ each.turn.T, each.solid.faces)
+        low, high = float(lying.vertices[:, 2].min()), float(lying.vertices[:, 2].max())
+        if abs(high - low - layers[-1].top) > thick:
+            continue
+        cut = [dense(ring.points, _STEP) for ring in slice_mesh(lying, low + middle.middle)]
+        if not cut or abs(_net(cut) - area) > _AREA * area:
+            continue
+        laid = _laid(cut, own, centre, each.turns, math.inf if best is None else best.laid.off)
+        if laid.off < (math.inf if best is None else best.laid.off):
+            best = Copy(each, laid, tuple(layers))
+    return best if best is not None and best.laid.off <= _NO_OTHER else None
+
+
+def _laid(cut: Sequence[Points], own: Sequence[Points], centre: complex, turns: Sequence[float], to_beat: float) -> Laid:
+    """How the section of a solid lies on the edges of a body, seen from the frame of the solid and of the bed."""
+    from scipy.spatial import cKDTree
+
+    middle = _centre(cut)
+    seen = [z - centre for z in own]
+    all_seen, all_cut = np.concatenate(seen), np.concatenate(cut) - middle
+    tree = cKDTree(np.column_stack([all_seen.real, all_seen.imag]))
+
+    def off(laid: Laid) -> float:
+        at = cmath.exp(1j * laid.turn) * all_cut + laid.shift
+        there = tree.query(np.column_stack([at.real, at.imag]))[0]
+        back = cKDTree(np.column_stack([at.real, at.imag])).query(np.column_stack([all_seen.real, all_seen.imag]))[0]
+        return float(np.sqrt(max(np.mean(there**2), np.mean(back**2))))
+
+    def from_start(start: float, most: int) -> Laid:
+        some = [z[:: max(1, sum(map(len, cut)) // most)] - middle for z in cut]
+        found = lay(some, [seen], start=start)[1][0]
+        return Laid(found.turn, found.shift, off(found))
+
+    best = Laid(0.0, 0j, math.inf)
+    even = np.linspace(0, math.tau, _STARTS, endpoint=False).tolist()
+    for start in (*turns, *even):
+        if best.off <= _ALIKE:
+            break
+        best = min(best, from_start(start, _FEW), key=lambda laid: laid.off)
+    if best.off < min(to_beat, _NO_OTHER):
+        best = min(best, from_start(best.turn, _MANY), key=lambda laid: laid.off)
+    return Laid(best.turn, best.shift + centre - cmath.exp(1j * best.turn) * middle, best.off)
+
+
+def _net(edges: Sequence[Points]) -> float:
+    """Area of the largest outlines less their holes, mm^2."""
+    shapes = pieces_of([Ring(z, np.zeros(len(z))) for z in edges])
+    return sum(shape.area for shape in shapes)
+
+
+def _centre(edges: Sequence[Points]) -> complex:
+    """Centre of the largest outline, mm."""
+    largest = max((Ring(z, np.zeros(len(z))) for z in edges), key=lambda ring: abs(ring.area))
+    return largest.centroid
+
+
+def shapes_of(copy: Copy, layer: Layer, hole: float = 0.0, profile: float = 0.0, shrinkage: float = 0.0) -> tuple[Shape, ...]:
+    """A layer's pieces in the part's frame, as they print: shrunk about its origin, holes smaller by `hole` and outlines larger
+    by `profile`, mm. ValueError where nothing is left.
+    """
+    further = (profile / (1 - shrinkage), hole / (1 - shrinkage))
+    return pieces_of([copy.inside(edge, shrinkage) for edge in layer.edges(further)])
+
+
+def envelope(layers: Sequence[Sequence[Shape]]) -> tuple[Shape, ...]:
+    """What several layers of one outline fill together: a wide follower, or a pin, feels no other one."""
+    import shapely
+
+    def polygon(shape: Shape) -> shapely.Polygon:
+        rings = [ring.facetted(_CHORDS) for ring in (shape.outer, *shape.holes)]
+        outer, *holes = (np.column_stack([z.real, z.imag]) for z in rings)
+        return shapely.Polygon(outer, holes)
+
+    whole = shapely.union_all([polygon(shape) for shapes in layers for shape in shapes])
+    rings = [
+        Ring(z, np.zeros(len(z)))
+        for piece in shapely.get_parts(whole) for ring in (piece.exterior, *piece.interiors)
+        if len(z := shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])) and abs(shapely.Polygon(ring).area) > _SLIVER
+    ]  # fmt: skip
+    return pieces_of(rings)
+
+
+def outwards(shapes: Sequence[Shape], meant: Sequence[Shape]) -> tuple[Floats, Floats]:
+    """How far points on outlines and on the edges of holes lie out of the material that is meant, (n,) and (m,) mm."""
+    found = []
+    for side, rings, wanted in (
+        (1, [s.outer for s in shapes], [s.outer for s in meant]),
+        (-1, [hole for s in shapes for hole in s.holes], [hole for s in meant for hole in s.holes]),
+    ):
+        off = [np.zeros(0)]
+        for ring in rings:
+            known = min(wanted, key=lambda one: abs(one.centroid - ring.centroid) + abs(one.length - ring.length), default=None)
+            if known is not None:
+                z = known.counter_clockwise().facetted(_CHORDS)
+                off.append(side * deviation(dense(ring.facetted(_CHORDS), _STEP), dense(z, _STEP / 4)))
+        found.append(np.concatenate(off))
+    return found[0], found[1]

@@ -1,0 +1,1 @@
+"""A calibration coupon: printed once and measured, it says what [print] has to be."""

@@ -1,0 +1,255 @@
+"""What meets what in a linkage of parts: pivots, shafts and what rides on them, wheels, springs, pens.
+
+    pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
+    shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
+    rider    what sits on a pin or shaft beside the links: rollers, wheels
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour
+from camgen.machine import model as m
+from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.tables import Gear
+from camgen.machines.linkage.webs import parted, throws, webs
+from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
+from camgen.parts.catalogue import Bearing
+from camgen.parts.part import Layer
+from camgen.spec import Print
+
+GROUND = m.GROUND
+
+
+@dataclass(frozen=True)
+class Stretched:
+    """A spring between a body's point and another's, body and point each; diameter: outside, mm. Pins hold its eyes."""
+
+    a: tuple[str, str]
+    b: tuple[str, str]
+    diameter: float
+
+
+@dataclass(frozen=True)
+class Second:
+    """The plate over all links. cuts: by the point of each pin and shaft of the ground that is two stubs, the highest level of
+    the one on the lower plate, 0 where all hangs from this one; columns: places of the posts; highest: level that is taken."""
+
+    cuts: Mapping[str, int]
+    columns: tuple[complex, ...]
+    highest: int
+
+
+@dataclass(frozen=True)
+class Sleeve:
+    """What joins the upper end of the shaft to another one over it: diameter and flat of that, how far its flat is turned from
+    this one's, rad, and how far the sleeve reaches up on it, mm."""
+
+    diameter: float
+    flat: float
+    turn: float
+    up: float
+
+
+@dataclass(frozen=True)
+class Merged:
+    """Another machine on the second plate, as the plate takes it: discs of its frame's outline, its holes, what stands on it
+    (heights over the plate's upper side) and how far the shaft reaches over that side, mm; places on the ground."""
+
+    discs: tuple[tuple[complex, float], ...]
+    holes: tuple[Contour, ...]
+    above: tuple[Layer, ...]
+    shaft: float
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Another machine's frame that stands on the second plate: posts under its screw holes, up to a height, mm."""
+
+    name: str
+    places: tuple[complex, ...]
+    high: float
+    sleeve: Sleeve | None = None
+    merged: Merged | None = None
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A machine and the sizes of its parts.
+
+    drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
+    strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
+    slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
+    the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
+    link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
+    on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
+    second: the plate over all, once levels are found; weights: counterweights on shafts;
+    stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm.
+    """
+
+    drawn: m.Machine
+    driven: str
+    sizes: Parts
+    fits: Print
+    min_wall: float
+    given: Mapping[str, int]
+    strokes: Mapping[str, tuple[float, float]]
+    cams: Mapping[str, Ridden] = field(default_factory=dict)
+    gears: Mapping[str, Gear] = field(default_factory=dict)
+    stems: Mapping[str, str] = field(default_factory=dict)
+    sunk: bool = False
+    springs: Mapping[str, Stretched] = field(default_factory=dict)
+    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
+    marks: Mapping[str, complex] = field(default_factory=dict)
+    carried: Mapping[str, str] = field(default_factory=dict)
+    feet: Sequence[tuple[complex, float]] = ()
+    hangs: bool = False
+    second: Second | None = None
+    weights: Sequence[Wheel] = ()
+    stands: tuple[Stand, ...] = ()
+    kept: tuple[tuple[complex, float], ...] = ()
+
+    # ---- joints -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def machine(self) -> m.Machine:
+        """The machine with all its points."""
+        return with_seconds(self.drawn, self.cams)
+
+    @cached_property
+    def webs(self) -> dict[str, tuple[str, ...]]:
+        """Points of each web of the interrupted shaft, from below, by its name; nothing where the shaft goes through."""
+        if self.sizes.shaft != "interrupted":
+            return {}
+        links = {body.name: tuple(body.points) for body in self.machine.bodies}
+        shaft = next(point for point in links[self.driven] if point in links[GROUND])
+        return webs(self.driven, shaft, throws(links, self.driven, list(self.slots)), self.sizes.plates > 1)
+
+    @cached_property
+    def bodies(self) -> dict[str, m.Body]:
+        """Of the machine by their names, the driven link as its webs, each in that link's axes."""
+        return {body.name: body for body in parted(self.machine.bodies, self.driven, self.webs)}
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of those that move."""
+        return [name for name in self.bodies if name != GROUND]
+
+    def carrier(self, link: str) -> str:
+        """The body of the model that a web is of; any other link is one itself."""
+        return self.driven if link in self.webs else link
+
+    def web_at(self, body: str, point: str) -> str:
+        """The lowest web with a point, of the driven link where it has webs; any other link is itself."""
+        return next((web for web, held in self.webs.items() if point in held), body) if body == self.driven else body
+
+    @property
+    def upper_web(self) -> str:
+        """The last web, which turns in the second plate."""
+        return [*self.webs, self.driven][max(0, len(self.webs) - 1)]
+
+    @cached_property
+    def slides(self) -> dict[str, m.Slide]:
+        """The slide of each link that slides."""
+        return {joint.runner.body: joint for joint in self.machine.joints if isinstance(joint, m.Slide)}
+
+    @cached_property
+    def slots(self) -> dict[str, m.Slot]:
+        """The slot that a point's pin runs in, by the point's name."""
+        found: dict[str, m.Slot] = {}
+        for joint in (joint for joint in self.machine.joints if isinstance(joint, m.Slot)):
+            points = self.machine.body(joint.runner.body).points
+            found[next(name for name, z in points.items() if z == joint.runner.at)] = joint
+        if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
+            raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own")
+        return found
+
+    @cached_property
+    def tips(self) -> list[Tip]:
+        """What runs on each cam."""
+        return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
+
+    @cached_property
+    def toothed(self) -> list[Toothed]:
+        """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
+        return toothed(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
+
+    @cached_property
+    def wheels(self) -> list[Wheel]:
+        """Cam discs, gears' wheels, counterweights."""
+        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
+
+    @cached_property
+    def pivots(self) -> dict[str, tuple[str, ...]]:
+        """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
+        bodies, slots = self.bodies.values(), self.slots
+        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked | set(self.carried)
+        carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
+        return {
+            name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
+            for name, links in carriers.items() if len(links) > 1 or name in slots or name in ridden
+        }  # fmt: skip
+
+    @cached_property
+    def hooked(self) -> set[str]:
+        """Points on whose pin a spring's eye sits."""
+        return {point for each in self.springs.values() for _, point in (each.a, each.b)}
+
+    @cached_property
+    def alone(self) -> dict[str, str]:
+        """Links that are no more than a wheel on their shaft, and the level of that wheel."""
+        carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
+        shaped = (link for link in carried if self.sizes.shape(link).hub_diameter)
+        more = {link for link in carried if len(self.bodies[link].points) > 1}.union(shaped)
+        return {link: level for link, level in carried.items() if link not in more}
+
+    @cached_property
+    def shafts(self) -> dict[str, str]:
+        """The link that is fixed on the shaft at a point: the driven one's first."""
+        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels)])
+        found = {
+            next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
+        }
+        return {**found, **self.carried}
+
+    @cached_property
+    def riders(self) -> dict[str, list[str]]:
+        """Levels of what sits on a pin or shaft beside the links, by the point's name."""
+        found: dict[str, list[str]] = {}
+        for tip in (tip for tip in self.tips if tip.rolls):
+            found.setdefault(tip.point, []).append(tip.level)
+        for wheel in self.wheels:
+            found.setdefault(self.shaft_of(wheel.link), []).append(wheel.level)
+        for name, each in self.springs.items():
+            for _, point in (each.a, each.b):
+                found.setdefault(point, []).append(name)
+        return found
+
+    def shaft_of(self, link: str) -> str:
+        """The point of a link's shaft."""
+        on = self.freewheels[link][0] if link in self.freewheels else link
+        return next(point for point, held in self.shafts.items() if held == on)
+
+    def clutch(self, point: str) -> Bearing | None:
+        """The one-way clutches in which a shaft turns."""
+        return next((each for on, each in self.freewheels.values() if self.shafts.get(point) == on), None)
+
+    @cached_property
+    def pens(self) -> dict[str, str]:
+        """The link of each point that is an output and no pin."""
+        found = {}
+        for output in self.machine.outputs:
+            if isinstance(output.of, m.Path) and self.sizes.pen_diameter and output.of.of.body != GROUND:
+                body = self.machine.body(output.of.of.body)
+                name = next(name for name, z in body.points.items() if z == output.of.of.at)
+                if name not in self.pivots:
+                    found[name] = body.name
+        return found
+
+    def on_motor(self, point: str, link: str) -> bool:
+        """Whether a hole is the plate's for the motor's boss."""
+        return self.sizes.face is not None and link == GROUND and self.shafts.get(point) == self.driven

@@ -1,0 +1,234 @@
+"""The ground as parts: the plate under level 1, and where asked for a second one over all levels, on posts.
+
+    plate      hubs round its pivots, holes for two screws from behind, rails
+    post       at a place that nothing sweeps; a screw from either side, heads sunk into the plates, cuts its thread in it
+    second     hubs round what it holds: far ends of pins and shafts, pins that hang from it
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise, product
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour, circle
+from camgen.machine.features import Mount
+from camgen.machines.linkage.joined import Sleeve
+from camgen.machines.linkage.layout import GROUND, Layout
+from camgen.machines.linkage.sizes import SUNK, Parts
+from camgen.machines.linkage.troughs import rails
+from camgen.parts.catalogue import Bought
+from camgen.parts.hardware import plate, spacer
+from camgen.parts.levels import Axis, Band, Wall, distance, ways
+from camgen.parts.part import Layer, Part, d_bore, hull
+
+SECOND = "second-plate"
+HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
+_STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points
+_EVERY = 8  # samples of the motion: posts need no finer ones
+_LEAST = 2.0  # posts' diameters between two of them
+
+
+def post_radius(sizes: Parts) -> float:
+    """Of a post, mm."""
+    return sizes.mount_diameter / 2 + sizes.wall + sizes.head
+
+
+def columns(
+    things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float,
+    kept: Sequence[tuple[complex, float]] = (),
+) -> tuple[complex, ...]:  # fmt: skip
+    """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
+    round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet. DesignError where there are
+    none."""
+    low = complex(min(z.real for z in corners), min(z.imag for z in corners))
+    high = complex(max(z.real for z in corners), max(z.imag for z in corners))
+    middle, half = (low + high) / 2, (high - low) / 2
+    x, y = (_STEP * np.arange(-k, k + 1) for k in (int((part + _BEYOND) // _STEP) for part in (half.real, half.imag)))
+    places = (middle + x[:, None] + 1j * y[None, :]).ravel()
+    free = np.ones(len(places), bool)
+    for z, keeps in kept:
+        free &= np.abs(places - z) > radius + keeps + gap
+    for thing in things:
+        course = (thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY]
+        needed = thing.radius + radius + gap + ways(course)
+        left, n = np.flatnonzero(free), course.shape[1]
+        apart = distance(np.tile(course, len(left)), np.repeat(places[left], n)[None])
+        free[left] = np.all(apart.reshape(-1, n) >= needed, axis=1)
+    found: list[complex] = []
+    for sx, sy in product((-1, 1), (-1, 1)):
+        corner = complex(high.real if sx > 0 else low.real, high.imag if sy > 0 else low.imag)
+        off = places - middle
+        there = free & (off.real * sx >= 0) & (off.imag * sy >= 0)
+        there &= np.all([np.abs(places - other) > 2 * _LEAST * radius for other in found] or [there], axis=0)
+        if not there.any():
+            raise DesignError(
+                "places for the posts of the second plate", len(found), 4, "", f"within {_BEYOND:g} mm of the ground's points",
+                "leave parts.plates = 2 out, or draw the ground's points further apart",
+            )  # fmt: skip
+        near = np.where(there, np.abs(places - corner), np.inf)
+        found.append(complex(places[int(np.argmin(near))]))
+    return tuple(found)
+
+
+def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str]) -> Part:
+    """The plate under level 1; collar: radius of those of shafts, mm."""
+    s = layout.sizes
+    points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots}
+    holes = {f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()}
+    hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
+    hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
+    radius, under = s.mount_diameter / 2, collar + s.mount_diameter  # a screw's head beside the collar
+    face, motor = s.face, points[layout.shaft_of(layout.driven)]
+    beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
+    pockets = {}
+    if face is not None:
+        beside.append((motor, math.sqrt(2) * face.half + s.mount_diameter))
+        wide = (face.screw.head + HEAD_ROOM) / 2
+        hubs += [(motor + z, wide + s.wall) for z in face.screws]
+        holes |= {f"motor screw {k}": circle(motor + z, face.screw.clearance / 2) for k, z in enumerate(face.screws, 1)}
+        pockets = {f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)}
+    if s.hand_crank:  # screws lie beside its way
+        beside.append((motor, s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
+    beside += [(z, wide / 2 + s.mount_diameter) for z, wide in layout.feet]
+    posts, through, sunk = _posts(layout)
+    hubs += posts
+    holes |= through
+    pairs = [(a, b) for a in [*beside, *posts] for b in [*beside, *posts]]
+    a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
+    way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
+    screws = [] if layout.hangs else [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
+    holes |= {f"screw {k}": circle(z, radius) for k, z in enumerate(screws, 1)}
+    holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
+    hubs += [(z, wide / 2 + s.wall) for z, wide in layout.feet]
+    outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
+    floor, whole = s.base_thickness, plate("ground plate", outer, holes, layout.min_wall)
+    heads = 0.0 if not sunk else _depth(s)
+    layers = [Layer(plate("ground plate", outer, holes | sunk, layout.min_wall), 0.0, heads)] if sunk else []
+    layers.append(Layer(whole, heads, floor))
+    if pockets:
+        low, region = floor - s.pocket, plate("ground plate", outer, holes | pockets, layout.min_wall)
+        layers = [*layers[:-1], Layer(whole, heads, low), Layer(region, low, floor)]
+    return Part(
+        name, "Ground plate", (*layers, *rails(layout, GROUND, floor)),
+        centres=(*points.values(), *screws, *(z for z, _ in layout.feet)), min_wall=layout.min_wall, cut=int(bool(sunk)),
+        notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes), points=tuple(points.items()),
+    )  # fmt: skip
+
+
+def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
+    """The second plate and its posts; nothing where none is asked for."""
+    s, floor = layout.sizes, layout.sizes.base_thickness
+    if layout.second is None:
+        return
+    points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
+    holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
+    posts, through, sunk = _posts(layout)
+    hubs: list[tuple[complex, float]] = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
+    more, under, below = _screwed(layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand")
+    for stand in (stand for stand in layout.stands if stand.merged is not None):
+        assert stand.merged is not None
+        more += stand.merged.discs
+        through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
+    outer, ceiling, depth = hull([*hubs, *more]), layout.ceiling, _depth(s)
+    holes |= through | under
+    heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
+    if not below:
+        heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
+    layers = tuple(Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends) for *ends, heads in heights)
+    raised = (layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above)
+    layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
+    hanging = [point for point in points if point not in layout.shafts and layout.cut(point) is not None]
+    notes = [f"pressed in here, heads down: {', '.join(hanging)}"] if hanging else []
+    part = Part(
+        SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
+        notes=(f"screwed on {len(posts)} posts, over all", *notes), points=tuple(points.items()),
+    )  # fmt: skip
+    yield part, Mount(SECOND, GROUND, z=ceiling)
+    post = spacer("post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall)
+    yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
+    for stand in layout.stands:
+        if stand.merged is not None:
+            continue
+        name, foot = f"post-{stand.name}", ceiling + floor
+        post = spacer(name, f"Post of {stand.name}", s.mount_diameter, 2 * post_radius(s), stand.high - foot, layout.min_wall)
+        yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
+        if stand.sleeve is not None:
+            yield _sleeve(layout, stand.name, stand.sleeve)
+
+
+def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
+    """What joins the shaft that drives to another machine's over it."""
+    s, press, (low, middle) = layout.sizes, layout.fits.press_clearance, layout.line
+    rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
+    bores = d_bore(s.shaft_diameter + press, s.shaft_flat), d_bore(sleeve.diameter + press, sleeve.flat)
+    own, other = (plate("sleeve", rim, {"bore": bore.moved(turn)}, layout.min_wall)
+                  for bore, turn in zip(bores, (1, cmath.exp(1j * sleeve.turn)), strict=True))  # fmt: skip
+    long = middle - low
+    part = Part(
+        f"sleeve-{name}", f"Sleeve between the shafts of this machine and {name}",
+        (Layer(own, 0.0, long), Layer(other, long, long + sleeve.up)), centres=(0j,), min_wall=layout.min_wall,
+        notes=("pressed and glued on both shafts; its flats keep their phase",),
+    )  # fmt: skip
+    at = layout.at(layout.driven, layout.shaft_of(layout.driven))
+    return part, Mount(part.name, layout.driven, at, z=low)
+
+
+def bought(layout: Layout) -> list[Bought]:
+    """Screws of the posts."""
+    held, grip = layout.sizes.post_screw, layout.sizes.base_thickness - _depth(layout.sizes)
+    if layout.second is None or held is None:
+        return []
+    length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
+    size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
+    stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)
+    screws = Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns) + stands)
+    stud = Bought("stud of a post, half of it in the frame on it", "ISO 4026", f"{held.thread} x 8", stands)
+    return [screws, stud] if stands else [screws]
+
+
+def steps(layout: Layout) -> list[str]:
+    """In which order what the second plate and an interrupted shaft ask for goes together."""
+    found = []
+    for (low, held), (high, _) in pairwise(layout.webs.items()):
+        between = sorted((link for link in layout.pivots[held[1]] if link not in layout.webs), key=layout.level.__getitem__)
+        found.append(f"pin {held[1]} into {low}, {', '.join(between)} on it, {high} on its upper flat")
+    if layout.webs:
+        upper = [f"the short shaft into {layout.upper_web}"] if layout.second is not None else []
+        found = [f"The shaft is interrupted; from below, press and glue {'; '.join([*found, *upper])}."]
+    if layout.second is not None:
+        points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
+        hanging = [point for point in points if layout.cut(point) is not None and point not in layout.shafts]
+        first = f"First press its pins {', '.join(hanging)} through the links that turn on them. " if hanging else ""
+        found.append(f"The second plate goes on last: {first}Then lay it on the posts, so that {', '.join(points)} find their "
+                     "holes, and draw the screws tight crosswise.")  # fmt: skip
+    return found
+
+
+def _depth(sizes: Parts) -> float:
+    """Of the pockets for the heads of the posts' screws, mm."""
+    held = sizes.post_screw
+    assert held is not None, "the spec's faults have been looked for"
+    return held.height + SUNK
+
+
+def _posts(layout: Layout) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
+    """Hubs of the posts, their screws' holes in a plate, and the pockets for the heads."""
+    return _screwed(layout, () if layout.second is None else layout.second.columns, "post")
+
+
+def _screwed(
+    layout: Layout, places: Sequence[complex], name: str
+) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
+    """The same of any posts."""
+    held = layout.sizes.post_screw
+    if held is None:
+        return [], {}, {}
+    wide = (held.head + HEAD_ROOM) / 2
+    hubs = [(z, max(post_radius(layout.sizes), wide + layout.sizes.wall)) for z in places]
+    through = {f"{name} {k}": circle(z, held.clearance / 2) for k, z in enumerate(places, 1)}
+    return hubs, through, {f"{name} {k}": circle(z, wide) for k, z in enumerate(places, 1)}

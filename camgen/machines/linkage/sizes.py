@@ -1,0 +1,194 @@
+"""The sizes of a linkage's bodies, and of a machine's on which cams stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, ConfigDict, Field
+
+from camgen.errors import Fault
+from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
+from camgen.parts.set_screws import SetScrewHub
+from camgen.spec import Length, Record, unknown
+
+SUNK = 0.2  # mm, by which a screw's head lies below the surface
+
+Name = Annotated[
+    str,
+    Field(
+        pattern=r"^[A-Za-z][A-Za-z0-9_]*$",
+        max_length=40,
+        description="a name of letters, digits and _, a letter first",
+    ),
+]
+
+
+class Shape(Record):
+    """The body of one link, where it differs from the others."""
+
+    hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
+    width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
+    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] = Field(
+        0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
+    )
+    thickness: Length | None = Field(None, description="mm; that of all links unless given")
+
+
+PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
+
+
+class Parts(Record):
+    """Sizes of the bodies; a further table by a link's name is the shape of that link."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Shape] = Field(init=False)
+
+    make: Literal["printed", "laser"] = Field("printed", description="laser: of layers of the sheet of [laser], pins of steel")
+    thickness: Length = Field(4.0, description="mm, of a link")
+    pin: PinKind = Field(
+        "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
+    )
+    pins: dict[Name, PinKind] = Field({}, description="the same of one point")
+    pin_diameter: Length = Field(5.0, description="mm, of pins")
+    wall: Length = Field(2.0, description="mm, round each hole")
+    head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
+    base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
+    shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
+    shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft: Literal["through", "interrupted"] = Field(
+        "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
+    )
+    plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
+    shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
+    motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
+        "none", description="screwed under the plate, its own shaft drives"
+    )
+    set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
+        "none", description="of a collar at the upper end of a motor's shaft, so that nothing walks off it"
+    )
+    hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
+    )
+    rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
+    cover: bool = Field(True, description="whether a cover on its rails holds down what slides")
+    mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
+    pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
+    )
+
+    @property
+    def shapes(self) -> dict[str, Shape]:
+        """What is special to links, by their names."""
+        return self.__pydantic_extra__ or {}
+
+    def shape(self, link: str) -> Shape:
+        """What is special to a link."""
+        return self.shapes.get(link, Shape.model_validate({}))
+
+    @property
+    def of_sheet(self) -> bool:
+        """Whether all is cut of one sheet."""
+        return self.make == "laser"
+
+    @property
+    def thick_key(self) -> str:
+        """The key that says how thick links are."""
+        return "laser.thickness" if self.of_sheet else "parts.thickness"
+
+    @property
+    def shoulder(self) -> ShoulderScrew:
+        """The thinnest shoulder screw that is as thick as a pin."""
+        return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def post_screw(self) -> Screw | None:
+        """Of the posts of a second plate, whose core hole is that of the plate's other screws; None where no thread has it."""
+        return next((SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == self.mount_diameter), None)
+
+    @property
+    def least_crank(self) -> float:
+        """Shortest hand crank, mm: hubs of shaft and knob beside each other."""
+        return self.shaft_diameter / 2 + 2 * self.head + 2 * self.wall + self.pin_diameter
+
+    @property
+    def face(self) -> MotorFace | None:
+        """Of the motor under the plate."""
+        return MOTOR_FACES.get(self.motor)
+
+    def collar(self, press: float, min_wall: float) -> SetScrewHub | None:
+        """What holds on a motor's shaft; None where no set screw is asked for."""
+        if self.set_screw == "none":
+            return None
+        return SetScrewHub(self.set_screw, self.shaft_diameter + press, self.shaft_flat, min_wall, self.wall)
+
+    @property
+    def pocket(self) -> float:
+        """Depth of the pockets for the heads of its screws, mm."""
+        return 0.0 if self.face is None else self.face.screw.height + SUNK
+
+    def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
+        """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
+        known = [*type(self).model_fields, *links]
+        found = [unknown(f"parts.{name}", None, known) for name in self.shapes if name not in known]
+        least = f"at least the nozzle, {nozzle:g} mm"
+        for link in links:
+            thickness = self.shape(link).thickness
+            if thickness is not None and link == "ground":
+                right = "nothing here: the plate's is parts.base_thickness"
+                found.append(Fault("parts.ground.thickness", f"{thickness:g}", right))
+            elif thickness is not None and thickness < nozzle:
+                found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
+            width = self.shape(link).width
+            if width is not None and width < max(nozzle, min_wall):
+                thinnest = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
+                found.append(Fault(f"parts.{link}.width", f"{width:g}", thinnest))
+        kinds = {self.pin, *self.pins.values()}
+        if "dowel" in kinds and self.pin_diameter not in DOWELS:
+            right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
+            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
+            right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
+            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+        if self.set_screw != "none" and self.face is None:
+            said = "nothing here: parts.motor, on whose shaft its collar sits"
+            found.append(Fault("parts.set_screw", repr(self.set_screw), said))
+        if self.face is not None:
+            if self.shaft_diameter != self.face.shaft:
+                right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"
+                found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
+            if self.base_thickness < self.pocket + 2 * nozzle:
+                right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
+                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+            grip, screw = self.base_thickness - self.pocket, self.face.screw
+            if self.face.screw_length(grip) < grip + screw.nominal / 2:
+                right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
+                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+        held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
+        if self.plates > 1 and held is None:
+            right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
+            found.append(Fault("parts.mount_diameter", f"{self.mount_diameter:g}", right))
+        if held is not None and self.base_thickness < held.height + floor:
+            right = f"at least {held.height + floor:g} mm: the sunk heads of the posts' screws, and a floor"
+            found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+        if self.head > self.thickness:
+            right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
+            found.append(Fault("parts.head", f"{self.head:g}", right))
+        if self.hand_crank:
+            right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
+            if self.face is not None:
+                right = f"nothing here, or no parts.motor: {self.motor} drives"
+            if self.face is not None or self.hand_crank < self.least_crank:
+                found.append(Fault("parts.hand_crank", f"{self.hand_crank:g}", right))
+            if self.shaft_length < 2 * self.thickness + 2:
+                right = f"at least {2 * self.thickness + 2:g} mm: the collar under the plate and the hand crank"
+                found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+        elif self.shaft_length < self.thickness + 2:
+            right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
+            found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+        thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]
+        found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
+        if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
+            right = "between a twentieth and half of shaft_diameter, so that it turns the link"
+            found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
+        return found

@@ -1,0 +1,45 @@
+"""What stands on the ground at a point: one pin or shaft, from one plate to the other, or a stub on either plate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from camgen.machines.linkage.layout import Layout
+
+
+@dataclass(frozen=True)
+class Stub:
+    """A pin or shaft, or a piece of one. held: lower and upper side of what sits on it, plates included, from below, mm; far:
+    whether the second plate holds it; hangs: from that alone."""
+
+    held: list[tuple[float, float]]
+    far: bool = False
+    hangs: bool = False
+
+    @property
+    def through(self) -> bool:
+        """Whether both plates hold it."""
+        return self.far and not self.hangs
+
+
+def stubs(layout: Layout, point: str) -> list[Stub]:
+    """Of a point, from below."""
+    levels = layout.on(point)
+    held = [(layout.floor(level), top) for level, top in levels]
+    if layout.second is None or not layout.between_plates(point):
+        return [Stub(held)]
+    end, at = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness), layout.cut(point)
+    if at is None:
+        return [Stub([*held, end], far=True)]
+    low = [each for each, (level, _) in zip(held, levels, strict=True) if level <= at]
+    high = held[len(low) :]
+    found = [Stub(low)] if len(low) > 1 else []  # more than the plate
+    return [*found, Stub([*high, end], far=True, hangs=True)] if high else found
+
+
+def in_upper(layout: Layout, point: str, link: str) -> bool:
+    """Whether the pin of a point of the ground, where a link turns on it, is held by the second plate more than by the other."""
+    if layout.second is None or not layout.between_plates(point) or point in layout.shafts:
+        return False
+    at, floor = layout.cut(point), layout.floor(layout.level[link])
+    return layout.level[link] > at if at is not None else 2 * floor > layout.ceiling + layout.sizes.base_thickness

@@ -1,0 +1,150 @@
+"""[[load.on]]: what a person says acts on the machine besides its own weight and springs, over theta.
+
+    on an output   value along it as it grows, by virtual work: N on a way, N m on an angle; thread tension on a length of thread
+    on a body      a force on a point of it, in the ground's axes or turning with it; or a torque, where no point is given
+    its value      constant, or from a table over theta; "along" it acts the way that it moves, below 0 it resists
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from camgen.errors import Fault, SpecError
+from camgen.machine.model import Along, Angle, Effort, Function, Machine, Path, Place
+from camgen.numerics import Floats
+from camgen.spec import Record, unknown
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+
+_Size = Annotated[float, Field(ge=-1e6, le=1e6)]
+_Turn = Annotated[float, Field(ge=-36000, le=36000)]
+_FORCE: Any = {"unit": "N or N m"}
+_Word = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Applied(Record):
+    """A load on an output, on a point of a body, or a torque on a body."""
+
+    name: _Word | None = Field(None, description="of the load; load and its number unless given")
+    output: _Word | None = Field(None, description="the output that it is on: a way, an angle or a path")
+    body: _Word | None = Field(None, description="or the body that it is on; without a point a torque on it")
+    point: _Word | tuple[_Size, _Size] | None = Field(None, description="mm, of the body: a named point, or x, y in its frame")
+    value: _Size | None = Field(None, description="N or N m, constant; above 0 as the output grows", json_schema_extra=_FORCE)
+    points: Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None = Field(
+        None, description="or rows of theta, deg, and value; linear between, 0 outside", json_schema_extra=_FORCE
+    )
+    file: _Word | None = Field(None, description="or the same rows in a text file beside the spec")
+    source: _Word | None = Field(None, description="where they are from")
+    direction_deg: _Turn | None = Field(None, description="direction of a force on a point or path, from the x axis")
+    acts: Literal["fixed", "with the body", "along"] = Field(
+        "fixed", description="in the ground's axes; turning with its body; or as it moves: below 0 it resists"
+    )
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        wrong = []
+        if (self.output is None) == (self.body is None):
+            wrong.append("either output or body: what the load is on")
+        if self.point is not None and self.body is None:
+            wrong.append("point with body: of which it is a point")
+        if sum(each is not None for each in (self.value, self.points, self.file)) != 1:
+            wrong.append("one of value, points and file: how large the load is")
+        if self.points is not None:
+            degrees = [row[0] for row in self.points]
+            back = next((k for k, (a, b) in enumerate(pairwise(degrees), 1) if not a < b), None)
+            if back is not None:
+                wrong.append(f"points by growing angles: row {back} has {degrees[back]:g} deg after {degrees[back - 1]:g}")
+            elif degrees[-1] - degrees[0] > 360 + 1e-9:
+                wrong.append(f"points within one turn: they span {degrees[-1] - degrees[0]:g} deg")
+        if self.direction_deg is not None and (self.acts == "along" or (self.body is not None and self.point is None)):
+            wrong.append("no direction_deg: its motion, or the torque, says the way")
+        if self.body is not None and self.point is not None and self.acts != "along" and self.direction_deg is None:
+            wrong.append('direction_deg: the direction of the force; or acts = "along"')
+        if self.acts == "with the body" and self.point is None:
+            wrong.append('acts = "with the body" with a point: a direction that turns with its body')
+        if wrong:
+            raise ValueError("; ".join(wrong))
+        return self
+
+
+@dataclass(frozen=True)
+class Table:
+    """A load over theta: linear between its rows (rad, value), 0 before the first and after the last; a turn repeats itself."""
+
+    theta: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """At theta, (n,) rad."""
+        if len(self.theta) == 1:
+            return np.full(np.shape(theta), self.values[0] if order == 0 else 0.0)
+        first, last = self.theta[0], self.theta[-1]
+        at = np.asarray(theta, float)
+        within = first + np.mod(at - first, math.tau)
+        within = np.where((at > first) & (within == first) & (last >= first + math.tau - 1e-12), last, within)  # a turn's end
+        return np.asarray(np.interp(within, self.theta, self.values, right=0.0))
+
+
+def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
+    """The spec's loads on a model of it; SpecError with all that is on what is not there."""
+    given: Sequence[Applied] = mechanism.load.on if mechanism.load is not None else ()
+    found: list[Effort] = []
+    faults: list[Fault] = []
+    taken = {getattr(load, "name", "") for load in machine.loads}
+    for k, each in enumerate(given):
+        path, count = f"load.on.{k}", len(faults)
+        name = each.name or f"load {k + 1}"
+        if name in taken:
+            faults.append(Fault(f"{path}.name", repr(name), "a name of its own"))
+        taken.add(name)
+        of = _measure(each, machine, path, faults)
+        if each.file is not None:
+            faults.append(Fault(f"{path}.file", repr(each.file), "read beside a spec file; tables of Python have points"))
+        if of is None or len(faults) > count:
+            continue
+        rows = each.points or ((0.0, each.value or 0.0),)
+        law = Table(tuple(math.radians(deg) for deg, _ in rows), tuple(value for _, value in rows))
+        if isinstance(of, Path) and each.acts != "along" and each.direction_deg is None:
+            faults.append(Fault(f"{path}.direction_deg", "", 'missing: the direction of the force; or acts = "along"'))
+            continue
+        if not isinstance(of, Path) and each.direction_deg is not None:
+            faults.append(Fault(f"{path}.direction_deg", f"{each.direction_deg:g}", "nothing here: the output has its own way"))
+            continue
+        way = cmath.rect(1.0, math.radians(each.direction_deg or 0.0))
+        found.append(Effort(name, of, law, way, each.acts == "with the body", each.acts == "along"))
+    if faults:
+        raise SpecError(faults)
+    return tuple(found)
+
+
+def _measure(
+    each: Applied, machine: Machine, path: str, faults: list[Fault]
+) -> Angle | Along | Path | Function | None:
+    """What it acts on; None with a fault where there is no such thing."""
+    if each.output is not None:
+        outputs = {output.name: output.of for output in machine.outputs}
+        if each.output not in outputs:
+            faults.append(unknown(f"{path}.output", each.output, outputs))
+        return outputs.get(each.output)
+    bodies = {body.name: body for body in machine.moving}
+    if each.body not in bodies:
+        faults.append(unknown(f"{path}.body", each.body, bodies))
+        return None
+    body = bodies[each.body]
+    if each.point is None:
+        return Angle(body.name)
+    if isinstance(each.point, tuple):
+        return Path(Place(body.name, complex(*each.point)))
+    if each.point not in body.points:
+        faults.append(unknown(f"{path}.point", each.point, body.points))
+        return None
+    return Path(body.at(each.point))

@@ -1,0 +1,114 @@
+"""A machine on another one's second plate and shaft: its own frame, shaft and collar are left out.
+
+    plate    takes the holes of the frame, and what stands on it; both have their upper sides at one height
+    shaft    goes on through that machine; bores with a flat are turned to the flat that it has
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from camgen.geometry.outlines import Arc, Contour, Line, Region
+from camgen.machine.features import Eye, Faces, Feature, Mount
+from camgen.machines.linkage.joined import Merged
+from camgen.machines.linkage.plates import SECOND
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.part import Layer, Part
+from camgen.tolerances import SAME_POINT
+
+_SHAFT, _COLLAR = "shaft", "collar"
+
+
+@dataclass(frozen=True)
+class Merging:
+    """What becomes of an included machine's parts, by its own names. frame: what the plate takes the place of; turn: by which
+    flats of bores turn, rad; shaft: name of the host's; shift: of its ground in the host's, mm."""
+
+    frame: str
+    turn: float
+    shaft: str
+    shift: complex
+
+    def parts(self, parts: Sequence[Part], mounts: Sequence[Mount]) -> list[Part]:
+        """What is left of them, with turned bores."""
+        driven = next(mount.body for mount in mounts if mount.part == _SHAFT)
+        on = {mount.part: mount for mount in mounts if mount.body == driven}
+        left = (part for part in parts if part.name not in (self.frame, _SHAFT, _COLLAR))
+        return [self._turned(part, on[part.name]) if part.name in on else part for part in left]
+
+    def _turned(self, part: Part, mount: Mount) -> Part:
+        """A part with its flat bore turned, where it has one: its holes about its own origin are those on the shaft."""
+        turn = cmath.exp(1j * self.turn * (-1 if mount.flipped else 1))
+
+        def bored(region: Region) -> Region:
+            return Region(region.outer, tuple(hole.moved(turn) if _keyed(hole) else hole for hole in region.holes))
+
+        return replace(part, layers=tuple(replace(layer, region=bored(layer.region)) for layer in part.layers))
+
+    def mounts(self, mounts: Sequence[Mount]) -> list[Mount]:
+        """Of the parts that are left."""
+        return [mount for mount in mounts if mount.part not in (self.frame, _SHAFT, _COLLAR)]
+
+    def feature(self, feature: Feature, named: dict[str, str]) -> Feature:
+        """The same on the host's plate and shaft; named: what the left-out parts are called in the whole, by their own names."""
+        plate, shaft = named[self.frame], named[_SHAFT]
+
+        def moved(value: Any) -> Any:
+            if isinstance(value, tuple):
+                return tuple(map(moved, value))
+            if isinstance(value, Eye | Faces) and value.part == plate:
+                return replace(value, part=SECOND, at=value.at + self.shift)
+            return replace(value, part=self.shaft) if isinstance(value, Eye) and value.part == shaft else value
+
+        return replace(feature, **{each.name: moved(getattr(feature, each.name)) for each in fields(feature)})
+
+
+def _keyed(hole: Contour) -> bool:
+    """Whether a hole is a circle about the origin with a flat."""
+    arcs = [piece for piece in hole.pieces if isinstance(piece, Arc)]
+    flats = [piece for piece in hole.pieces if isinstance(piece, Line)]
+    return len(arcs) == len(flats) == 1 and abs(arcs[0].centre) < SAME_POINT
+
+
+def merging(
+    mechanism: Mechanism, shift: complex, phase: float, angle: float, name: str, thickness: float, wall: float
+) -> tuple[Merging, Merged, float] | None:
+    """How a machine with its shaft in line comes on the host's plate, what the plate takes, and how far its frame's underside is
+    under the plate's upper side, mm; None where it cannot.
+
+    shift: of its ground; phase, angle: of its shaft ahead, of the host's link, rad; name: of the host's shaft; thickness: of
+    its plate, wall: round its holes, mm. Nothing may lie under the frame but shaft and collar, and it must be no thicker than
+    the plate.
+    """
+    parts, mounts = {part.name: part for part in mechanism.parts()}, mechanism.mounts()
+    frame = next((each for each in mounts if each.part == mechanism.frame_part), None)
+    if frame is None or mechanism.stand_ins() or frame != Mount(frame.part, frame.body):
+        return None
+    others = [mount for mount in mounts if mount.part not in (frame.part, _SHAFT, _COLLAR)]
+    plate, shaft = parts[frame.part], mechanism.poses(np.array([phase]))[_SHAFT][0]
+    floor = plate.layers[plate.cut].z1
+    if min(mount.z for mount in others) < 0 or floor > thickness or plate.cut:
+        return None
+    axis, fixed = complex(shaft.place[0]), [z for z, _ in mechanism.fixings()]
+    outer = [(piece.centre, piece.radius) for piece in plate.layers[0].region.outer.pieces if isinstance(piece, Arc)]
+    hole_at = [(hole, _middle(hole)) for hole in plate.layers[0].region.holes]
+    holes = tuple(hole.moved(1, shift) for hole, z in hole_at if min(abs(z - other) for other in (axis, *fixed)) > 1e-3)
+    above = tuple(Layer(each.region.moved(1, shift), each.z0 - floor, each.z1 - floor) for each in plate.layers[1:])
+    turn = angle - float(shaft.angle[0])
+    top = shaft.z + parts[_SHAFT].thickness - floor
+    edges = [(z + shift, radius) for z, radius in outer if min(abs(z - other) for other in fixed) > 1e-3]
+    arcs = [piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc)]
+    discs = (*edges, *((arc.centre, arc.radius + wall) for arc in arcs))
+    return Merging(frame.part, math.remainder(turn, math.tau), name, shift), Merged(discs, holes, above, top), floor
+
+
+def _middle(hole: Contour) -> complex:
+    """Centre of a hole's first arc; of a slot its middle."""
+    arcs = [piece.centre for piece in hole.pieces if isinstance(piece, Arc)]
+    return sum(arcs) / len(arcs) if arcs else complex(hole.pieces[0].at(0.5))

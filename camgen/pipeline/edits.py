@@ -1,0 +1,59 @@
+"""A spec's text with some of it changed: comments, order and layout stay."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from camgen import spec as specs
+from camgen.settings import override
+
+
+def edited(text: str, settings: Sequence[str]) -> str:
+    """The text with some keys set anew, KEY=VALUE as of `--set`; a key that it did not have is added to its table."""
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    data: specs.Data = document.unwrap()
+    for setting in settings:
+        data = override(data, setting)
+        holder: Any = document
+        value: Any = data
+        *tables, last = ((int(step) if step.isdigit() else step) for step in setting.partition("=")[0].split("."))
+        for step in tables:
+            if isinstance(step, str) and step not in holder:
+                holder[step] = tomlkit.table()
+            holder, value = holder[step], value[step]
+        if isinstance(last, str) and last not in holder:
+            holder[last] = value[last]
+        elif holder[last] != value[last]:
+            before = holder[last]
+            holder[last] = value[last]
+            trivia, longer = holder[last].trivia, len(holder[last].as_string()) - len(before.as_string())
+            if trivia.comment:  # stays in its column
+                trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
+    return tomlkit.dumps(document)
+
+
+def with_tables(text: str, tables: Mapping[str, Any], without: Collection[str] = ()) -> str:
+    """The text with whole tables added, or keys added to tables that it has, less some tables."""
+    import tomlkit
+
+    document: Any = tomlkit.parse(text)
+    for name in without:
+        document.pop(name, None)
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            if name not in document:
+                document.add(tomlkit.nl())
+                document.add(name, tomlkit.table())
+            for key, each in value.items():
+                if key not in document[name]:
+                    document[name][key] = each
+        else:
+            rows = tomlkit.aot()
+            for row in value:
+                rows.append(tomlkit.item(row))
+            document.add(tomlkit.nl())
+            document.add(name, rows)
+    return tomlkit.dumps(document)

@@ -1,0 +1,175 @@
+"""Files read back: each part by itself, and the motion that all of a kind give."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.files.formats import EXACT, FORMATS, READABLE
+from camgen.findings import Finding, NotJudged
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Floats
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.as_printed import printed
+from camgen.judge.round_trip import (
+    Undo,
+    judge_drawing,
+    judge_exact,
+    judge_mesh,
+)
+from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.fits import Compensation, compensated
+from camgen.parts.part import Part
+from camgen.pipeline.expectation import expected
+from camgen.pipeline.jobs import Case
+from camgen.pipeline.making import compensation
+from camgen.pipeline.scope import Outcome
+from camgen.study import Study, Table
+
+if TYPE_CHECKING:
+    from camgen.judge.measured import Sections
+    from camgen.judge.motion import Verdict
+
+_ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
+
+Read = dict[str, "Sections"]  # what was read from one part's files, by kind: the pieces at each height
+
+
+# ---- a part by itself ------------------------------------------------------------------------------------------------
+
+
+def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
+    """Read one part's files."""
+    mechanism, part = case.mechanism, case.parts[name]
+    features, tolerance, fit = mechanism.features(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    findings: list[Finding] = []
+    read: Read = {}
+    refused: list[NotJudged] = []
+    for kind in kinds:
+        path = case.file(name, kind)
+        if kind in EXACT and not path.exists():
+            refused += _without(part, tolerance)
+            continue
+        solid = FORMATS[kind].solid
+        sent, marked = (fit, False) if solid else (None, mechanism.output.center_marks)
+        meant = expected(part, tolerance, features, sent, marked)
+        judged = _JUDGES[FORMATS[kind].holds](path, meant)
+        findings += judged.findings
+        if judged.shape is not None:
+            read[kind] = judged.sections
+    return Outcome(findings, not_judged=refused), read
+
+
+_JUDGES = {"drawing": judge_drawing, "mesh": judge_mesh, "exact": judge_exact}
+
+
+def _without(part: Part, tolerance: float) -> list[NotJudged]:
+    """Why a part has no exact solid."""
+    from camgen.parts.exact import exact
+
+    try:
+        exact(part, tolerance)
+    except DesignError as error:
+        return [NotJudged("ROUND_TRIP", f"no STEP of {part.name}: {error}", "STL or 3MF")]
+    return []
+
+
+# ---- the motion ------------------------------------------------------------------------------------------------------
+
+
+def judge_motion(
+    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats, where: str = ""
+) -> tuple[Verdict, Sequence[Feature]] | None:
+    """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
+    is not there. Of cams those count whose parts are there; where: said in findings.
+    """
+    from camgen.judge.motion import judge_machine
+
+    files = {name: part[kind] for name, part in read.items() if kind in part}
+    lost = read.keys() - files.keys()
+    features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
+    if not features or parts_of(features) & lost:
+        return None
+    fit = compensation(mechanism) if READABLE[kind].solid else None
+    slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
+    verdict = judge_machine(
+        kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
+        mechanism.accuracy.chord_tolerance, slack, mechanism.asked(),
+    )  # fmt: skip
+    return verdict, features
+
+
+def moved_by(
+    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
+) -> tuple[Outcome, dict[str, Floats], Study]:
+    """The motion over a turn as the files give it: findings, plots of each output, its speed, error and play, as columns of
+    motion.csv; and what follows from the recovered motion."""
+    from camgen.judge.cams import judged_angles
+    from camgen.judge.targets import judge_targets
+    from camgen.pipeline.curves import Curves
+
+    features = mechanism.features()
+    if not features:
+        return Outcome(), {}, Study()
+    (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
+    theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
+    judged = low + judged_angles() * ((high - low) / math.tau)
+    outputs = judged_outputs(mechanism.model.outputs, wishes.values())
+    cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)
+    curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
+    for curve in curves:
+        motion = wishes[curve.output.name].motion if curve.output.name in wishes else None
+        if motion is not None:
+            curve.want(motion(theta, 0), motion(theta, 1))
+    findings: list[Finding] = []
+    numbers: dict[str, float] = {}
+    tables, nominal = [], []
+    for kind in kinds:
+        found = judge_motion(mechanism, kind, read, judged)
+        if found is None:
+            continue
+        verdict = found[0]
+        findings += verdict.findings
+        numbers |= verdict.numbers
+        nominal += [each for each in verdict.not_judged if each not in nominal]
+        if verdict.proof is not None and verdict.table is not None:
+            tables += [verdict.table] if verdict.table.rows else []
+            for curve in curves:
+                curve.add(kind, verdict.proof)
+            findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
+    columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
+    for curve in curves:
+        columns |= curve.columns
+    plots = [plot for curve in curves for plot in curve.plots()]
+    more = mechanism.recovered(theta, curves[0].recovered)
+    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, more
+
+
+def budget_of(case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]) -> Table | None:
+    """What each stage from law to file adds to the error of the outline that drives; `found`: the figures of today."""
+    mechanism = case.mechanism
+    drive = next((feature for feature in mechanism.features() if isinstance(feature, CamOutline)), None)
+    if drive is None or not read[drive.part]:
+        return None
+    from camgen.judge.budget import error_budget
+
+    part, tolerance, fit = case.parts[drive.part], mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
+    return error_budget(
+        part.region.outer, _facets(part, tolerance, fit), mechanism.model, drive, mechanism.mounts(), tolerance, read[drive.part],
+        numbers,
+    )  # fmt: skip
+
+
+def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
+    """The facets of a part's outline, as they print."""
+    if fit is None:
+        points = facet_contour(part.region.outer, tolerance)
+        return Ring(points, np.zeros(len(points)))
+    points = facet_contour(compensated(part, fit).region.outer, tolerance)
+    return printed(Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage).outer

@@ -1,0 +1,304 @@
+"""A built folder against the G-code of its plates: what the printer really lays down, judged as the folder's files are.
+
+Each part on a plate is found by its outline and put back into its own frame, layer by layer. The first layer is told by itself,
+for it spreads on the bed; what the others fill together, their envelope, is what a wide follower and a pin feel. Parts that are
+not on the plates count as their files have them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from camgen.errors import FileError, counted
+from camgen.files.folder import manifest_files
+from camgen.files.formats import SOLID, read_solid
+from camgen.files.gcode import read_gcode, read_settings, with_width
+from camgen.files.threemf import read_3mf
+from camgen.findings import Finding, NotJudged, at_most
+from camgen.geometry.rings import Floats, Shape
+from camgen.judge.measured import Sections, measure
+from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
+from camgen.machine.features import CamOutline, Eye, eyes, parts_of
+from camgen.parts.fits import Compensation
+from camgen.parts.part import Part
+from camgen.pipeline.expectation import facetted
+from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
+from camgen.pipeline.making import compensation
+from camgen.pipeline.reading import Read, judge_motion, judge_part
+from camgen.report.report import Report
+from camgen.study import Table
+
+_OVER = np.diag([-1.0, 1.0, -1.0])  # a part that lies turned over, as plates lay it
+_FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
+_ANGLES = 721  # at which the motion of one layer is judged
+_HIGH = 1e-3  # mm, by which a print may be higher or lower than its part
+_FOOT = 0.05  # mm, by which a first layer may be off a foot that the part itself makes smaller
+# What settings of a slicer cost: measured with PrusaSlicer 2.5 on the cam of the uniform-swing starter, away from its corners.
+_LINES = "lines of varying width put that cam's follower 9.9 um off with a resolution of 0, 19.7 with 0.0125 mm; classic ones 1.1"
+_POINTS = "points are left out within it; 0 leaves none out, which brought that cam from 19.7 um off to 9.9"
+_COSTS = {
+    "perimeter_generator": _LINES,
+    "wall_generator": _LINES,
+    "gcode_resolution": _POINTS,
+    "resolution": _POINTS,
+    "elefant_foot_compensation": "draws the first layer in by as much; with print.elephant_foot as well it is drawn in twice",
+    "xy_size_compensation": "moves every outline by as much; with print.profile_compensation it counts twice",
+    "xy_contour_compensation": "moves outlines by as much; with print.profile_compensation it counts twice",
+    "xy_hole_compensation": "moves holes by as much; with print.hole_compensation it counts twice",
+}
+
+
+@dataclass
+class _Laid:
+    """What the G-code holds of one part: sections of its envelope, those of each layer by height, and rows for people."""
+
+    sections: list[tuple[Shape, ...]] = field(default_factory=list)
+    layers: list[tuple[float, tuple[Shape, ...]]] = field(default_factory=list)
+    first: tuple[Shape, ...] = ()
+    findings: list[Finding] = field(default_factory=list)
+    rows: list[tuple[object, ...]] = field(default_factory=list)
+
+
+def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None = None, progress: Progress = silent) -> Report:
+    """Judge the G-code of a folder's plates, one or more; writes nothing.
+
+    line_width: mm, where the files do not say it. FileError where a file cannot be read, or the folder holds no solid.
+    """
+    case = Case(read_mechanism(folder / "spec.toml"), folder)
+    manifest_files(folder)  # a folder of camgen's
+    mechanism, fit = case.mechanism, compensation(case.mechanism) or Compensation()
+    known = _known(case)
+    laid: dict[str, _Laid] = {}
+    findings: list[Finding] = []
+    not_judged: list[NotJudged] = []
+    settings: dict[str, str] = {}
+    for path in plates:
+        progress(f"reading {path.name}")
+        found = bodies(with_width(read_gcode(path), path, line_width))
+        settings |= read_settings(path)
+        progress(f"finding the parts in {path.name}")
+        copies = [copy_of(body, known) for body in found]
+        strange = copies.count(None)
+        said = f"of {counted(len(copies), 'body', 'bodies')} are like no part of {mechanism.name} by height, area and outline"
+        findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", path.name, said))
+        for copy in (copy for copy in copies if copy is not None):
+            name = copy.known.part
+            if copy.known.over is None:
+                not_judged.append(NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"))
+                continue
+            _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, path.name)
+    for one in laid.values():
+        findings += one.findings
+    progress("letting the parts touch")
+    moved, numbers, more = _moved(case, laid, ", ".join(path.name for path in plates))
+    columns = ("part", "layers", "height, mm", "meant, mm", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm",
+               "spread, mm", "worst, mm", "at height, mm")  # fmt: skip
+    tables = [
+        Table("As laid by the printer, out of the material meant", columns, [row for one in laid.values() for row in one.rows]),
+        _eye_table(case, laid),
+        _settings_table(settings),
+    ]
+    return Report(
+        mechanism.name, mechanism.mechanism, [*findings, *moved], numbers, tables=[table for table in tables if table.rows],
+        not_judged=(*not_judged, *more), remarks=_remarks(laid, numbers, settings),
+    )  # fmt: skip
+
+
+def _known(case: Case) -> list[Known]:
+    """The printed parts of a folder as they were sent, on the sides on which its plates lay them."""
+    lying: dict[str, list[tuple[Floats, float]]] = {}
+    for path in sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf")):
+        for item in read_3mf(path).items:
+            lying.setdefault(item.name, []).append(_tilt(item.transform[:, :3]))
+    found = []
+    for part in case.mechanism.printed():
+        file = next((path for kind in reversed(SOLID) if (path := case.file(part.name, kind)).exists()), None)
+        if file is None:
+            continue
+        solid = read_solid(file, part.name)[0]
+        sides = lying.get(part.name, [(np.eye(3), 0.0)])
+        for turn in [np.eye(3), *([] if np.allclose(sides[0][0], np.eye(3)) else [sides[0][0]])]:
+            found.append(Known(part.name, solid, turn, tuple(angle for each, angle in sides if np.allclose(each, turn))))
+    if not found:
+        raise FileError(case.folder, "holds no STL or 3MF of a printed part, by which parts on a plate are known: build them")
+    return found
+
+
+def _tilt(turn: Floats) -> tuple[Floats, float]:
+    """A rotation (3, 3) as what lays a part on a side, and what then turns it about the vertical, rad."""
+    if abs(abs(turn[2, 2]) - 1) > _FLAT:
+        return turn, 0.0
+    over = turn[2, 2] < 0
+    spun = turn @ _OVER if over else turn
+    return _OVER if over else np.eye(3), math.atan2(spun[1, 0], spun[0, 0])
+
+
+def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> None:
+    """Put a copy's layers with what is known of its part, and judge their contours."""
+    spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
+    pocket = min((layer.z0 for layer in part.engraved), default=math.inf)  # from there on engravings are cut into it
+    low = part.layers[0].z0 + (fit.foot_of(part) if fit.foot else 0.0)
+    bead = max(float(wall.widths.max()) for layer in copy.layers[len(copy.layers) > 1 :] for wall in layer.walls)
+    worst, told, rows = 0.0, "", []
+    for z0, z1 in spans if part.crossed is None else ():
+        meant = tuple(facetted(layer.region, 1e-3) for layer in part.layers if (layer.z0, layer.z1) == (z0, z1))
+        here = [layer for layer in copy.layers[1:] if max(z0, low) < copy.height(layer) < min(z1, pocket)]
+        shapes = [shapes_of(copy, layer, fit.hole, fit.profile, fit.shrinkage) for layer in here]
+        if z0 <= copy.height(copy.layers[0]) < z1:
+            laid.first = shapes_of(copy, copy.layers[0])
+        for layer, one in zip(here, shapes, strict=True):
+            outside, inside = outwards(one, meant)
+            rows.append((copy.height(layer), float(outside.mean()), float(inside.mean()) if len(inside) else 0.0))
+            count, wanted = (sum(1 + len(shape.holes) for shape in each) for each in (one, meant))
+            off = max(float(np.abs(each).max(initial=0.0)) for each in (outside, inside))
+            if count != wanted:
+                off, told = math.inf, told or f"{count} contours instead of {wanted} at {layer.middle:.2f} mm over the bed"
+            worst = max(worst, off)
+        if shapes:
+            laid.sections.append(envelope(shapes))
+            laid.layers += [(copy.height(layer), one) for layer, one in zip(here, shapes, strict=True)]
+    first = _first_layer(copy)
+    if fit.foot:
+        laid.findings.append(
+            at_most("FIRST_LAYER", abs(first[0]), _FOOT, "mm", f"{where}, {part.name}",
+                    f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
+                    "foot already: is the slicer's own compensation on?")
+        )  # fmt: skip
+    lying = copy.known.solid.vertices @ copy.known.turn[2]
+    head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(lying)), *first)
+    if not rows:
+        laid.rows.append((*head, "", "", "", "", ""))
+        return
+    table = np.array(rows)
+    at = int(np.argmax(np.abs(table[:, 1])))
+    laid.rows.append((*head, float(table[:, 1].mean()), float(table[:, 2].mean()), float(table[:, 1].std()),
+                      float(table[at, 1]), float(table[at, 0])))  # fmt: skip
+    said = told or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
+    laid.findings.append(at_most("ROUND_TRIP", worst, bead / 2, "mm", f"{where}, {part.name}", said))
+
+
+def _first_layer(copy: Copy) -> tuple[float, float]:
+    """How far the first layer's outlines and holes lie out of the solid as it was sent, mean, mm."""
+    from camgen.geometry.mesh import slice_mesh
+    from camgen.judge.round_trip import pieces_of
+
+    layer = copy.layers[0]
+    meant = pieces_of(slice_mesh(copy.known.solid, copy.height(layer)))
+    outside, inside = outwards(shapes_of(copy, layer), meant)
+    return float(outside.mean()), float(inside.mean()) if len(inside) else 0.0
+
+
+def _moved(case: Case, laid: Mapping[str, _Laid], where: str) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
+    """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""
+    from camgen.judge.cams import judged_angles
+
+    mechanism = case.mechanism
+    features = mechanism.features()
+    wanted = parts_of(features)
+    held = sorted(name for name in wanted if name in laid and laid[name].sections)
+    if not held:
+        why = "no part on the plate makes the motion" if features else "nothing moves by the parts' outlines"
+        return [], {}, [NotJudged("MOTION_ERROR", why, "the plate with the parts that move")] if features else []
+    more = [NotJudged("MOTION_ERROR", f"{name} is not on the plate and counts as its file has it", "all plates")
+            for name in sorted(wanted) if name not in held]  # fmt: skip
+    kind = next(kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists())
+    read: dict[str, Read] = {
+        name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind) for name in case.parts
+    }
+    low, high = mechanism.range
+    verdict = judge_motion(mechanism, "gcode", read, low + judged_angles() * ((high - low) / math.tau), f"{where}, *")
+    if verdict is None:
+        return [], {}, more
+    numbers = dict(verdict[0].numbers)
+    cams = [feature.part for feature in features if isinstance(feature, CamOutline) and feature.part in held]
+    if cams:
+        numbers |= _by_layer(case, laid, read, list(dict.fromkeys(cams)))
+    return list(verdict[0].findings), numbers, more
+
+
+def _as_filed(case: Case, name: str, kind: str) -> Read:
+    """A part that is not on the plate, as its file has it."""
+    read = judge_part(case, name, [kind])[1]
+    return {"gcode": read[kind]} if kind in read else {}
+
+
+def _by_layer(case: Case, laid: Mapping[str, _Laid], read: Mapping[str, Read], cams: Sequence[str]) -> dict[str, float]:
+    """The greatest motion error of the machine with each layer of its cams alone: first, worst, mean and spread."""
+    mechanism = case.mechanism
+    theta = np.linspace(*mechanism.range, _ANGLES)
+
+    def error(own: Mapping[str, Sections]) -> dict[str, float]:
+        found = judge_motion(mechanism, "gcode", {**read, **{name: {"gcode": each} for name, each in own.items()}}, theta)
+        figures = found[0].numbers if found is not None else {}
+        return {key: value for key, value in figures.items() if key.startswith("motion_error_") and math.isfinite(value)}
+
+    heights = sorted({round(z, 3) for name in cams for z, _ in laid[name].layers})
+    layers = [error({name: [min(laid[name].layers, key=lambda one: abs(one[0] - z))[1]] for name in cams}) for z in heights]
+    first = error({name: [laid[name].first] for name in cams if laid[name].first})
+    numbers: dict[str, float] = {key.replace("_gcode_", "_first_layer_"): value for key, value in first.items()}
+    for key in layers[0] if layers else ():
+        each = np.array([layer.get(key, math.nan) for layer in layers])
+        for what, value in (("worst", np.nanmax(each)), ("mean", np.nanmean(each)), ("spread", np.nanstd(each))):
+            numbers[key.replace("_gcode_", f"_{what}_layer_")] = float(value)
+    return numbers
+
+
+def _eye_table(case: Case, laid: Mapping[str, _Laid]) -> Table:
+    """Bores, holes and pins as they are laid: first layer, smallest and largest of the others."""
+    rows: list[tuple[object, ...]] = []
+    held = {eye: None for feature in case.mechanism.features() for eye in eyes(feature) if eye.part in laid and eye.diameter}
+    for eye in held:
+        one = laid[str(eye.part)]
+        sizes = [size for _, shapes in one.layers if (size := _diameter(eye, [shapes])) is not None]
+        if sizes:
+            first = _diameter(eye, [one.first]) if one.first else None
+            what = "pin" if eye.shaft else "hole"
+            rows.append((eye.part, what, eye.at.real, eye.at.imag, eye.diameter, first if first is not None else "", min(sizes),
+                         max(sizes)))  # fmt: skip
+    columns = ("part", "what", "x, mm", "y, mm", "meant, mm", "first layer, mm", "smallest, mm", "largest, mm")
+    return Table("Holes and pins as laid by the printer", columns, rows)
+
+
+def _diameter(eye: Eye, sections: Sections) -> float | None:
+    seen = measure(eye, sections)
+    return None if seen is None else seen.diameter
+
+
+def _settings_table(settings: Mapping[str, str]) -> Table:
+    """What the slicer was set to, where it costs accuracy, and how much it cost elsewhere."""
+    rows = [(key, settings[key], said) for key, said in _COSTS.items() if key in settings and _costs(settings[key])]
+    return Table("Settings of the slicer that cost accuracy", ("setting", "value", "what it costs"), rows)
+
+
+def _costs(value: str) -> bool:
+    try:
+        return float(value.rstrip("%").split(",")[0]) != 0
+    except ValueError:
+        return value == "arachne"
+
+
+def _remarks(laid: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]) -> list[str]:
+    """What a person should read beside the findings."""
+    found = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
+    rows = [[float(str(cell)) for cell in row[4:8]] for one in laid.values() for row in one.rows if row[6] != ""]
+    if rows:
+        outside, holes = (max((row[k] for row in rows), key=abs) for k in (2, 3))
+        lowest = ", ".join(f"{max((row[k] for row in rows), key=abs):+.3f} mm" for k in (0, 1))
+        said = f"outlines lie {outside:+.3f} mm out of what is meant and walls come {holes:+.3f} mm into holes, by mean"
+        found.append(f"{said}; in the first layer, against what was sent, {lowest}")
+    high = {str(row[0]): (float(str(row[2])), float(str(row[3]))) for one in laid.values() for row in one.rows}
+    off = [f"{part} {top:g} for {meant:g}" for part, (top, meant) in high.items() if abs(top - meant) > _HIGH]
+    if off:
+        found.append(f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing")
+    for key, first in numbers.items():
+        if "_first_layer_" in key:
+            worst, mean, spread = (numbers[key.replace("_first_", f"_{what}_")] for what in ("worst", "mean", "spread"))
+            unit = key.rpartition("_")[2]
+            said = f"of layers taken alone the worst moves {worst:.4f} {unit} off, the mean {mean:.4f}, spread {spread:.4f}"
+            found.append(f"{said}; the first {first:.4f}")
+    return found

@@ -1,0 +1,136 @@
+"""How many printed copies keep what is wanted of their outputs, and the small loops of their paths.
+
+    target   each copy's course is the nominal one and the sum of its modes times the copy's errors; its target is measured on it
+    loop     where a path crosses itself it makes a loop; whether the crossing is still there on the copy's path, without play and
+             with each pin pushed to a place in its clearance that is as likely as any other
+
+Courses are of first order, what is measured on them is not: so few hundred copies are looked at, the first of all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from camgen.machine.landmarks import double_points
+from camgen.machine.model import Output, Path, Pin, unit_of
+from camgen.machine.print_errors import sensitivities
+from camgen.machine.run import solve
+from camgen.machine.targets import Course
+from camgen.numerics import Floats, Points
+from camgen.pipeline.tolerance import Spread
+
+MOST = 400  # copies that are looked at
+_SIDE = 60  # pieces of a loop, and as many on either side of it
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Of a target of an output which copies keep it, (copies,); its code, limit and unit."""
+
+    output: str
+    code: str
+    limit: float
+    unit: str
+    holds: Floats
+
+
+def targets(spread: Spread, errors: Floats) -> list[Kept]:
+    """All targets of the judged outputs; errors: of copies, (copies, modes) mm."""
+    wanted = {each.output: each.targets for each in spread.mechanism.asked()}
+    outputs = [output for output in spread.outputs if wanted.get(output.name)]
+    if not outputs:
+        return []
+    run = solve(spread.mechanism.model, spread.theta, 1)
+    whole = abs(float(np.ptp(spread.theta)) - 2 * np.pi) < 1e-9
+    found = []
+    for output in outputs:
+        unit, scale = unit_of(output)
+        value, slope = scale * run.derivatives(output.name)
+        modes = scale * spread.found[output.name].modes
+        bends = np.gradient(modes, spread.theta, axis=1)
+        courses = [Course(spread.theta, value + each @ modes, slope + each @ bends, unit, whole) for each in errors]
+        for target in wanted[output.name]:
+            made = [target.finding(course, "") for course in courses]
+            holds = np.array([each.ok for each in made])
+            found.append(Kept(output.name, target.code, made[0].limit, made[0].unit, holds))
+    return found
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop of an output's path: where it begins and ends, rad, its extent, mm; shares of copies in which it is left, without
+    play and with it."""
+
+    output: str
+    begins: float
+    ends: float
+    extent: float
+    printed: float
+    loose: float
+
+
+def loops(spread: Spread, errors: Floats, seed: int) -> list[Loop]:
+    """The smallest loop of each path that crosses itself; errors: of copies, (copies, modes) mm."""
+    machine, found = spread.mechanism.model, list[Loop]()
+    if spread.mechanism.range != (0.0, 2 * np.pi):
+        return found
+    for output in (each for each in machine.outputs if isinstance(each.of, Path)):
+        pairs, _ = double_points(partial(_path, spread, output.name), 1440)
+        if not len(pairs):
+            continue
+        spans = (pairs[:, 1] - pairs[:, 0]) % (2 * np.pi)
+        inner = np.minimum(spans, 2 * np.pi - spans)
+        k = int(np.argmin(inner))
+        begins, span = float(pairs[k, 0] if spans[k] <= np.pi else pairs[k, 1]), float(inner[k])
+        theta = np.linspace(begins - span, begins + 2 * span, 3 * _SIDE + 1)
+        path, modes = _moved(spread, output, theta)
+        inside = path[_SIDE : 2 * _SIDE + 1]
+        extent = float(max(np.ptp(inside.real), np.ptp(inside.imag)))
+        pushed = errors + _pushed(spread, len(errors), seed)
+        left = [float(np.mean([_crosses(path + each @ modes) for each in made])) for made in (errors, pushed)]
+        found.append(Loop(output.name, begins, begins + span, extent, *left))
+    return found
+
+
+def _path(spread: Spread, name: str, theta: Floats, order: int) -> Points:
+    """A path or its derivative."""
+    return np.asarray(solve(spread.mechanism.model, theta, order).derivatives(name)[order], complex).reshape(np.shape(theta))
+
+
+def _moved(spread: Spread, output: Output, theta: Floats) -> tuple[Points, Points]:
+    """A path at theta, (n,), and what each mode does to it, (modes, n)."""
+    run = solve(spread.mechanism.model, theta, 0)
+    exact = {mode.where.rpartition(",")[0] for mode in spread.modes if mode.kind == "offset"}
+    exact -= {mode.where.rpartition(",")[0] for mode in spread.modes if mode.kind == "tip"}
+    _, found = sensitivities(run, [output.name], spread.sizes, exact)
+    return np.asarray(run[output.name], complex), np.asarray(found[output.name].modes, complex)
+
+
+def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
+    """Each pin with play somewhere in it, as errors of a centre, (copies, modes) mm."""
+    chance, pushed = np.random.default_rng(seed), np.zeros((copies, len(spread.modes)))
+    centres: Mapping[str, Sequence[int]] = {}
+    for k, mode in enumerate(spread.modes):
+        if mode.kind == "centre":
+            centres = {**centres, mode.where: [*centres.get(mode.where, ()), k]}
+    for joint in spread.mechanism.model.joints:
+        if not isinstance(joint, Pin) or not joint.clearance:
+            continue
+        held = (centres.get(f"{joint.name}, {place.body}", ()) for place in (joint.a, joint.b))
+        both = next((found for found in held if len(found) == 2), None)
+        reach, angle = joint.clearance / 2 * np.sqrt(chance.random(copies)), 2 * np.pi * chance.random(copies)
+        if both is not None:
+            pushed[:, both[0]], pushed[:, both[1]] = reach * np.cos(angle), reach * np.sin(angle)
+    return pushed
+
+
+def _crosses(path: Points) -> bool:
+    """Whether a polyline crosses itself."""
+    a, b = path[:-1], path[1:]
+    side = np.imag(np.conj(b - a)[:, None] * (path[None, :] - a[:, None]))
+    apart = side[:, :-1] * side[:, 1:] < 0  # ends of piece j on both sides of piece i
+    return bool(np.any(np.triu(apart & apart.T, 2)))

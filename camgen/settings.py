@@ -1,0 +1,94 @@
+"""Settings such as "geometry.swing_deg=24", as `--set` takes them: split into keys and value, and set in a spec's tables.
+
+"segment.1.lift=80" goes into a list, "wanted.feed_range=" removes; keys are bare or quoted, as in TOML.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Sequence
+from copy import deepcopy
+from difflib import get_close_matches
+from typing import Any
+
+from camgen.errors import Fault, SpecError
+from camgen.schemas import shortened, shown
+from camgen.spec import DEEPEST, SHALLOWER, Data, depth_of
+
+_STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
+
+
+def split_setting(setting: str) -> tuple[list[str], str]:
+    """The keys of "lengths.'A-B' = 5", bare or quoted as in TOML, and the text behind "="; no keys where it has no such form."""
+    keys, place = list[str](), 0
+    while found := _STEP.match(setting, place):
+        quoted, literal, bare, end = found.groups()
+        if quoted is not None:
+            try:
+                (quoted,) = tomllib.loads(f'"{quoted}" = 0')
+            except ValueError:
+                return [""], ""
+        keys.append(next(key for key in (quoted, literal, bare) if key is not None))
+        place = found.end()
+        if end == "=":
+            return keys, setting[place:]
+    return [""], ""
+
+
+def dotted(keys: Sequence[str]) -> str:
+    """Keys as one path, quoted where they hold a dot, "=" or a quote."""
+    return ".".join(json.dumps(key, ensure_ascii=False) if set(key) & set(".=\"'") else key for key in keys)
+
+
+def override(data: Data, setting: str) -> Data:
+    """Copy of the tables with one value set, "geometry.swing_deg=24", or removed, "wanted.feed_range="; the value is TOML, or
+    else text. A list goes by its index from 0, as faults tell it: "segment.1.lift=80". A key may be quoted, as in TOML.
+
+    A key that no spec has is left for `validate` to find; SpecError where the setting is not of this form, where a list is
+    shorter, and where there is nothing to remove.
+    """
+    keys, text = split_setting(setting)
+    path = dotted(keys)
+    if not all(keys):
+        raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
+    removed = not text.strip()
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+        value = parsed["value"] if len(parsed) == 1 else text
+    except (ValueError, RecursionError):
+        value = text.strip()
+    deep = len(keys) + depth_of(value)
+    if deep > DEEPEST:
+        raise SpecError([Fault("--set", f"nested {deep} deep", SHALLOWER)])
+    changed = deepcopy(data)
+    holder: Any = changed
+    for depth, name in enumerate(keys, 1):
+        key, last = _key(holder, name, keys[: depth - 1], path), depth == len(keys)
+        if removed and isinstance(holder, dict) and key not in holder:
+            where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
+            nearest = get_close_matches(name, holder, 1)
+            fault = Fault(f"--set {path}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
+            raise SpecError([fault])
+        if not last:
+            holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
+        elif removed:
+            del holder[key]
+        else:
+            holder[key] = value
+    return changed
+
+
+def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
+    """A step of --set's path as a key of the table, or an index of the list, that stands at the steps above it."""
+    if isinstance(holder, dict):
+        return name
+    where = ".".join(above)
+    if not isinstance(holder, list):
+        raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
+    if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
+        has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
+        nearest = [f"files.{name}"] if where == "output" and not name.isdecimal() else []  # as a linkage has them
+        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {shortened(name)}", *nearest)])
+    return int(name)

@@ -1,0 +1,124 @@
+"""Keys of a spec that vary until every limit holds."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.design import keys
+from camgen.design.run import design
+from camgen.design.wanted import wish
+from camgen.errors import DesignError, FileError, SpecError
+from camgen.pipeline.edits import edited, with_tables
+
+CAM = """# a cam
+mechanism = "disc-cam"
+name = "found"
+
+[geometry]
+base_radius = 40 # is found
+
+[geometry.follower]
+motion = "translating"
+shape = "roller"
+radius = 5
+
+[[segment]]
+kind = "rise"
+span_deg = 90
+lift = 10
+law = "cycloidal"
+
+[[segment]]
+kind = "return"
+span_deg = 90
+to = 0
+law = "cycloidal"
+
+[[segment]]
+kind = "dwell"
+span_deg = 180
+
+[motor]
+speed_rpm = 60
+
+[wanted]
+vary = { "geometry.base_radius" = [10, 80] }
+least = "geometry.base_radius"
+figures = { pressure_angle_deg = [0, 20] }
+"""
+
+
+def prime_radius(angle: float, offset: float = 0.0) -> float:
+    """Of the least cam of a cycloidal rise of 10 mm over 90 deg by the textbook's tan = s' / (r0 + s), by bisection."""
+    beta = math.pi / 2
+    u = np.linspace(0, 1, 200_001)
+    s = 10 * (u - np.sin(2 * math.pi * u) / (2 * math.pi))
+    slope = 10 / beta * (1 - np.cos(2 * math.pi * u))
+    return float(np.max(slope / math.tan(angle) - s))
+
+
+@pytest.fixture(autouse=True)
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thirty designs where sixty are usual."""
+    monkeypatch.setattr(keys, "_EACH", 30)
+
+
+def test_the_least_cam_has_the_pressure_angle_that_is_allowed(tmp_path: Path) -> None:
+    spec = tmp_path / "cam.toml"
+    spec.write_text(CAM, encoding="utf-8")
+    text, front = design(spec)
+    assert front is None and "# a cam" in text and "# is found" in text and "wanted" not in text
+    found = tomllib.loads(text)["geometry"]["base_radius"]
+    least = prime_radius(math.radians(20)) - 5  # of the pitch curve, less the roller
+    assert least - 1e-3 < found < least + 0.05  # 45 designs over 70 mm: what a simplex of so few steps reaches
+
+
+def test_what_cannot_be_is_told_with_the_nearest() -> None:
+    with pytest.raises(DesignError, match=r"none of \d+ designs keeps every limit; the nearest one"):
+        design(tomllib.loads(CAM) | {"wanted": {"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "geometry.base_radius",
+                                                "figures": {"pressure_angle_deg": [0.0, 3.0]}}})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("wanted", "said"),
+    [
+        ({"vary": {"geometry.base_radius": [20.0, 10.0]}, "least": "x"}, "the least value first"),
+        ({"vary": {"geometry.base_radius": [10.0, 20.0]}}, "one of wanted.least and wanted.most"),
+        ({"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "presure_angle_deg"}, "did you mean 'pressure_angle_deg'"),
+        ({"vary": {"geometry.bse_radius": [10.0, 20.0]}, "least": "pressure_angle_deg"}, "geometry.bse_radius"),
+        ({"vary": {}, "least": "x"}, "wanted.vary"),
+        ({"path": [[0, 0], [1, 1], [2, 0]]}, '"linkage", for a path'),
+        ({"path": "none.csv", "bars": 5}, "wanted.bars"),
+        ({}, "wanted"),
+    ],
+)
+def test_faults_of_a_wish_are_told(wanted: dict[str, Any], said: str) -> None:
+    with pytest.raises(SpecError) as error:
+        design(tomllib.loads(CAM) | {"wanted": wanted})
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [("x,y\n1,2\n", "1 different points"), ("1,2\na,b\n", "line 2: two numbers"), ("1,2\n3,1e9\n", "within"),
+     ("", "0 different points"),
+     ("\n".join(f"{(k * 7919) % 97},{(k * 31) % 89}" for k in range(60)), "a line of .* through all points")],
+)  # fmt: skip
+def test_tables_that_are_no_path_are_told(table: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "path.csv").write_text(table, encoding="utf-8")
+    asked = wish({"wanted": {"path": "path.csv"}}, "spec")
+    with pytest.raises((SpecError, FileError), match=said):
+        asked.points(tmp_path)  # type: ignore[union-attr]
+
+
+def test_texts_keep_their_comments() -> None:
+    text = "# head\n[a]\nx = 1 # one\n\n[wanted]\ny = 2\n"
+    assert edited(text, ["a.x=2", "b.c=3"]).startswith("# head\n[a]\nx = 2 # one\n")
+    changed = with_tables(text, {"a": {"z": 1}, "rows": [{"n": 1}]}, ["wanted"])
+    assert tomllib.loads(changed) == {"a": {"x": 1, "z": 1}, "rows": [{"n": 1}]} and "# one" in changed

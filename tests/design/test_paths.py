@@ -1,0 +1,116 @@
+"""The search for paths: its chains, its distances, its steps, and what it finds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial import cKDTree
+
+from camgen.design.chains import Chain, chains
+from camgen.design.linkages import Candidate
+from camgen.design.paths import Found, Task, area, front, search, solved
+from camgen.design.polish import Goal, packed, polished
+from camgen.design.target import Target
+from camgen.machine.run import solve
+from camgen.spec import validate
+
+FOUR_BAR = chains(2, 1)[0]
+DRAWN = np.array([[0, 20, 70, 45 + 40j, 20 + 60j]], complex)  # O, A, C, B, P
+PATH = FOUR_BAR.trace(DRAWN, 720)[0][:, 0]
+TARGET = Target(PATH)
+GOAL = Goal(TARGET, 0.2 * TARGET.chord, 10 * TARGET.chord)
+TASK = Task(FOUR_BAR, 1, 32, 25, (1.0,))
+
+
+def test_a_four_bar_is_the_only_chain_of_two_pairs() -> None:
+    assert [chain.pairs for chain in chains(2, 2)] == [((1, 2), (1, 3))]
+    assert FOUR_BAR.bodies == ({0, 2}, {0, 1}, {1, 3, 4}, {2, 3})
+
+
+@pytest.mark.parametrize("pairs", [2, 3, 4])
+def test_chains_have_one_freedom_and_differ(pairs: int) -> None:
+    found = chains(pairs, 2)
+    assert len(set(found)) == len(found)
+    for chain in found:
+        pins = sum(sum(point in body for body in chain.bodies) - 1 for point in range(chain.size))
+        assert 3 * (len(chain.bodies) - 1) - 2 * pins == 1, chain  # Gruebler
+
+
+@pytest.mark.parametrize("chain", [*chains(2, 1), *chains(3, 2)[::5], *chains(4, 2)[::40]])
+def test_a_chain_traces_what_the_machine_of_its_spec_does(chain: Chain) -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(4000):
+        drawn = 30 * (rng.normal(size=(1, chain.size)) + 1j * rng.normal(size=(1, chain.size)))
+        path, least = chain.trace(drawn, 36)
+        if least[0] > 0.2:
+            break
+    tables = {"mechanism": "linkage", "name": "found"}
+    data = Candidate(Found(chain, tuple(drawn[0]), 0.0, 0.0), path[:, 0], tables).data()
+    from camgen.machines.linkage.mechanism import Linkage
+
+    run = solve(validate(Linkage, data).chain, 2 * np.pi * np.arange(36) / 36, 0)
+    assert np.max(np.abs(run.derivatives("path")[0] - path[:, 0])) < 1e-4  # drawn to 1e-6 mm, and up to five dyads multiply it
+
+
+@given(st.floats(-3, 3), st.floats(0.2, 5), st.complex_numbers(max_magnitude=100))
+def test_place_turn_and_size_of_a_path_do_not_count(turn: float, size: float, shift: complex) -> None:
+    target = TARGET
+    error, factor, moved = target.measured(size * np.exp(1j * turn) * PATH + shift)
+    assert error < 1e-9 * target.chord
+    assert np.max(np.abs(factor * (size * np.exp(1j * turn) * PATH + shift) + moved - PATH)) < 1e-7 * target.chord
+
+
+def test_the_error_is_the_chamfer_distance() -> None:
+    other = FOUR_BAR.trace(DRAWN + [[0, 0, 3, 0, 2j]], 500)[0][:, 0]
+    error, factor, shift = TARGET.measured(other)
+    laid = factor * other + shift
+    a, b = (np.stack([z.real, z.imag], axis=-1) for z in (PATH, laid))
+    assert error == pytest.approx(cKDTree(a).query(b)[0].mean() + cKDTree(b).query(a)[0].mean(), rel=1e-9)
+    assert error > 0.2  # not the same path
+
+
+def test_a_fast_look_is_near_the_full_one() -> None:
+    target = TARGET
+    other = FOUR_BAR.trace(DRAWN + [[0, 0, 2, 0, 2j]], 64)[0]
+    assert target.glance(target.laid(other)[0])[0] == pytest.approx(target.measured(other[:, 0])[0], abs=0.02 * target.chord)
+
+
+def test_polishing_only_betters_and_ends_at_a_known_linkage() -> None:
+    goal = Goal(TARGET, 20.0, 2000.0)
+    rng = np.random.default_rng(4)
+    start = DRAWN + 1.5 * (rng.normal(size=(6, 5)) + 1j * rng.normal(size=(6, 5)))
+    laid = goal.target.laid(FOUR_BAR.trace(start, 128)[0])[0]
+    before = goal.target.near(laid).error
+    _, error, _ = polished(FOUR_BAR, packed(start), np.full(6, 1e-6), goal)
+    closed = FOUR_BAR.trace(start, 128)[1] > goal.sine
+    assert closed.sum() >= 4 and (error <= before)[closed].all() and np.median(error) < 0.3 * np.median(before)
+
+
+def test_a_front_and_its_area() -> None:
+    goal = Goal(TARGET, 1.0, 10.0)
+    points = [Found(FOUR_BAR, (), *each) for each in ((0.5, 4.0), (0.2, 6.0), (0.5, 7.0), (0.1, 6.0), (0.9, 12.0), (2.0, 1.0))]
+    assert [(each.error, each.bars) for each in front(points)] == [(0.1, 6.0), (0.5, 4.0), (2.0, 1.0)]
+    assert area(points, goal) == pytest.approx((0.4 * 4 + 0.5 * 6) / 10)
+
+
+def test_a_path_of_a_four_bar_is_found_again() -> None:
+    found = solved(GOAL, TASK)
+    assert found == solved(GOAL, TASK)  # the same task, the same front
+    assert min(each.error for each in found) < 0.02 * TARGET.chord
+
+
+def test_shortest_bar_and_transmission_angle_are_kept() -> None:
+    for each in solved(replace(GOAL, shortest=15.0, sine=0.5), TASK):
+        drawn = np.array([each.drawn])
+        assert FOUR_BAR.lengths(drawn).min() >= 15 - 1e-9 and FOUR_BAR.trace(drawn, 720)[1][0] >= 0.5 - 1e-6
+
+
+def test_a_target_of_the_challenge_is_met_by_a_four_bar_better_than_by_the_students_machines() -> None:
+    points = np.loadtxt(Path(__file__).parents[1] / "reference" / "path_target_0.csv", delimiter=",")
+    goal = Goal(Target(points @ [1, 1j]), 0.1, 5.0)
+    assert area(search(goal, [FOUR_BAR], 0), goal) > 0.73  # their score on this target

@@ -1,0 +1,145 @@
+"""[[load.on]] and friction: virtual work against closed forms, tables over theta, what is wrong told at once."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen import starters
+from camgen.errors import SpecError
+from camgen.machine import Gravity, solve
+from camgen.machines.loads.applied import Table
+from camgen.machines.loads.assess import assess
+from camgen.machines.mechanism import Mechanism
+from camgen.pipeline.jobs import read_mechanism
+from camgen.spec import read
+
+SPECS = starters.folder()
+TURN = np.linspace(0, math.tau, 361)
+
+
+def made(name: str, *settings: str, **load: Any) -> Mechanism:
+    """A starter with a table [load]."""
+    data = read(SPECS / f"{name}.toml")
+    data["load"] = {**data.get("load", {}), **load}
+    return read_mechanism(data, settings)
+
+
+def torque(mechanism: Mechanism) -> Any:
+    return next(iter(solve(mechanism.model, TURN).forces().drives.values()))
+
+
+def test_a_constant_load_on_a_lift_is_a_resistance() -> None:
+    on = made("disc-cam", mass_kg=0.1, on=[{"output": "lift", "value": -10.0}])
+    np.testing.assert_allclose(torque(on), torque(made("disc-cam", mass_kg=0.1, resistance=10.0)), atol=1e-12)
+    assert np.max(np.abs(torque(on))) > 0.05
+    less, more = (made("disc-cam", mass_kg=0.1, **each).limits() for each in ({}, {"on": [{"output": "lift", "value": -10.0}]}))
+    held = [next(each.measured for each in limits if each.code == "LIFT_OFF") for limits in (less, more)]
+    assert held[0] < 0 < 9.5 < held[1]  # it presses the follower on its cam
+
+
+def test_work_of_a_thread_and_of_a_brake() -> None:
+    """A constant tension gives back what it takes; against the motion it takes T times all the way that goes by."""
+    speed = made("thread-take-up").speed
+    for acts, share in (("fixed", 0.0), ("along", 1.0)):
+        machine = made("thread-take-up", on=[{"output": "feed", "value": -0.5, "acts": acts}])
+        run, plain = machine.solve(TURN), made("thread-take-up").solve(TURN)
+        way = np.sum(np.abs(np.diff(run["feed"]))) * 1e-3
+        more = np.mean((run.forces().power_in - plain.forces().power_in)[:-1])
+        assert more == pytest.approx(share * 0.5 * way * abs(speed) / math.tau, rel=2e-4, abs=1e-9 * abs(speed))
+
+
+def test_a_jet_turns_with_its_body_and_a_weight_does_not() -> None:
+    """On the end of a crank of 20 mm: across it a constant torque; hung on it that of a weight."""
+    points = {"body": "crank", "point": "A", "value": 3.0}
+    plain = torque(made("linkage"))
+    jet = torque(made("linkage", on=[{**points, "direction_deg": 90.0, "acts": "with the body"}]))
+    np.testing.assert_allclose(jet - plain, -0.06, atol=1e-12)
+    hung = torque(made("linkage", on=[{**points, "direction_deg": -90.0}]))
+    np.testing.assert_allclose(hung - plain, 0.06 * np.cos(TURN), atol=1e-12)
+    place = torque(made("linkage", on=[{**points, "point": [20.0, 0.0], "direction_deg": -90.0}]))
+    np.testing.assert_allclose(place, hung, atol=1e-12)
+    held = torque(made("linkage", on=[{"body": "crank", "value": -0.06}]))
+    np.testing.assert_allclose(held - plain, 0.06, atol=1e-12)
+    brake = torque(made("linkage", on=[{**points, "value": -3.0, "acts": "along"}]))
+    np.testing.assert_allclose(brake - plain, 0.06, atol=1e-12)
+
+
+def test_table_over_theta() -> None:
+    table = Table((0.0, 1.0, 2.0), (0.0, 4.0, 4.0))
+    np.testing.assert_allclose(table(np.array([0.5, 1.5, 2.5, math.tau + 0.5, -0.001])), [2, 4, 0, 2, 0])
+    whole = Table((0.0, math.tau), (1.0, 3.0))
+    np.testing.assert_allclose(whole(np.array([0.0, math.pi, math.tau])), [1, 2, 3])
+    ahead = Table((-1.0, 1.0), (1.0, 1.0))
+    np.testing.assert_allclose(ahead(np.array([math.tau - 0.5, 0.5, 3.0])), [1, 1, 0])
+
+
+def test_a_table_may_be_in_a_file_beside_the_spec(tmp_path: Path) -> None:
+    (tmp_path / "press.csv").write_text("deg, N\n0, 0\n90, -8\n180, 0\n", encoding="utf-8")
+    spec, text = tmp_path / "mine.toml", starters.text("disc-cam")
+    spec.write_text(f'{text}\n[[load.on]]\noutput = "lift"\nfile = "press.csv"\n', encoding="utf-8")
+    found = read_mechanism(spec, ()).load
+    assert found is not None and found.on[0].points == ((0, 0), (90, -8), (180, 0)) and found.on[0].source == "press.csv"
+    spec.write_text(f'{text}\n[[load.on]]\noutput = "lift"\nfile = "pres.csv"\n', encoding="utf-8")
+    with pytest.raises(Exception, match="pres.csv"):
+        read_mechanism(spec, ())
+
+
+WRONG: list[tuple[dict[str, Any], str, str]] = [
+    ({"output": "lifts", "value": 1.0}, "load.on.0.output", "lift"),
+    ({"body": "folower", "value": 1.0}, "load.on.0.body", "follower"),
+    ({"body": "follower", "point": "tap", "value": 1.0, "acts": "along"}, "load.on.0.point", "tip"),
+    ({"output": "lift"}, "load.on.0", "one of value, points and file"),
+    ({"value": 1.0}, "load.on.0", "either output or body"),
+    ({"output": "lift", "value": 1.0, "points": [[0.0, 1.0], [1.0, 1.0]]}, "load.on.0", "one of value"),
+    ({"output": "lift", "points": [[90.0, 1.0], [0.0, 1.0]]}, "load.on.0", "row 1 has 0 deg after 90"),
+    ({"output": "lift", "points": [[0.0, 1.0], [400.0, 1.0]]}, "load.on.0", "within one turn"),
+    ({"output": "lift", "value": 1.0, "direction_deg": 3.0}, "load.on.0.direction_deg", "own way"),
+    ({"body": "follower", "point": "tip", "value": 1.0}, "load.on.0", "direction_deg"),
+    ({"output": "lift", "value": 1.0, "acts": "with the body"}, "load.on.0", "with a point"),
+]
+
+
+@pytest.mark.parametrize(("table", "path", "said"), WRONG)
+def test_what_is_wrong_is_told_by_its_key(table: dict[str, Any], path: str, said: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        made("disc-cam", on=[table])
+    (fault,) = caught.value.faults
+    assert fault.path == path and (said in fault.expected or said == fault.nearest)
+
+
+def test_all_loads_that_are_wrong_are_told_at_once() -> None:
+    with pytest.raises(SpecError) as caught:
+        made("disc-cam", on=[{"output": "a", "value": 1.0}, {"name": "x", "body": "b", "value": 1.0},
+                             {"name": "x", "output": "lift", "value": 1.0}])  # fmt: skip
+    assert [fault.path for fault in caught.value.faults] == ["load.on.0.output", "load.on.1.body", "load.on.2.name"]
+
+
+# ---- friction --------------------------------------------------------------------------------------------------------
+
+
+def test_friction_is_in_the_drive_and_may_be_left_out() -> None:
+    smooth, rough = (assess(made("linkage", friction=mu, gravity_deg=-90.0)).study.numbers for mu in (0.0, 0.3))
+    assert smooth["friction_heat_w"] == 0 and rough["friction_heat_w"] > 0
+    assert smooth["drive_power_w"] == pytest.approx(0, abs=1e-6 * smooth["drive_torque_n_m"])
+    assert rough["drive_power_w"] == pytest.approx(rough["friction_heat_w"], rel=1e-3)  # all that goes in becomes heat
+
+
+def test_a_machine_that_locks_is_told() -> None:
+    held = {"output": "ram", "value": -20.0, "acts": "along"}
+    for mu, locks in ((0.1, False), (3.0, True)):
+        findings = assess(made("quick-return", friction=mu, on=[held])).findings
+        found = [each for each in findings if each.code == "SELF_LOCKING"]
+        assert bool(found) is locks and all(not each.ok and 0 < each.measured <= 360 for each in found)
+
+
+def test_several_drives_are_one_shaft() -> None:
+    """Power of a machine with included ones, each with its own drive, is the heat of all their joints."""
+    machine = read_mechanism(SPECS / "stitch-head.toml", ())
+    found = assess(machine).study.numbers
+    assert found["drive_power_w"] == pytest.approx(found["friction_heat_w"], rel=1e-4)
+    assert not any(isinstance(load, Gravity) for load in machine.model.loads)

@@ -1,0 +1,111 @@
+"""Machines of layers of sheet: every part is as thick as the sheet, bought or turned; what no sheet can be is refused."""
+
+import csv
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import camgen
+from camgen.errors import DesignError, SpecError
+
+SPECS = Path(__file__).parents[2] / "specs"
+
+
+def laser(name, table="parts", sheet=3.0, **sizes):
+    spec = tomllib.loads((SPECS / f"{name}.toml").read_text(encoding="utf-8"))
+    own = {key: value for key, value in spec.get(table, {}).items() if isinstance(value, dict)}
+    return {**spec, table: own | {"make": "laser", **sizes}, "laser": {"thickness": sheet}}
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    return camgen.build(laser("linkage"), tmp_path_factory.mktemp("sheets"), only="dxf")
+
+
+def test_a_four_bar_of_one_sheet(report):
+    """Nothing is left to print: its links, ring and caps lie on the sheet, which is judged as cut."""
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    assert report.numbers["sheets"] == 1
+    assert {finding.code for finding in report.findings} >= {"SHEET_FIT", "KERF", "MOTION_ERROR", "PIN_GAP"}
+    with open(report.folder / "linkage-parts.csv", encoding="utf-8") as file:
+        made = {row["part"]: row["how"] for row in csv.DictReader(file)}
+    assert made == {
+        **dict.fromkeys(("ground", "crank", "coupler", "rocker", "collar", "cap-1"), "cut of sheet"), "shaft": "turned",
+        **dict.fromkeys(("pin-1", "drive", "screw of the plate, from behind", "glue"), "bought"),
+    }  # fmt: skip
+    assert report.numbers["mass_g"] == report.numbers["print_time_h"] == 0
+
+
+def test_the_resolved_spec_says_what_the_sheet_decided(report):
+    spec = tomllib.loads((report.folder / "spec.toml").read_text(encoding="utf-8"))
+    parts = spec["parts"]
+    assert (parts["thickness"], parts["base_thickness"], parts["pin"], parts["pin_diameter"]) == (3, 3, "dowel", 4)
+    assert camgen.load(spec).making == camgen.load(laser("linkage")).making
+
+
+@pytest.mark.parametrize("thickness", [3.0, 5.0])
+def test_all_of_a_walker_is_of_the_sheet(thickness):
+    """Rings fill the empty levels, one a level, and dowels reach through all."""
+    machine = camgen.load(laser("two-leg-walker", sheet=thickness)).resolved()
+    parts = {part.name: part for part in machine.parts()}
+    assert {part.made for part in parts.values()} == {"printed", "turned", "bought"} and not machine.printed()
+    assert {part.thickness for part in parts.values() if part.made == "printed"} == {thickness}
+    step = thickness + machine.print.slide_clearance
+    levels = {round((mount.z - machine.print.slide_clearance) / step, 6) for mount in machine.mounts()
+              if parts[mount.part].made == "printed"}  # fmt: skip
+    assert levels - {-1.0} and all(level % 1 in (0, pytest.approx(1 - machine.print.slide_clearance / step, abs=1e-5))
+                                   for level in levels)  # fmt: skip
+
+
+def test_thin_sheets_take_thin_dowels():
+    """Of 2 mm: two sheets, two plays of 0.2 and a cap leave 5.2 to 6.4 mm; dowels of 6 mm are sold up to 2.5 thick (ISO 2338)."""
+    machine = camgen.load(laser("linkage", sheet=2.0)).resolved()
+    (pin,) = [part for part in machine.parts() if part.name.startswith("pin")]
+    assert pin.thickness == 6 and machine.making.pin_diameter == 2.5 and not machine.printed()
+
+
+def test_a_cam_machine_of_sheet():
+    """Cams and wheels are plates on a turned shaft."""
+    spec = laser("indexing-cam", "bodies", 4.0)
+    spec["parts"] = {**tomllib.loads((SPECS / "indexing-cam.toml").read_text(encoding="utf-8"))["parts"], "make": "machine"}
+    machine = camgen.load(spec).resolved()
+    cut = [part for part in machine.parts() if machine.cut_of_sheet(part)]
+    assert {"cam-contact", "cam-contact_2", "roller-contact", "gear-gears-follower"} <= {part.name for part in cut}
+    assert not machine.printed()
+
+
+@pytest.mark.parametrize(
+    "name, sizes, said",
+    [
+        ("linkage", {"thickness": 4.0}, "parts.thickness: 4 - expected 3, as thick as laser.thickness"),
+        ("linkage", {"base_thickness": 5.0}, "parts.base_thickness: 5"),
+        ("linkage", {"rocker": {"thickness": 2.0}}, "parts.rocker.thickness: 2"),
+        ("linkage", {"pin": "printed"}, "parts.pin: 'printed' - expected \"dowel\" or \"shoulder\""),
+        ("linkage", {"pins": {"A": "bearing"}}, "parts.pins.A: 'bearing'"),
+        ("linkage", {"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 3.0}, "heads of its screws lie in pockets"),
+        ("linkage", {"hand_crank": 30.0}, "its knob is no sheet"),
+        ("quick-return", {}, "slide: 1 with parts.make = 'laser' - expected slots and pins"),
+    ],
+)  # fmt: skip
+def test_what_no_sheet_can_be(name, sizes, said):
+    with pytest.raises(SpecError) as refused:
+        camgen.load(laser(name, **sizes))
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["uniform-swing", "disc-cam", "indexing-cam"])
+def test_where_else_sheet_is_had(name):
+    spec = tomllib.loads((SPECS / f"{name}.toml").read_text(encoding="utf-8"))
+    spec["parts"]["make"] = "laser"
+    with pytest.raises(SpecError, match='parts.make: .*bodies.make = "laser" makes the bench'):
+        camgen.load(spec)
+
+
+def test_without_a_sheet_or_dowels():
+    spec = laser("linkage")
+    del spec["laser"]
+    with pytest.raises(SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"):
+        camgen.load(spec)
+    with pytest.raises(DesignError, match="length of the dowel is 0 mm.*thin dowels are sold"):
+        camgen.load(laser("linkage", pin_diameter=5.0)).parts()

@@ -1,0 +1,163 @@
+"""G-code of a built folder's plates: parts are found wherever they lie, and judged as their files are."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+import camgen
+from camgen.errors import FileError
+from camgen.files.gcode import read_gcode
+from camgen.files.stl import read_stl
+from camgen.geometry.mesh import slice_mesh
+from camgen.judge.round_trip import pieces_of
+from camgen.judge.sliced import Known, bodies, copy_of, shapes_of
+from camgen.pipeline.sliced import check_gcode
+
+WIDTH, LAYER = 0.45, 0.8
+SPEC = Path(__file__).parents[2] / "specs" / "linkage.toml"
+MOVING = ("ground", "crank", "coupler", "rocker")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The four-bar's folder, solids alone; its shaft is not printed here, and counts as its file has it."""
+    out = tmp_path_factory.mktemp("sliced")
+    spec = tomllib.loads(SPEC.read_text(encoding="utf-8")) | {"name": "bars"}
+    assert camgen.build(spec, out, only="stl").ok
+    return out / "bars"
+
+
+def pieces(folder, name, height):
+    """Material of a part's solid at a height, as polygons."""
+    mesh = read_stl(folder / f"bars-{name}.stl")
+    shapes = pieces_of(slice_mesh(mesh, height))
+    xy = lambda ring: np.column_stack([ring.points.real, ring.points.imag])  # noqa: E731
+    return mesh.vertices[:, 2].max(), [shapely.Polygon(xy(s.outer), [xy(hole) for hole in s.holes]) for s in shapes]
+
+
+def laid(folder, names, change=lambda name, k, flat: flat, mirrored=()):
+    """G-code of parts side by side, each turned otherwise: centre lines half a line inside the material; change: (part, layer,
+    its material) -> what is laid."""
+    lines = ["; perimeter_generator = arachne", "M83", f";WIDTH:{WIDTH}"]
+    layers = {}
+    for place, name in enumerate(names):
+        top = pieces(folder, name, 0.5)[0]
+        for k in range(round(top / LAYER)):
+            z = (k + 0.5) * LAYER
+            flats = pieces(folder, name, top - z if name in mirrored else z)[1]
+            for flat in (change(name, k, flat) for flat in flats):
+                if name in mirrored:
+                    flat = shapely.affinity.scale(flat, -1, 1, origin=(0, 0))
+                flat = shapely.affinity.rotate(flat, 37 * place + 5, origin=(0, 0))
+                inner = shapely.affinity.translate(flat, 100 * place, 40).buffer(-WIDTH / 2, join_style="mitre", mitre_limit=3)
+                layers.setdefault(k, []).extend([inner.exterior, *inner.interiors])
+    for k, rings in sorted(layers.items()):
+        lines.append(f"G1 Z{(k + 1) * LAYER:.3f}")
+        for ring in rings:
+            (x, y), *rest = ring.coords
+            lines += [f"G1 X{x:.3f} Y{y:.3f}", ";TYPE:External perimeter", *(f"G1 X{x:.3f} Y{y:.3f} E.1" for x, y in rest)]
+    path = folder.parent / "plate.gcode"
+    path.write_text("\n".join(lines))
+    return path
+
+
+def failing(report):
+    return {finding.code for finding in report.findings if not finding.ok}
+
+
+def test_parts_are_found_wherever_they_lie(folder):
+    report = check_gcode(folder, [laid(folder, MOVING)])
+    assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
+    sizes = next(table for table in report.tables if table.title.startswith("Holes"))
+    assert len([row for row in sizes.rows if row[1] == "hole"]) > 7
+    for part, _, _, _, meant, first, small, large in sizes.rows:
+        assert small == pytest.approx(meant, abs=4e-3) and large == pytest.approx(meant, abs=4e-3), part
+        assert first == pytest.approx(meant, abs=4e-3)
+    assert any("perimeter_generator = arachne" in text and "1.1" in text for text in report.remarks)
+    assert any("ground 4.8 for 5" in text for text in report.remarks)  # six layers of 0.8 mm
+    assert any("shaft is not on the plate" in each.why for each in report.not_judged)
+
+
+def test_a_part_that_lies_turned_over(folder):
+    """Its mirror image is laid; it is known where the folder's plates lay it so, and its holes are where they belong."""
+    path = laid(folder, ["coupler"], mirrored=["coupler"])
+    (body,) = bodies(read_gcode(path))
+    solid = read_stl(folder / "bars-coupler.stl")
+    assert copy_of(body, [Known("coupler", solid, np.eye(3))]) is None
+    copy = copy_of(body, [Known("coupler", solid, np.eye(3)), Known("coupler", solid, np.diag([-1.0, 1.0, -1.0]))])
+    assert copy.known.over and copy.height(copy.layers[0]) == pytest.approx(4 - LAYER / 2)
+    (shape,) = shapes_of(copy, copy.layers[1])
+    (wanted,) = pieces_of(slice_mesh(solid, 2.0))
+    centres = sorted((hole.centroid for hole in shape.holes), key=lambda z: z.real)
+    assert centres == pytest.approx(sorted((hole.centroid for hole in wanted.holes), key=lambda z: z.real), abs=2e-3)
+
+
+def drilled(flat, at, diameter):
+    """A flat part whose hole near a place is another one."""
+    return flat.union(shapely.Point(50, 0).buffer(2.7)).difference(shapely.Point(at, 0).buffer(diameter / 2, quad_segs=64))
+
+
+def test_each_is_seen_to_fail(folder):
+    """The rocker's hole 0.05 mm too far out in all layers, and in one of them 0.1 mm too tight: a pin feels all of them."""
+
+    def change(name, k, flat):
+        return drilled(flat, 50.05, 4.9 if k == 3 else 5.0) if name == "rocker" else flat
+
+    report = check_gcode(folder, [laid(folder, MOVING, change)])
+    assert failing(report) == {"MOTION_ERROR", "PIN_GAP"}
+    tight = next(finding for finding in report.findings if finding.code == "PIN_GAP")
+    assert tight.measured == pytest.approx(0.1, abs=0.01)
+    (row,) = (row for row in report.tables[1].rows if row[0] == "rocker" and row[2] > 40)
+    assert row[6] == pytest.approx(4.9, abs=3e-3) and row[7] == pytest.approx(5.0, abs=3e-3)
+
+
+def test_holes_that_are_lost_and_outlines_that_grow(folder):
+    """On a plate of parts that do not move nothing but the contours is judged, and that is said."""
+    changes = (lambda name, k, flat: shapely.Polygon(flat.exterior) if k == 2 else flat, lambda name, k, flat: flat.buffer(0.3))
+    for change in changes:
+        report = check_gcode(folder, [laid(folder, ["collar"], change)])
+        assert failing(report) == {"ROUND_TRIP"}
+        assert any(each.code == "MOTION_ERROR" for each in report.not_judged)
+
+
+def test_the_first_layer_is_told_by_itself(folder):
+    """It is squeezed out by 0.2 mm: no finding, but a figure; with a solid drawn in against it already one that fails."""
+    squeezed = laid(folder, ["collar"], lambda name, k, flat: flat.buffer(0.2 * (k == 0)))
+    report = check_gcode(folder, [squeezed])
+    assert not failing(report)
+    assert report.tables[0].rows[0][4:6] == pytest.approx((0.2, 0.2), abs=5e-3)
+    spec = (folder / "spec.toml").read_text(encoding="utf-8")
+    (folder / "spec.toml").write_text(spec.replace("elephant_foot = 0.0", "elephant_foot = 0.2"), encoding="utf-8")
+    try:
+        assert failing(check_gcode(folder, [squeezed])) == {"FIRST_LAYER"}
+        assert not failing(check_gcode(folder, [laid(folder, ["collar"])]))
+    finally:
+        (folder / "spec.toml").write_text(spec, encoding="utf-8")
+
+
+def test_what_is_sent_otherwise_than_it_prints(tmp_path):
+    """Holes sent larger, outlines smaller, all against shrinkage, a chamfer at the foot: it prints as designed."""
+    spec = tomllib.loads(SPEC.read_text(encoding="utf-8")) | {"name": "bars"}
+    more = {"hole_compensation": 0.1, "profile_compensation": 0.06, "shrinkage": 0.003, "elephant_foot": 0.2}
+    camgen.build(spec | {"print": spec["print"] | more}, tmp_path, only="stl")
+    report = check_gcode(tmp_path / "bars", [laid(tmp_path / "bars", MOVING)])
+    assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
+
+
+def test_what_lies_there_besides(folder):
+    square = "G1 X0 Y0\nG1 Z{}\n;TYPE:External perimeter\nG1 X9 Y0 E1\nG1 X9 Y9 E1\nG1 X0 Y9 E1\nG1 X0 Y0 E1"
+    cube = folder.parent / "cube.gcode"
+    cube.write_text("\n".join(["M83", f";WIDTH:{WIDTH}", *(square.format(z) for z in (2, 4))]))
+    report = check_gcode(folder, [laid(folder, ["collar"]), cube])
+    (finding,) = (finding for finding in report.findings if not finding.ok)
+    assert finding.code == "ROUND_TRIP" and finding.measured == 1 and "like no part" in finding.message
+
+
+def test_a_folder_without_solids(folder, tmp_path):
+    for name in ("spec.toml", "manifest.json"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    with pytest.raises(FileError, match="no STL or 3MF"):
+        check_gcode(tmp_path, [tmp_path / "p.gcode"])
