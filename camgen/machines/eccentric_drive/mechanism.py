@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
@@ -27,11 +27,13 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.features import Asked, Feature, Mount, StandIn
+from camgen.machine.features import Asked, Balance, Feature, Mount, StandIn
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
+from camgen.machines.eccentric_drive.weight import DiscWeight
+from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
 from camgen.parts.hardware import headed, plate
@@ -47,6 +49,7 @@ class EccentricDrive(Mechanism):
     motor: Motor
     making: Annotated[Parts, Field(alias="parts")] = Parts()
     masses: Masses | None = None
+    counterweight: Counterweight | None = None
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
     def faults(self) -> Sequence[Fault]:
@@ -72,10 +75,11 @@ class EccentricDrive(Mechanism):
             (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
         ]  # fmt: skip
         checks += tube_checks(p, slide, floor, 2 * self.rim)
+        found = [*(self.counterweight.faults() if self.counterweight else ())]
         for name in ("stroke", "strokes_per_s"):
             low, high = getattr(self.allowed, name) or (0.0, 1.0)
             checks.append((low < high, f"limits.{name}", low, "the least first, then the greatest"))
-        return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        return [*found, *(Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -158,11 +162,27 @@ class EccentricDrive(Mechanism):
         return rod_end + 1 + self.making.cover_length - (start + self.making.slider_width / 2)
 
     def parts(self) -> Sequence[Part]:
-        """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin."""
-        return self._parts
+        """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin; tube
+        and counterweight where they are asked for."""
+        return (*self.own_parts, *(self.weight.parts if self.weight else ()))
 
     @cached_property
-    def _parts(self) -> tuple[Part, ...]:
+    def weight(self) -> DiscWeight | None:
+        """The counterweight on the motor's shaft, over the keeper washer."""
+        return DiscWeight(self, self.counterweight) if self.counterweight else None
+
+    @property
+    def balance(self) -> Balance | None:
+        """That of the disc with its counterweight."""
+        return self.weight.balance if self.weight else None
+
+    def found(self) -> Mapping[str, object]:
+        """The moment of a counterweight, and what every mechanism fills in."""
+        return {**super().found(), **(found_moment(self.weight.whole) if self.weight else {})}
+
+    @cached_property
+    def own_parts(self) -> tuple[Part, ...]:
+        """All but a counterweight."""
         g, p, wall = self.geometry, self.making, self.allowed.min_wall
         self._check_sizes()
         slide, press = self.print.slide_clearance, self.print.press_clearance
@@ -356,9 +376,10 @@ class EccentricDrive(Mechanism):
 
     @cached_property
     def shaft_length(self) -> float:
-        """How far the motor's shaft must reach over its face, to the upper side of the keeper washer, mm."""
-        p, slide = self.making, self.print.slide_clearance
-        return p.body_thickness + p.slider_thickness + 3 * slide + p.rod_thickness + p.flange
+        """How far the motor's shaft must reach over its face: to the upper side of the keeper washer, or counterweight, mm."""
+        p, weight = self.making, self.counterweight
+        washer = p.body_thickness + p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness + p.flange
+        return washer + (weight.thickness or p.rod_thickness if weight else 0.0)
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws, nuts and the needle's wire."""
@@ -392,6 +413,11 @@ class EccentricDrive(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
+        return (*self.own_mounts, *(self.weight.mounts if self.weight else ()))
+
+    @property
+    def own_mounts(self) -> Sequence[Mount]:
+        """The same without a counterweight."""
         return (*mounts_of(self), *((self.tube.mount(),) if self.tube else ()))
 
     def stand_ins(self) -> Sequence[StandIn]:
