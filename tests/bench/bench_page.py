@@ -3,8 +3,7 @@
     python tests/bench/bench_page.py REPORT.html...
 
 Milliseconds from the begin of navigation, least and median of 9 loads in a browser that has shown the page before; needs
-Chromium. The
-first row is a page of one word, which tells what the browser and the machine take by themselves.
+Chromium. The first row is a page of one word, which tells what the browser and the machine take by themselves.
 """
 
 from __future__ import annotations
