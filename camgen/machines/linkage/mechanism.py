@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
@@ -39,6 +39,7 @@ from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
+from camgen.machines.linkage.signals import Signal, signals
 from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
@@ -57,28 +58,6 @@ _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec s
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
 _LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
-
-
-@dataclass(frozen=True)
-class Signal:
-    """One number of an output: column's name without its unit, unit for people ("deg" or "mm").
-
-    of: the output's name; turned: unit complex that the output is divided by before its real part is taken.
-    """
-
-    name: str
-    unit: str
-    of: str
-    turned: complex = 1.0
-
-    @property
-    def scale(self) -> float:
-        """How many of the unit one rad or mm is."""
-        return math.degrees(1) if self.unit == "deg" else 1.0
-
-    def rows(self, run: Run) -> Floats:
-        """It with its derivatives to theta, (order + 1, n) rad or mm."""
-        return np.asarray(np.real(run.derivatives(self.of) / self.turned))
 
 
 def _one_drive(value: object) -> object:
@@ -293,15 +272,7 @@ class Linkage(Mechanism):
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
         """What the outputs give, as single numbers."""
-
-        found = []
-        for output in self.chain.outputs:
-            if isinstance(output.of, m.Path):
-                found += [Signal(f"{output.name}_x", "mm", output.name), Signal(f"{output.name}_y", "mm", output.name, 1j)]
-            else:
-                unit = "deg" if isinstance(output.of, m.Angle) else "mm"
-                found.append(Signal(output.name, unit, output.name))
-        return tuple(found)
+        return tuple(signals(self.chain))
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
