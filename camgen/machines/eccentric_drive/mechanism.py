@@ -30,13 +30,14 @@ from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.features import Asked, Balance, Feature, Mount, StandIn
 from camgen.machines.eccentric_drive.body import body_plate
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
+from camgen.machines.eccentric_drive.shopping import bought
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
 from camgen.machines.eccentric_drive.weight import DiscWeight
 from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.study import Study
@@ -352,27 +353,7 @@ class EccentricDrive(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws, nuts and the needle's wire."""
-        g, p, m, slide = self.geometry, self.making, self.motor, self.print.slide_clearance
-        through = (
-            ("screw of the cover", p.body_thickness + p.slider_thickness + slide + p.rod_thickness),
-            ("screw of the motor", 2 * p.body_thickness + m.length),
-            ("screw of the wire clamp", p.slider_thickness + p.rod_thickness),
-        )
-        straight = "" if self.tube is None else f", straight over {self.tube.wire:.4g}"
-        motor = (
-            f"{turning_text(m.speed_rpm)}, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, "
-            f"collar {m.boss_diameter:g}, can {m.diameter:g} x {m.length:g}"
-        )
-        return (
-            Bought("motor", "", motor, 1),
-            *(fastener(name, p.screw, reach, 2) for name, reach in through),
-            *((self.tube.bought(),) if self.tube else ()),
-            nut("nut", p.screw, 8 if self.tube else 6),
-            Bought("screw for mounting", self.screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
-            Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}{straight}", 1),
-            Bought("supply", "", "USB, 5 V, 1 A or more: a charger or a power bank", 1),
-            Bought("switch", "", "rocker switch, round, 20 mm", 1),
-        )
+        return bought(self)
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
