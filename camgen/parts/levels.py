@@ -26,9 +26,9 @@ from itertools import combinations
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.geometry.convex import distance, ways
 from camgen.geometry.outlines import Floats, Points
 
-_WAY = 1.1  # of a chord: the way between two samples
 _LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
 
@@ -128,68 +128,6 @@ class _Rule:
     distance: float
     needed: float
     k: int
-
-
-def hull_corners(points: Sequence[complex]) -> list[int]:
-    """Indices of the corners of the convex hull of points, counter-clockwise; two of points on one line."""
-    order = sorted(range(len(points)), key=lambda k: (points[k].real, points[k].imag))
-    order = [k for j, k in enumerate(order) if j == 0 or points[k] != points[order[j - 1]]]
-    if len(order) < 3:
-        return order
-    size = max(abs(points[k] - points[order[0]]) for k in order)
-
-    def half(run: Sequence[int]) -> list[int]:
-        found: list[int] = []
-        for k in run:
-            while len(found) > 1:
-                a, b = points[found[-1]] - points[found[-2]], points[k] - points[found[-2]]
-                if (a.conjugate() * b).imag > 1e-9 * size * size:
-                    break
-                found.pop()
-            found.append(k)
-        return found
-
-    return half(order)[:-1] + half(order[::-1])[:-1]
-
-
-def distance(a: Points, b: Points) -> Floats:
-    """Distance of two convex polygons over a motion, (n,) mm, 0 where they meet; corners (k, n) complex, k >= 1."""
-    found = np.full(a.shape[1], np.inf)
-    sides = [(p, q) for p in _sides(a) for q in _sides(b)]
-    for (p0, p1), (q0, q1) in sides:
-        ends = [_to_side(p0, q0, q1), _to_side(p1, q0, q1), _to_side(q0, p0, p1), _to_side(q1, p0, p1)]
-        apart = np.minimum.reduce(ends)
-        cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
-        cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
-        found = np.minimum(found, np.where(cross, 0.0, apart))
-    for one, other in ((a, b), (b, a)):
-        if len(one) > 2:
-            inside = np.all([_side(p0, p1, other[0]) >= 0 for p0, p1 in _sides(one)], axis=0)
-            found[inside] = 0.0
-    return found
-
-
-def _sides(corners: Points) -> list[tuple[Points, Points]]:
-    if len(corners) < 3:
-        return [(corners[0], corners[-1])]
-    return [(corners[k - 1], corners[k]) for k in range(len(corners))]
-
-
-def _side(a: Points, b: Points, z: Points) -> Floats:
-    return np.asarray(((b - a).conj() * (z - a)).imag)
-
-
-def _to_side(z: Points, a: Points, b: Points) -> Floats:
-    way, off = b - a, z - a
-    square = np.abs(way) ** 2
-    share = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
-    return np.asarray(np.abs(off - share * way))
-
-
-def ways(corners: Points) -> Floats:
-    """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
-    steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
-    return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
 
 
 @dataclass(frozen=True)

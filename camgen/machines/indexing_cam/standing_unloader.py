@@ -21,6 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.geometry.convex import hull_corners
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.model import GROUND, Body, Gear, Machine, Pin, Place
 from camgen.machine.model import Pose as Start
@@ -28,7 +29,6 @@ from camgen.machines.bench import Strung
 from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear as GearTable
-from camgen.parts.levels import hull_corners
 from camgen.parts.springs import extension_spring
 
 CRANK = "unloader"

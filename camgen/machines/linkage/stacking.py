@@ -9,6 +9,7 @@ from itertools import pairwise, product
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.geometry.convex import hull_corners
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage.cures import cured, slimmer, slimmer_pin
@@ -17,7 +18,7 @@ from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse
 from camgen.machines.linkage.plates import columns, post_radius
-from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, hull_corners, levels, span
+from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, levels, span
 
 
 def laid(layout: Layout, run: Run) -> Layout:
