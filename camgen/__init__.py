@@ -63,13 +63,22 @@ def build(
         return pipeline.build(spec, Path(out), frozenset(kinds), jobs=jobs)
 
 
-def check(folder: str | PathLike[str], jobs: int = 1) -> Report:
+def check(
+    folder: str | PathLike[str], jobs: int = 1, gcode: Iterable[str | PathLike[str]] = (), line_width: float | None = None
+) -> Report:
     """Judge the files of an earlier build again, from the folder's files and the spec.toml beside them; writes nothing.
 
+    gcode: of its plates, judged in place of the folder's files; line_width: mm, where it does not say it (CuraEngine).
     Raises SpecError where that spec is wrong, FileError where it or a listed file cannot be read.
     """
     from pathlib import Path
 
+    plates = [Path(each) for each in gcode]
+    if plates:
+        from camgen.pipeline.sliced import check_gcode
+
+        with file_errors():
+            return check_gcode(Path(folder), plates, line_width)
     from camgen.pipeline import build as pipeline
 
     with file_errors():

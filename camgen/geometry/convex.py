@@ -1,4 +1,4 @@
-"""Convex polygons over a motion: corners of a hull, distance of two, and how far corners may be between two samples."""
+"""Convex polygons: the hull of points, and how near two come to each other over a motion."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
-
-_WAY = 1.1  # of a chord: the way between two samples, while a step turns a body by less than half a radian
 
 
 def hull_corners(points: Sequence[complex]) -> list[int]:
@@ -65,9 +63,3 @@ def _to_side(z: Points, a: Points, b: Points) -> Floats:
     square = np.abs(way) ** 2
     share = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
     return np.asarray(np.abs(off - share * way))
-
-
-def ways(corners: Points) -> Floats:
-    """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
-    steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
-    return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))

@@ -13,6 +13,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,8 +26,10 @@ from camgen.judge.round_trip import pieces_of
 if TYPE_CHECKING:
     from camgen.files.gcode import Wall
 
+_ON_BED = 1.0  # mm, higher than any first layer
 _COARSE = 0.1  # mm, to which walls are taken where only their place counts
-_STEP = 0.2  # mm, between points of edges that are laid on each other
+_STEP, _FINE = 0.2, 0.02  # mm, between points of edges that are laid on each other, and of those that they are measured from
+_THIN = 5  # of these points one is looked at where a turn is only to be thought of
 _FEW, _MANY = 150, 3000  # points that are laid on others: to find the turn, and to measure it
 _STARTS = 24  # turns from which outlines are laid on each other where the plate's own do not serve
 _ALIKE = 0.15  # mm rms: a body that lies so near to a solid is its print
@@ -56,7 +59,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Layer:
-    """What is laid between two heights over the bed, mm: walls, and whether each is that of a hole."""
+    """What is laid between two heights over the bed, or over the raft, mm: walls, and whether each is that of a hole."""
 
     low: float
     top: float
@@ -102,16 +105,16 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
     tree = shapely.STRtree(flat)
     a, b = tree.query(flat, predicate="intersects")
     label = components(len(flat), a, b)
-    tops = sorted({round(wall.z, 4) for wall in walls})
-    lows = dict(zip(tops, [0.0, *tops], strict=False))
     found = []
     for one in np.unique(label):
         members = np.flatnonzero(label == one).tolist()
         layers = []
-        for top in sorted({round(walls[k].z, 4) for k in members}):
+        tops = sorted({round(walls[k].z, 4) for k in members})
+        bed = 0.0 if tops[0] < _ON_BED or len(tops) < 2 else 2 * tops[0] - tops[1]  # a raft under it is none of its own
+        for low, top in pairwise([bed, *tops]):
             here = [k for k in members if round(walls[k].z, 4) == top]
             within = [sum(flat[j].area > flat[k].area and flat[j].contains(flat[k]) for j in here) % 2 == 1 for k in here]
-            layers.append(Layer(lows[top], top, tuple(walls[k] for k in here), tuple(within)))
+            layers.append(Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within)))
         found.append(tuple(layers))
     return found
 
@@ -144,20 +147,20 @@ def _laid(cut: Sequence[Points], own: Sequence[Points], centre: complex, turns: 
     from scipy.spatial import cKDTree
 
     middle = _centre(cut)
-    seen = [z - centre for z in own]
-    all_seen, all_cut = np.concatenate(seen), np.concatenate(cut) - middle
-    tree = cKDTree(np.column_stack([all_seen.real, all_seen.imag]))
+    seen, shown = [z - centre for z in own], [z - middle for z in cut]
+    all_seen, all_shown = np.concatenate(seen), np.concatenate(shown)
+    trees = [cKDTree(_xy(np.concatenate([dense(z, _FINE) for z in edges]))) for edges in (seen, shown)]
 
-    def off(laid: Laid) -> float:
-        at = cmath.exp(1j * laid.turn) * all_cut + laid.shift
-        there = tree.query(np.column_stack([at.real, at.imag]))[0]
-        back = cKDTree(np.column_stack([at.real, at.imag])).query(np.column_stack([all_seen.real, all_seen.imag]))[0]
+    def off(turn: float, shift: complex, thin: int = 1) -> float:
+        spun = cmath.exp(1j * turn)
+        there = trees[0].query(_xy(spun * all_shown[::thin] + shift))[0]
+        back = trees[1].query(_xy((all_seen[::thin] - shift) / spun))[0]
         return float(np.sqrt(max(np.mean(there**2), np.mean(back**2))))
 
     def from_start(start: float, most: int) -> Laid:
-        some = [z[:: max(1, sum(map(len, cut)) // most)] - middle for z in cut]
+        some = [z[:: max(1, len(all_shown) // most)] for z in shown]
         found = lay(some, [seen], start=start)[1][0]
-        return Laid(found.turn, found.shift, off(found))
+        return Laid(found.turn, found.shift, off(found.turn, found.shift))
 
     best = Laid(0.0, 0j, math.inf)
     even = np.linspace(0, math.tau, _STARTS, endpoint=False).tolist()
@@ -165,9 +168,17 @@ def _laid(cut: Sequence[Points], own: Sequence[Points], centre: complex, turns: 
         if best.off <= _ALIKE:
             break
         best = min(best, from_start(start, _FEW), key=lambda laid: laid.off)
+    # What is nearly alike after part of a turn, such as a bar with two holes of other sizes, may lie so as well.
+    likely = min((best.turn + step for step in even[1:]), key=lambda turn: off(turn, best.shift, _THIN))
+    if best.off < _NO_OTHER and off(likely, best.shift, _THIN) < 2 * best.off:
+        best = min(best, from_start(likely, _FEW), key=lambda laid: laid.off)
     if best.off < min(to_beat, _NO_OTHER):
         best = min(best, from_start(best.turn, _MANY), key=lambda laid: laid.off)
     return Laid(best.turn, best.shift + centre - cmath.exp(1j * best.turn) * middle, best.off)
+
+
+def _xy(z: Points) -> Floats:
+    return np.column_stack([z.real, z.imag])
 
 
 def _net(edges: Sequence[Points]) -> float:

@@ -206,6 +206,11 @@ class Mechanism(Spec, ABC):
         return None
 
     @property
+    def arm_stiffness(self) -> float | None:
+        """Of a follower's arm from its pivot to its tip, by its outline, N m/rad."""
+        return None
+
+    @property
     def return_spring(self) -> Mounted | None:
         """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
         return None

@@ -17,11 +17,13 @@ from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
 from camgen.machines.loads.journals import Post
 from camgen.machines.mechanism import Mechanism
+from camgen.parts import materials
 from camgen.parts.catalogue import Bought
 from camgen.parts.disc_cams import Parts as DiscParts
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
+from camgen.parts.stiffness import bending_stiffness
 from camgen.study import Table
 
 if TYPE_CHECKING:
@@ -147,6 +149,16 @@ class StandingCams(Mechanism):
             return self.bench.bought()
         made, hub = getattr(self, "making", None), self.hub
         return hub.bought(made.hub_diameter / 2) if hub is not None and isinstance(made, DiscParts) else ()
+
+    @property
+    def arm_stiffness(self) -> float | None:
+        """Of the follower that swings; None of one that slides."""
+        points = self.bench.bodies.layout.points_of("follower") if self.standing else {}
+        if not {"pivot", "tip"} <= points.keys():
+            return None
+        arm, held, pushed = next(part for part in self.parts() if part.name == "follower"), points["pivot"], points["tip"]
+        modulus = materials.of(self.material.name).elastic.modulus
+        return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
 
     @property
     def hub(self) -> SetScrewHub | None:

@@ -26,9 +26,10 @@ from itertools import combinations
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.convex import distance, ways
+from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Floats, Points
 
+_WAY = 1.1  # of a chord: the way between two samples
 _LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
 
@@ -128,6 +129,12 @@ class _Rule:
     distance: float
     needed: float
     k: int
+
+
+def ways(corners: Points) -> Floats:
+    """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
+    steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
+    return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from camgen.pipeline.making import make
 from camgen.report.report import Report, write_csv, write_html, write_json
 
 KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut")
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "reportlab")
 
 
 def build(

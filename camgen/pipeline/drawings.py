@@ -14,7 +14,6 @@ import numpy as np
 
 from camgen.files.dimensions import hole_of, number
 from camgen.files.title_block import Facts, Fit
-from camgen.geometry.arcs import as_circle
 from camgen.machine.features import PartPose, PinEyes
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import STEEL
@@ -61,9 +60,9 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
     clearances = {"press": mechanism.print.press_clearance, "slide": mechanism.print.slide_clearance}
     poses = mechanism.poses(np.zeros(1))
     shafts = [
-        _placed(round_one, layer, other, pose)
+        _placed((outer.place, outer.radius), layer, other, pose)
         for other in mechanism.parts() if other.name != part.name
-        for layer in other.layers if (round_one := as_circle(layer.region.outer))
+        for layer in other.layers if (outer := hole_of(layer.region.outer)).radius
         for pose in poses[other.name]
     ]  # fmt: skip
     told = set[tuple[complex, float]]()

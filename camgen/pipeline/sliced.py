@@ -37,6 +37,7 @@ _OVER = np.diag([-1.0, 1.0, -1.0])  # a part that lies turned over, as plates la
 _FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
 _ANGLES = 721  # at which the motion of one layer is judged
 _HIGH = 1e-3  # mm, by which a print may be higher or lower than its part
+_UNSEEN = 0.002  # mm, a resolution that costs nothing; PrusaSlicer writes 0 as 0.001
 _FOOT = 0.05  # mm, by which a first layer may be off a foot that the part itself makes smaller
 # What settings of a slicer cost: measured with PrusaSlicer 2.5 on the cam of the uniform-swing starter, away from its corners.
 _LINES = "lines of varying width put that cam's follower 9.9 um off with a resolution of 0, 19.7 with 0.0125 mm; classic ones 1.1"
@@ -204,8 +205,9 @@ def _moved(case: Case, laid: Mapping[str, _Laid], where: str) -> tuple[list[Find
     if not held:
         why = "no part on the plate makes the motion" if features else "nothing moves by the parts' outlines"
         return [], {}, [NotJudged("MOTION_ERROR", why, "the plate with the parts that move")] if features else []
-    more = [NotJudged("MOTION_ERROR", f"{name} is not on the plate and counts as its file has it", "all plates")
-            for name in sorted(wanted) if name not in held]  # fmt: skip
+    away = [name for name in sorted(wanted) if name not in held]
+    said = f"not on the plate and {'counts as its file has it' if len(away) == 1 else 'count as their files have them'}"
+    more = [NotJudged("MOTION_ERROR", f"{', '.join(away)}: {said}", "all plates")] if away else []
     kind = next(kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists())
     read: dict[str, Read] = {
         name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind) for name in case.parts
@@ -271,13 +273,13 @@ def _diameter(eye: Eye, sections: Sections) -> float | None:
 
 def _settings_table(settings: Mapping[str, str]) -> Table:
     """What the slicer was set to, where it costs accuracy, and how much it cost elsewhere."""
-    rows = [(key, settings[key], said) for key, said in _COSTS.items() if key in settings and _costs(settings[key])]
+    rows = [(key, settings[key], said) for key, said in _COSTS.items() if key in settings and _costs(key, settings[key])]
     return Table("Settings of the slicer that cost accuracy", ("setting", "value", "what it costs"), rows)
 
 
-def _costs(value: str) -> bool:
+def _costs(key: str, value: str) -> bool:
     try:
-        return float(value.rstrip("%").split(",")[0]) != 0
+        return abs(float(value.rstrip("%").split(",")[0])) > (_UNSEEN if "resolution" in key else 0.0)
     except ValueError:
         return value == "arachne"
 

@@ -12,6 +12,7 @@ from camgen.numerics import Floats
 from camgen.pipeline.jobs import Progress, Source, read_mechanism, silent
 from camgen.pipeline.tolerance import Copies, Spread, copies_of, drawn_again, rolled, spread_of
 from camgen.pipeline.tolerance_targets import MOST, Kept, Loop, loops, targets
+from camgen.pipeline.tolerance_timing import Timing, timings
 from camgen.report.report import Report
 from camgen.study import Plot, Table
 
@@ -23,6 +24,12 @@ _NOTES = (
     "three of them (FDM tolerance guide, toolsfast.app). Print a part and measure it for your own.",
     "First order: errors along the normal over the contact's lever, and centres by the joints' slopes. Means are taken as right: "
     "what is always too small is the compensation's to mend.",
+)
+
+
+_TIMED = (
+    "Bodies follow laws of the shaft, as designed: what a print does to their gears and guides is their play.",
+    "inf: 60 deg and more.",
 )
 
 
@@ -45,14 +52,19 @@ def tolerance(
     mechanism = read_mechanism(spec, overrides).resolved()
     progress("working out what each error does", 0.1)
     spread = spread_of(mechanism)
+    struck = timings(mechanism)
+    if not spread.modes and struck:
+        numbers: dict[str, float] = {}
+        return Report(mechanism.name, mechanism.mechanism, (), numbers, (), (), _timings(struck, numbers), _TIMED)
     if not spread.modes:
         why = "its bodies follow laws by themselves"
         raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
     progress("printing copies", 0.3)
     copies = copies_of(spread, samples, seed)
-    numbers: dict[str, float] = {}
+    numbers = {}
     tables, plots = [spread.budget(), _quantiles(spread, copies, numbers)], list[Plot]()
     tables += _yields(spread, copies, numbers)
+    tables += _timings(struck, numbers)
     few = drawn_again(spread, seed, range(min(samples, MOST)))
     tables += _kept(targets(spread, few), numbers) + _loops(loops(spread, few, seed), numbers)
     for k, output in enumerate(spread.outputs):
@@ -127,6 +139,19 @@ def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
         rows.append(("all", "", "", "", numbers["targets_yield_percent"]))  # type: ignore[arg-type]
     title = f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies" if found else ""
     return [Table(title, ("finding", "output", "limit", "unit", "copies that hold, %"), rows)] if found else []
+
+
+def _timings(found: Sequence[Timing], numbers: dict[str, float]) -> list[Table]:
+    """How much earlier or later one of two bodies may be until they strike."""
+    rows, least = list[tuple[object, ...]](), 90.0
+    for each in found:
+        exact, loose = ([float(np.degrees(angle)) for angle in pair] for pair in (each.exact, each.loose))
+        rows.append((each.pair, each.least, *exact, each.play, *loose))
+        least = min(least, *loose)
+    if found:
+        numbers["timing_tolerance_deg"] = least
+    heads = ("pair", "nearest, mm", "earlier, deg", "later, deg", "play, mm", "earlier with play, deg", "later with play, deg")
+    return [Table("Timing: by how much the first of two bodies may be off until they strike", heads, rows)] if found else []
 
 
 def _loops(found: Sequence[Loop], numbers: dict[str, float]) -> list[Table]:

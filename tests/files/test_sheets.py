@@ -331,7 +331,8 @@ def each_label_has_its_hole(sheet: Drawn) -> None:
         z = facet_contour(contour, 1e-3)
         rims[hole] = shapely.LinearRing(np.column_stack([z.real, z.imag]))
     for name, own in named:
-        (label,) = [e for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.text == name]
+        small = [e for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.height * sheet.scale < 3]  # a size is larger
+        (label,) = [e for e in small if e.dxf.text == name]
         place = complex(label.dxf.align_point.x, label.dxf.align_point.y) + 1.25j / sheet.scale
         to_middle = {hole: abs(hole.middle - place) for _, hole in named}
         to_rim = {hole: rims[hole].distance(shapely.Point(place.real, place.imag)) for _, hole in named}

@@ -60,6 +60,7 @@ def test_a_tetrahedron_is_weighed_as_by_hand() -> None:
 
 MACHINES = [
     ("thread-take-up", "counterweight.made='steel'"), ("linkage", "counterweight.pins=3"), ("linkage", "counterweight.pins=0"),
+    ("eccentric-drive", "counterweight.against='frame'"),
 ]  # fmt: skip
 
 

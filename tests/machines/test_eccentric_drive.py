@@ -365,3 +365,11 @@ def test_the_bore_of_the_tube_holds_the_wire_with_the_fit_of_what_slides() -> No
 def test_a_tube_that_cannot_be_is_told(keys: dict[str, float]) -> None:
     with pytest.raises(SpecError, match="parts.w|parts.t"):
         design(**keys)
+
+
+def test_a_counterweight_lies_across_from_the_eccentric_and_spares_the_shaft() -> None:
+    m = design(counterweight__made="steel")
+    numbers = assess(m).study.numbers
+    assert numbers["counterweight_bearing_after_n"] < 0.75 * numbers["counterweight_bearing_before_n"]
+    # rod and slider shift along the guide: half to all of their moment at the eccentric, and the disc's own, across from it
+    assert abs(numbers["counterweight_at_deg"]) == pytest.approx(180, abs=1) and m.shaft_length == design().shaft_length + 3.0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from camgen.machines.chain_stitch_looper.stitch import SOURCE, Design, thread_per_stitch
-from camgen.machines.chain_stitch_looper.threads import course, entered, lengths, loop, moments, seam, seam_thread, taken
+from camgen.machines.chain_stitch_looper.threads import course, entered, lengths, loop, moments, seam, taken
 
 TURN = np.linspace(0, 2 * math.pi - 1e-9, 3601)
 GOOD = replace(SOURCE, plate=5.0, ratio=1.1, setback=2.0)
@@ -66,9 +66,9 @@ def test_the_seam_that_is_drawn_takes_the_thread_of_the_source(design: Design) -
     z = np.concatenate([np.append(x + 1j * y, complex(math.nan, math.nan)) for _, x, y in plot.series])
     drawn = float(np.nansum(np.abs(np.diff(z)))) / 3
     q = math.hypot(6.4, 3.0)
-    assert drawn == pytest.approx(2 * 3 + 4 * q, rel=2e-3) and seam_thread(6.4, 3.0) == pytest.approx(2 * 3 + 4 * q)
-    assert thread_per_stitch(3.5, 3.0, 6.4)["new"] == pytest.approx(8 * 3.5 + seam_thread(6.4, 3.0))
-    assert drawn != pytest.approx(seam_thread(6.4, 3.3), rel=2e-3)
+    assert drawn == pytest.approx(2 * 3 + 4 * q, rel=2e-3)
+    assert thread_per_stitch(3.5, 3.0, 6.4)["new"] == pytest.approx(8 * 3.5 + 2 * 3 + 4 * q)
+    assert drawn != pytest.approx(thread_per_stitch(0.0, 3.3, 6.4)["new"], rel=2e-3)
 
 
 def test_figure_4_shows_both_moments(design: Design) -> None:

@@ -1,5 +1,6 @@
 """G-code of a built folder's plates: parts are found wherever they lie, and judged as their files are."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -38,7 +39,7 @@ def pieces(folder, name, height):
     return mesh.vertices[:, 2].max(), [shapely.Polygon(xy(s.outer), [xy(hole) for hole in s.holes]) for s in shapes]
 
 
-def laid(folder, names, change=lambda name, k, flat: flat, mirrored=()):
+def laid(folder, names, change=lambda name, k, flat: flat, mirrored=(), start=5):
     """G-code of parts side by side, each turned otherwise: centre lines half a line inside the material; change: (part, layer,
     its material) -> what is laid."""
     lines = ["; perimeter_generator = arachne", "M83", f";WIDTH:{WIDTH}"]
@@ -51,7 +52,7 @@ def laid(folder, names, change=lambda name, k, flat: flat, mirrored=()):
             for flat in (change(name, k, flat) for flat in flats):
                 if name in mirrored:
                     flat = shapely.affinity.scale(flat, -1, 1, origin=(0, 0))
-                flat = shapely.affinity.rotate(flat, 37 * place + 5, origin=(0, 0))
+                flat = shapely.affinity.rotate(flat, 37 * place + start, origin=(0, 0))
                 inner = shapely.affinity.translate(flat, 100 * place, 40).buffer(-WIDTH / 2, join_style="mitre", mitre_limit=3)
                 layers.setdefault(k, []).extend([inner.exterior, *inner.interiors])
     for k, rings in sorted(layers.items()):
@@ -78,7 +79,7 @@ def test_parts_are_found_wherever_they_lie(folder):
         assert first == pytest.approx(meant, abs=4e-3)
     assert any("perimeter_generator = arachne" in text and "1.1" in text for text in report.remarks)
     assert any("ground 4.8 for 5" in text for text in report.remarks)  # six layers of 0.8 mm
-    assert any("shaft is not on the plate" in each.why for each in report.not_judged)
+    assert any("shaft: not on the plate" in each.why for each in report.not_judged)
 
 
 def test_a_part_that_lies_turned_over(folder):
@@ -93,6 +94,16 @@ def test_a_part_that_lies_turned_over(folder):
     (wanted,) = pieces_of(slice_mesh(solid, 2.0))
     centres = sorted((hole.centroid for hole in shape.holes), key=lambda z: z.real)
     assert centres == pytest.approx(sorted((hole.centroid for hole in wanted.holes), key=lambda z: z.real), abs=2e-3)
+
+
+@pytest.mark.parametrize("start", [5, 95, 185, 300])
+def test_a_bar_whose_holes_differ_lies_one_way(folder, start):
+    """The rocker's outline is alike after half a turn, its holes are not: 5.2 mm at its pivot, 5.0 at the other end."""
+    (body,) = bodies(read_gcode(laid(folder, ["rocker"], start=start)))
+    copy = copy_of(body, [Known("rocker", read_stl(folder / "bars-rocker.stl"), np.eye(3))])
+    (shape,) = shapes_of(copy, copy.layers[1])
+    sizes = {round(hole.centroid.real): 2 * (hole.area / np.pi) ** 0.5 for hole in shape.holes}
+    assert sizes == pytest.approx({0: 5.2, 50: 5.0}, abs=5e-3)
 
 
 def drilled(flat, at, diameter):
@@ -145,6 +156,17 @@ def test_what_is_sent_otherwise_than_it_prints(tmp_path):
     camgen.build(spec | {"print": spec["print"] | more}, tmp_path, only="stl")
     report = check_gcode(tmp_path / "bars", [laid(tmp_path / "bars", MOVING)])
     assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
+
+
+def test_on_a_raft_beside_a_part_of_other_layers(folder):
+    """All of it 2 mm up, and beside it a body in layers half as high, which are none of its own."""
+    path = laid(folder, ["collar"])
+    text = re.sub(r"G1 Z([\d.]+)", lambda z: f"G1 Z{float(z[1]) + 2:.3f}", path.read_text())
+    square = "G1 X-50 Y0\nG1 Z{}\n;TYPE:External perimeter\nG1 X-41 Y0 E1\nG1 X-41 Y9 E1\nG1 X-50 Y9 E1\nG1 X-50 Y0 E1"
+    path.write_text("\n".join([text, *(square.format(0.4 * k) for k in range(1, 16))]))
+    report = check_gcode(folder, [path])
+    assert report.tables[0].rows[0][0] == "collar" and report.tables[0].rows[0][2] == pytest.approx(4.0)
+    assert [finding.measured for finding in report.findings if not finding.ok] == [1]  # the body that is no part
 
 
 def test_what_lies_there_besides(folder):

@@ -138,8 +138,8 @@ def test_bad_counts_and_machines_without_modes() -> None:
     with pytest.raises(SpecError) as told:
         tolerance(SPECS / "disc-cam.toml", (), 0, -1, -1)
     assert [fault.path for fault in told.value.faults] == ["--samples", "--worst", "--seed"]
-    with pytest.raises(DesignError, match="put off"):
-        tolerance(SPECS / "chain-stitch-looper.toml")
+    with pytest.raises(DesignError, match="can displace"):
+        tolerance(SPECS / "coupon.toml")
 
 
 def test_the_command_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
-from camgen.machines.chain_stitch_looper.stitch import Design, thread_per_stitch
+from camgen.machines.chain_stitch_looper.stitch import Design
 from camgen.study import Plot, Sketch, Table
 
 _OVER = 6.0  # mm, by which what is drawn of a thread ends over its eye's highest place
@@ -124,11 +124,6 @@ def seam(d: Design, stitch: float) -> Plot:
     points = [(f"{name}{k}", x, float(y)) for name, x in (("N1.", one), ("N2.", two)) for k, y in enumerate(rows, 1)]
     title = "Source, figure 1, e: the seam from below, thread on top 2t and under the fabric 4q a stitch"
     return Plot(title, "across, mm", "along the feed, mm", series, equal=True, points=points)
-
-
-def seam_thread(spacing: float, stitch: float) -> float:
-    """Thread of a stitch that lies along the fabric, 2t + 4q, mm: the table's less what goes through."""
-    return thread_per_stitch(0.0, stitch, spacing)["new"]
 
 
 def moments(d: Design) -> Sequence[Plot]:

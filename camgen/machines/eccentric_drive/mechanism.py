@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
@@ -27,13 +27,17 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.features import Asked, Feature, Mount, StandIn
+from camgen.machine.features import Asked, Balance, Feature, Mount, StandIn
+from camgen.machines.eccentric_drive.body import body_plate
 from camgen.machines.eccentric_drive.joints import features_of, mounts_of
+from camgen.machines.eccentric_drive.shopping import bought
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
+from camgen.machines.eccentric_drive.weight import DiscWeight
+from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw, fastener, nut, turning_text
+from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.study import Study
@@ -47,6 +51,7 @@ class EccentricDrive(Mechanism):
     motor: Motor
     making: Annotated[Parts, Field(alias="parts")] = Parts()
     masses: Masses | None = None
+    counterweight: Counterweight | None = None
     allowed: Annotated[Limits, Field(alias="limits")] = Limits()
 
     def faults(self) -> Sequence[Fault]:
@@ -72,10 +77,11 @@ class EccentricDrive(Mechanism):
             (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
         ]  # fmt: skip
         checks += tube_checks(p, slide, floor, 2 * self.rim)
+        found = [*(self.counterweight.faults() if self.counterweight else ())]
         for name in ("stroke", "strokes_per_s"):
             low, high = getattr(self.allowed, name) or (0.0, 1.0)
             checks.append((low < high, f"limits.{name}", low, "the least first, then the greatest"))
-        return [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        return [*found, *(Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine)]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -158,11 +164,27 @@ class EccentricDrive(Mechanism):
         return rod_end + 1 + self.making.cover_length - (start + self.making.slider_width / 2)
 
     def parts(self) -> Sequence[Part]:
-        """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin."""
-        return self._parts
+        """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin; tube
+        and counterweight where they are asked for."""
+        return (*self.own_parts, *(self.weight.parts if self.weight else ()))
 
     @cached_property
-    def _parts(self) -> tuple[Part, ...]:
+    def weight(self) -> DiscWeight | None:
+        """The counterweight on the motor's shaft, over the keeper washer."""
+        return DiscWeight(self, self.counterweight) if self.counterweight else None
+
+    @property
+    def balance(self) -> Balance | None:
+        """That of the disc with its counterweight."""
+        return self.weight.balance if self.weight else None
+
+    def found(self) -> Mapping[str, object]:
+        """The moment of a counterweight, and what every mechanism fills in."""
+        return {**super().found(), **(found_moment(self.weight.whole) if self.weight else {})}
+
+    @cached_property
+    def own_parts(self) -> tuple[Part, ...]:
+        """All but a counterweight."""
         g, p, wall = self.geometry, self.making, self.allowed.min_wall
         self._check_sizes()
         slide, press = self.print.slide_clearance, self.print.press_clearance
@@ -187,8 +209,8 @@ class EccentricDrive(Mechanism):
         )  # fmt: skip
         tube = () if self.tube is None else (self.tube.part(),)
         return (
-            self._body(), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(), self._motor_bar(),
-            *tube,
+            body_plate(self), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(),
+            self._motor_bar(), *tube,
         )  # fmt: skip
 
     def _check_sizes(self) -> None:
@@ -216,18 +238,19 @@ class EccentricDrive(Mechanism):
             )  # fmt: skip
 
     @cached_property
-    def _screw(self) -> Screw:
+    def screw(self) -> Screw:
+        """Of cover, motor, wire clamp, tube and mounting."""
         return SCREWS[self.making.screw]
 
     @cached_property
     def rim(self) -> float:
         """Radius of the material round a screw's hole, mm."""
-        return self._screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + FACETS)
+        return self.screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + FACETS)
 
     @cached_property
     def head(self) -> tuple[float, float, complex]:
         """Of the slider's head, always outside the guide: its begin and length along x, and its upper screw, mm."""
-        p, screw = self.making, self._screw
+        p, screw = self.making, self.screw
         aside = p.wire_diameter / 2 + self.allowed.min_wall + FACETS + screw.clearance / 2
         length = 2 * max(screw.head / 2 + 1, self.rim + 0.2)  # 0.2: the clamp is so much shorter at both ends
         return self._slider_front + 1, length, complex(self._slider_front + 1 + length / 2, aside)
@@ -258,7 +281,7 @@ class EccentricDrive(Mechanism):
 
         shank = polygon([*rear, complex(neck, -half), *slot(neck), complex(neck, half)])
         holes = {"pin": circle(0j, pin_hole / 2)}
-        screws = {f"clamp screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate((screw.conjugate(), screw), 1)}
+        screws = {f"clamp screw {k}": circle(z, self.screw.clearance / 2) for k, z in enumerate((screw.conjugate(), screw), 1)}
         wall, floor = self.allowed.min_wall, p.slider_thickness - p.wire_diameter
         proud = p.slider_thickness - p.wire_diameter / 4
         layers = (
@@ -284,7 +307,7 @@ class EccentricDrive(Mechanism):
 
     def _motor_bar(self) -> Part:
         """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
-        boss, screw = (self.motor.boss_diameter + self.print.slide_clearance) / 2, 1j * self._motor_screw
+        boss, screw = (self.motor.boss_diameter + self.print.slide_clearance) / 2, 1j * self.motor_screw
         wall = max(self.making.strap_wall, self.allowed.min_wall + FACETS)
         outer = hull([(-screw, self.rim), (0j, boss + wall), (screw, self.rim)])
         note = "behind the motor; two long screws draw both to the body"
@@ -296,7 +319,7 @@ class EccentricDrive(Mechanism):
         """A plate with two screws at x = 0, y = +-screw, and in their middle a hole for a boss of this radius."""
         places = (-1j * screw, 1j * screw)
         holes = {"boss": circle(0j, boss)} if boss else {}
-        holes |= {f"screw {k}": circle(z, self._screw.clearance / 2) for k, z in enumerate(places, 1)}
+        holes |= {f"screw {k}": circle(z, self.screw.clearance / 2) for k, z in enumerate(places, 1)}
         layer, centres = Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, height), (0j, *places) if boss else places
         return Part(name, title, (layer,), centres=centres, notes=notes, min_wall=self.allowed.min_wall)
 
@@ -316,73 +339,21 @@ class EccentricDrive(Mechanism):
         return start, end, (p.slider_width + self.print.slide_clearance + p.rail_width) / 2
 
     @cached_property
-    def _motor_screw(self) -> float:
+    def motor_screw(self) -> float:
         """Distance of the motor's two long screws from its shaft, beside its can and beside what turns, mm."""
-        beside = self.motor.diameter / 2 + self._screw.clearance / 2
-        return max(beside, self.geometry.eccentricity + self._strap_radius + self._screw.head / 2) + 1
-
-    def _body(self) -> Part:
-        """Plate with the motor's seat at the origin, the two rails of the guide, and a mounting hole in every corner."""
-        g, p, slide, screw = self.geometry, self.making, self.print.slide_clearance, self._screw
-        start, end, middle = self.rail
-        seat, corner = (self.motor.boss_diameter + self.print.press_clearance) / 2, max(screw.head / 2 + 1, self.rim)
-        beside, outside = self._motor_screw + self.rim, middle + p.rail_width / 2 + 2 * corner
-        top, bottom = max(g.offset + outside, beside), min(g.offset - outside, -beside)
-        left = -self.motor.diameter / 2 - 2 * corner
-        reach = end if self.tube is None else self.tube.mouth
-        mounts = [complex(x, y) for x in (left + corner, reach - corner) for y in (bottom + corner, top - corner)]
-        cover = [complex(end - p.cover_length / 2, g.offset + side * middle) for side in (-1, 1)]
-        motor = [side * 1j * self._motor_screw for side in (-1, 1)]
-        tube = [] if self.tube is None else list(self.tube.screws)
-        screws = [*cover, *motor, *mounts, *tube]
-        kinds = ("cover", cover), ("motor", motor), ("mounting", mounts), ("tube", tube)
-        names = [f"screw {k} of the {kind}" for kind, places in kinds for k in range(1, len(places) + 1)]
-        holes = {"motor's seat": circle(0j, seat)}
-        holes |= {name: circle(z, screw.clearance / 2) for name, z in zip(names, screws, strict=True)}
-        holes |= {} if self.tube is None else {"window": self.tube.window}
-        region = plate("body", hull([(z, corner) for z in mounts]), holes, self.allowed.min_wall)
-        layers = [Layer(region, 0.0, p.body_thickness)]
-        height = p.body_thickness + p.slider_thickness + slide
-        for side, place in zip((-1, 1), cover, strict=True):
-            y0, y1 = sorted(g.offset + side * (middle + s * p.rail_width / 2) for s in (-1, 1))
-            bar, hole = rectangle(complex(start, y0), complex(end, y1)), {"screw": circle(place, screw.clearance / 2)}
-            rail = plate("rail", bar, hole, self.allowed.min_wall)
-            layers.append(Layer(rail, p.body_thickness, height))
-        return Part(
-            "body", "Body plate with guide", tuple(layers), centres=(0j, *screws),
-            notes=("the motor's collar sits in the hole at the origin, from below", "the corners' holes are for mounting"),
-            min_wall=self.allowed.min_wall,
-        )  # fmt: skip
+        beside = self.motor.diameter / 2 + self.screw.clearance / 2
+        return max(beside, self.geometry.eccentricity + self._strap_radius + self.screw.head / 2) + 1
 
     @cached_property
     def shaft_length(self) -> float:
-        """How far the motor's shaft must reach over its face, to the upper side of the keeper washer, mm."""
-        p, slide = self.making, self.print.slide_clearance
-        return p.body_thickness + p.slider_thickness + 3 * slide + p.rod_thickness + p.flange
+        """How far the motor's shaft must reach over its face: to the upper side of the keeper washer, or counterweight, mm."""
+        p, weight = self.making, self.counterweight
+        washer = p.body_thickness + p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness + p.flange
+        return washer + (weight.thickness or p.rod_thickness if weight else 0.0)
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws, nuts and the needle's wire."""
-        g, p, m, slide = self.geometry, self.making, self.motor, self.print.slide_clearance
-        through = (
-            ("screw of the cover", p.body_thickness + p.slider_thickness + slide + p.rod_thickness),
-            ("screw of the motor", 2 * p.body_thickness + m.length),
-            ("screw of the wire clamp", p.slider_thickness + p.rod_thickness),
-        )
-        straight = "" if self.tube is None else f", straight over {self.tube.wire:.4g}"
-        motor = (
-            f"{turning_text(m.speed_rpm)}, shaft {g.shaft_diameter:g} x {self.shaft_length:g} over its face, "
-            f"collar {m.boss_diameter:g}, can {m.diameter:g} x {m.length:g}"
-        )
-        return (
-            Bought("motor", "", motor, 1),
-            *(fastener(name, p.screw, reach, 2) for name, reach in through),
-            *((self.tube.bought(),) if self.tube else ()),
-            nut("nut", p.screw, 8 if self.tube else 6),
-            Bought("screw for mounting", self._screw.standard, f"{p.screw} x {p.body_thickness:g} and what carries it", 4),
-            Bought("needle's wire", "", f"steel, diameter {p.wire_diameter:g}{straight}", 1),
-            Bought("supply", "", "USB, 5 V, 1 A or more: a charger or a power bank", 1),
-            Bought("switch", "", "rocker switch, round, 20 mm", 1),
-        )
+        return bought(self)
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
@@ -392,6 +363,11 @@ class EccentricDrive(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
+        return (*self.own_mounts, *(self.weight.mounts if self.weight else ()))
+
+    @property
+    def own_mounts(self) -> Sequence[Mount]:
+        """The same without a counterweight."""
         return (*mounts_of(self), *((self.tube.mount(),) if self.tube else ()))
 
     def stand_ins(self) -> Sequence[StandIn]:

@@ -17,7 +17,7 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from pydantic import Field
@@ -30,13 +30,13 @@ from camgen.machine.cams.machine import cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
-from camgen.machine.targets import Advance, advance
+from camgen.machine.targets import advance
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
-from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, stepping, stood
+from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, made_unloader, stepping, stood
 from camgen.machines.indexing_cam.standing_driver import room
-from camgen.machines.indexing_cam.stepping import FORWARDS, Stepping
+from camgen.machines.indexing_cam.stepping import Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import (
     CrankSpring,
@@ -272,15 +272,7 @@ class IndexingCam(StandingCams):
     @cached_property
     def made_unloader(self) -> StandingUnloader | None:
         """The unloader of a machine that is made; None where its spring is none that can be."""
-        if not isinstance(self.unloading, CrankSpring):
-            return None
-        from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
-
-        f, ratio = self.geometry.follower, self.geometry.gear_ratio
-        wheel = (self.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
-        return StandingUnloader(
-            self.unloading, self.link_centre, f.arm / 2, wheel, [*self.cams.values()], self.swing, self.sizes
-        )
+        return made_unloader(self)
 
     def _alone(self) -> Machine:
         return drawn(self, self.load.closing_n_m)
@@ -331,17 +323,9 @@ class IndexingCam(StandingCams):
         swing, link = math.radians(self.allowed.lash_deg), math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio
         found = [Asked("swing", lash=swing), Asked("link", lash=link) if self.standing else Asked("link", judged=False)]
         if self.stepping is not None:
-            wheel = Asked("wheel", lash=link, targets=(self._advance,)) if self.standing else Asked("wheel", judged=False)
-            found.append(wheel)
+            wanted = self.stepping.wanted(self.allowed.advance_deg)
+            found.append(Asked("wheel", lash=link, targets=(wanted,)) if self.standing else Asked("wheel", judged=False))
         return found
-
-    @property
-    def _advance(self) -> Advance:
-        """The turn of the link that is wanted in each turn of the cam."""
-        assert self.stepping is not None
-        index, lost = math.degrees(self.stepping.index), math.degrees(self.stepping.lost)
-        way: Literal[-1, 1] = -1 if self.sense < 0 else 1
-        return Advance(value=index, tolerance=self.allowed.advance_deg, lost=lost, forwards=FORWARDS, time=way)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 

@@ -12,9 +12,9 @@ from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Bench, Tip
 from camgen.machines.indexing_cam.driver import ARM
 from camgen.machines.indexing_cam.standing_driver import StandingDriver
-from camgen.machines.indexing_cam.standing_unloader import CRANK
+from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.stepping import WHEEL, Stepping
-from camgen.machines.indexing_cam.unloader import OnLink
+from camgen.machines.indexing_cam.unloader import CrankSpring, OnLink
 from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.machines.standing import Sizes
 from camgen.parts.catalogue import CLUTCHES
@@ -43,6 +43,15 @@ def cam_drive(spec: IndexingCam, closing: float) -> Machine:
     pressed = FollowerLoad(spec.load.follower_inertia_kg_m2, preload=closing)
     drive = cam_machine([*spec.cams.values()], spec.speed, pressed, closed)
     return drive if spec.two_cranks is None else spec.two_cranks.before(drive)
+
+
+def made_unloader(spec: IndexingCam) -> StandingUnloader | None:
+    """The unloader of a machine that is made; None where its spring is none that can be."""
+    if not isinstance(spec.unloading, CrankSpring):
+        return None
+    f, ratio = spec.geometry.follower, spec.geometry.gear_ratio
+    wheel = (spec.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
+    return StandingUnloader(spec.unloading, spec.link_centre, f.arm / 2, wheel, [*spec.cams.values()], spec.swing, spec.sizes)
 
 
 def drawn(spec: IndexingCam, closing: float, unloaded: bool = True) -> Machine:

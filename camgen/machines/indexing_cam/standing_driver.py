@@ -95,7 +95,7 @@ class StandingDriver:
         machine = Machine(bodies, joints, (), {name: self.whole.start_of(name) for name in (CRANK, ARM)}, speed=self.whole.speed)
         pins = {point: kind for point, kind in self.sizes.pins.items() if point in _POINTS}
         layout = Layout(
-            machine, CRANK, self.sizes.model_copy(update={"pins": pins}), self.fits, self.min_wall, {}, {},
+            machine, CRANK, self.sizes.model_copy(update={"pins": pins, "plates": 1}), self.fits, self.min_wall, {}, {},
             carried={_ARM: ARM}, feet=tuple((place, SCREWS[_THREAD].clearance) for place in self.feet), hangs=True,
         )  # fmt: skip
         found = laid(layout, self._run)
@@ -181,6 +181,8 @@ class StandingDriver:
             value = getattr(record, each.name)
             if isinstance(value, Eye | Faces) and value.part is not None:
                 changed[each.name] = replace(value, part=self.name(value.part))
+            elif isinstance(value, tuple):
+                changed[each.name] = tuple(replace(ring, part=self.name(ring.part)) for ring in value)
         return replace(record, **changed)  # type: ignore[type-var]
 
     def stand_ins(self) -> list[StandIn]:

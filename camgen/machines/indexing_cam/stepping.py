@@ -20,6 +20,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.model import Clutch
+from camgen.machine.targets import Advance
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
@@ -92,6 +93,11 @@ class Stepping:
             early = self.ratio * float(self.program(np.array([self.sense * middle]))[0]) < self.lost
             low, high = (middle, high) if early else (low, middle)
         return high
+
+    def wanted(self, tolerance: float) -> Advance:
+        """The turn of the link in each turn of the cam, judged on its wheel; tolerance: deg."""
+        index, lost = math.degrees(self.index), math.degrees(self.lost)
+        return Advance(value=index, tolerance=tolerance, lost=lost, forwards=FORWARDS, time=-1 if self.sense < 0 else 1)
 
     # ---- torques ----------------------------------------------------------------------------------------------------
 

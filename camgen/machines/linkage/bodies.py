@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
@@ -24,32 +23,29 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-import numpy as np
-
-from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import (
+    Feature,
     Mount,
     StandIn,
 )
 from camgen.machines.linkage import plates
 from camgen.machines.linkage.collars import collar
+from camgen.machines.linkage.discs import cam_parts, gear_part
 from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.joints import features_of, part_name, point_of
 from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.measured import Measured, part_name
 from camgen.machines.linkage.pins import Placed, bearings, hand_crank, pin
 from camgen.machines.linkage.plates import ground_plate, second
 from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, stubs
 from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline, touched
-from camgen.parts.catalogue import STEEL, TURNED, Bought, nut, screw_for
-from camgen.parts.disc_cams import Parts as Disc
-from camgen.parts.disc_cams import disc_parts
-from camgen.parts.hardware import plate, spacer
+from camgen.machines.linkage.wheels import touched
+from camgen.parts.catalogue import STEEL, Bought, nut, screw_for
+from camgen.parts.hardware import spacer
 from camgen.parts.inertia import centre_of, inertia_of
-from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.part import Layer, Part, d_bore, hull
 from camgen.parts.set_screws import SetScrewHub
 
 _MM = 1e-3
@@ -58,18 +54,7 @@ _ABOUT = {
 }  # fmt: skip
 
 
-class _Disc(Disc):
-    """A disc whose bore is turned by so much, rad: its flat fits the shaft of a link that does not lie level."""
-
-    turn: float = 0.0
-
-    def hole(self) -> tuple[Contour, float]:
-        """The bore and how far it reaches."""
-        bore, reach = super().hole()
-        return bore.moved(cmath.exp(1j * self.turn)), reach
-
-
-class Bodies(Measured):
+class Bodies:
     """What is made of a machine that is laid out."""
 
     def __init__(self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None) -> None:
@@ -85,7 +70,8 @@ class Bodies(Measured):
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name])) for name in moving]
         names: dict[Part, str] = {}
-        for part, mount in [*(each for tip in layout.tips for each in self._cam(tip)), *map(self._gear, layout.toothed),
+        for part, mount in [*(each for tip in layout.tips for each in cam_parts(layout, tip)),
+                            *(gear_part(layout, wheel) for wheel in layout.toothed),
                             *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
                             *hand_crank(layout), *second(layout), *self._counterweight()]:  # fmt: skip
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
@@ -255,72 +241,11 @@ class Bodies(Measured):
             part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(steel, *part.notes), made="bought", cut=1)
         return part, Mount(name, self.layout.carrier(link), at, z=-below)
 
-    # ---- cams -------------------------------------------------------------------------------------------------------
+    # ---- joints -----------------------------------------------------------------------------------------------------
 
-    def _cam(self, tip: Tip) -> Iterator[Placed]:
-        """A cam on its link's shaft, and the roller that runs on it."""
-        layout, link = self.layout, tip.joint.cam
-        at, turned = layout.at(link, layout.shaft_of(link)), float(np.angle(tip.turn))
-        floor = layout.floor(layout.level[tip.level])
-        said = (f"drawn at theta = 0, level {layout.level[tip.level]}", f"pressed and glued on the shaft of {link}")
-        for part, under, place in self._discs(tip):
-            part = replace(part, name=part.name.replace("cam", f"cam-{tip.name}", 1), title=f"{part.title}: {tip.joint.name}")
-            yield replace(part, notes=said), Mount(part.name, link, at + place * tip.turn, turned, z=floor - under)
-        if not tip.rolls:
-            return
-        hole, ring = layout.turning(tip.point) + self.fits.slide_clearance, f"roller-{tip.name}"
-        thick, title = layout.wheel_thickness(link), f"Roller of cam {tip.joint.name}"
-        roller = spacer(ring, title, hole, 2 * tip.radius, thick, self.min_wall)
-        yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
-
-    def _discs(self, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
-        """The parts of a cam as drawn at theta = 0, how far the underside of each lies under the level's floor, and where, mm."""
-        s, play, press = self.sizes, self.fits.slide_clearance, self.fits.press_clearance
-        thick = self.layout.wheel_thickness(tip.joint.cam)
-        made = _Disc(
-            turn=float(-np.angle(tip.turn)), thickness=thick, bore=s.shaft_diameter + press, shaft="d-flat",
-            flat_depth=s.shaft_flat, pin_diameter=s.pin_diameter, rim=groove_rim(s), back=s.thickness + play,
-        )  # fmt: skip
-        edge, wall = outline(tip), groove_wall(tip, play)
-        name = f"cam {tip.joint.name}"
-        try:
-            parts = disc_parts(made, [edge], wall, (2 * tip.radius + play, 2 * tip.radius), self.min_wall)
-        except DesignError as error:
-            raise named(error, name, "draw the follower further from the shaft") from None
-        if wall is None:
-            yield parts[0], 0.0, 0j
-            return
-        for part in parts:
-            yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-            how = TURNED if s.pin == "dowel" else "printed"
-            pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how)
-            yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
-
-    def _gear(self, wheel: Toothed) -> Placed:
-        """A gear's wheel on its link's shaft, as drawn at theta = 0."""
-        layout, spur, press = self.layout, wheel.spur, self.fits.press_clearance
-        start = float(layout.machine.start_of(wheel.link).angle)
-        edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
-        bore, held = self._profile(press).moved(cmath.exp(1j * start)), f"pressed and glued on the shaft of {wheel.link}"
-        wide = self.sizes.shaft_diameter + press
-        if wheel.link in layout.freewheels:
-            on, clutch = layout.freewheels[wheel.link]
-            wide = clutch.outside + press
-            bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
-        region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, self.min_wall)
-        notes = (
-            f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
-            f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
-        )  # fmt: skip
-        layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
-        part = Part(
-            wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
-            bore=wide, min_wall=self.min_wall,
-        )  # fmt: skip
-        at = layout.at(wheel.link, layout.shaft_of(wheel.link))
-        return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))
-
-    # ---- model ------------------------------------------------------------------------------------------------------
+    def features(self) -> Sequence[Feature]:
+        """What its joints are measured on."""
+        return features_of(self.layout, self.mounts)
 
     def fitted(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm, its slides where their bars are."""
@@ -329,7 +254,7 @@ class Bodies(Measured):
             if isinstance(joint, m.Slide):
                 joint = replace(self.layout.guides[joint.runner.body].joint, clearance=self.fits.slide_clearance)
             elif isinstance(joint, m.Pin | m.Slot):
-                point, a, b = self._point_of(joint)
+                point, a, b = point_of(self.layout, joint)
                 joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
             elif isinstance(joint, m.Cam):
                 joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))

@@ -24,7 +24,8 @@ from camgen.study import Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.mechanism import Linkage, Signal
+    from camgen.machines.linkage.mechanism import Linkage
+    from camgen.machines.linkage.signals import Signal
 
 _SPRINGS = ("spring", "rate, N/mm", "free, mm", "shortest, mm", "longest, mm", "least, N", "greatest, N")
 _EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")

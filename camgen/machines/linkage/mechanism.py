@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
@@ -27,18 +27,21 @@ from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import joined
-from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
+from camgen.machine.reach import folds, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
+from camgen.machines.linkage.joints import pivot_of
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
+from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
@@ -57,28 +60,6 @@ _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec s
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
 _LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
-
-
-@dataclass(frozen=True)
-class Signal:
-    """One number of an output: column's name without its unit, unit for people ("deg" or "mm").
-
-    of: the output's name; turned: unit complex that the output is divided by before its real part is taken.
-    """
-
-    name: str
-    unit: str
-    of: str
-    turned: complex = 1.0
-
-    @property
-    def scale(self) -> float:
-        """How many of the unit one rad or mm is."""
-        return math.degrees(1) if self.unit == "deg" else 1.0
-
-    def rows(self, run: Run) -> Floats:
-        """It with its derivatives to theta, (order + 1, n) rad or mm."""
-        return np.asarray(np.real(run.derivatives(self.of) / self.turned))
 
 
 def _one_drive(value: object) -> object:
@@ -208,22 +189,9 @@ class Linkage(Mechanism):
         if reach is None:
             refuse_partial(chain)
         else:
-            self._refuse_range(chain, *reach)
+            refuse_range(chain, self.drive, *reach)
         refuse_folds(chain, *(reach or (0.0, math.tau)))
         return chain if law is None else replace(chain, drives=(replace(chain.drives[0], law=law),))
-
-    def _refuse_range(self, machine: m.Machine, least: float, most: float) -> None:
-        """Raise DesignError where the range asked for, rad, is more than the chain has."""
-        can, key = reach(machine), "drive.segment" if self.drive.segments else "drive.range_deg"
-        low, high = math.degrees(can.low), math.degrees(can.high)
-        asked, said = (math.degrees(least), math.degrees(most)), f"it closes from {low:.6g} to {high:.6g} deg"
-        for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
-                                             can.ends[1])):  # fmt: skip
-            if not can.full and beyond:
-                where = listed("joint", joints)
-                raise DesignError(key, value, limit, "deg", where, "ask for a range within it",
-                                  f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
-                                  f"opens at {where}")  # fmt: skip
 
     @property
     def speed(self) -> float:
@@ -290,15 +258,7 @@ class Linkage(Mechanism):
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
         """What the outputs give, as single numbers."""
-
-        found = []
-        for output in self.chain.outputs:
-            if isinstance(output.of, m.Path):
-                found += [Signal(f"{output.name}_x", "mm", output.name), Signal(f"{output.name}_y", "mm", output.name, 1j)]
-            else:
-                unit = "deg" if isinstance(output.of, m.Angle) else "mm"
-                found.append(Signal(output.name, unit, output.name))
-        return tuple(found)
+        return signals_of(self.chain)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
@@ -340,7 +300,7 @@ class Linkage(Mechanism):
             return None
         link, made, whole = self.drive.link, self.bodies, self._balanced[1]
         at, asked = made.layout.at(link, made.layout.shaft_of(link)), whole - self.counterweight.other
-        return balance_of(link, made.pivot_of(link), at, asked, made.parts, made.mounts, self.density)
+        return balance_of(link, pivot_of(made.layout, link), at, asked, made.parts, made.mounts, self.density)
 
     @property
     def _layout(self) -> Layout:

@@ -15,7 +15,7 @@ from itertools import pairwise, product
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.convex import distance, ways
+from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, circle
 from camgen.machine.features import Mount
 from camgen.machines.linkage.joined import Sleeve
@@ -24,7 +24,7 @@ from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import Bought
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.levels import Axis, Band, Wall
+from camgen.parts.levels import Axis, Band, Wall, ways
 from camgen.parts.part import Layer, Part, d_bore, hull
 
 SECOND = "second-plate"

@@ -13,6 +13,7 @@ from camgen.errors import Fault
 from camgen.machine.model import Machine
 from camgen.machine.run import Run
 from camgen.machines.linkage.bodies import Bodies
+from camgen.machines.linkage.joints import pivot_of
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.stacking import laid
 from camgen.machines.linkage.tables import Drive
@@ -48,7 +49,7 @@ def counterbalanced(
     link = layout.driven
     bodies, radius = Bodies(laid(layout, run)), 0.0
     for _ in range(_PASSES):
-        whole = spec.given if spec.given is not None else spec.whole(weighed(bodies), link, bodies.pivot_of(link))
+        whole = spec.given if spec.given is not None else spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
         own = first_moment(link, at, bodies.parts, bodies.mounts, density)
         made = spec.fitted(

@@ -67,6 +67,8 @@ def assess(mechanism: Mechanism) -> Assessment:
                 for name, load in forces.reactions.items()}  # fmt: skip
     numbers |= follower.balance(run, forces)
     swung = follower.elastic(run, mechanism.load)
+    if mechanism.arm_stiffness:
+        numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
     posts = bearing.bent_posts(forces, mechanism.posts(), bears)
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):

@@ -1,0 +1,99 @@
+"""What turns on the shafts of a linkage as parts: the discs of cams with their rollers, and wheels of gears."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour, circle
+from camgen.machine.features import Mount
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.pins import Placed
+from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
+from camgen.parts.catalogue import TURNED
+from camgen.parts.disc_cams import Parts as Disc
+from camgen.parts.disc_cams import disc_parts
+from camgen.parts.hardware import plate, spacer
+from camgen.parts.part import Layer, Part, d_bore, rod
+
+
+class _Disc(Disc):
+    """A disc whose bore is turned by so much, rad: its flat fits the shaft of a link that does not lie level."""
+
+    turn: float = 0.0
+
+    def hole(self) -> tuple[Contour, float]:
+        """The bore and how far it reaches."""
+        bore, reach = super().hole()
+        return bore.moved(cmath.exp(1j * self.turn)), reach
+
+
+def cam_parts(layout: Layout, tip: Tip) -> Iterator[Placed]:
+    """A cam on its link's shaft, and the roller that runs on it."""
+    link = tip.joint.cam
+    at, turned = layout.at(link, layout.shaft_of(link)), float(np.angle(tip.turn))
+    floor = layout.floor(layout.level[tip.level])
+    said = (f"drawn at theta = 0, level {layout.level[tip.level]}", f"pressed and glued on the shaft of {link}")
+    for part, under, place in _discs(layout, tip):
+        part = replace(part, name=part.name.replace("cam", f"cam-{tip.name}", 1), title=f"{part.title}: {tip.joint.name}")
+        yield replace(part, notes=said), Mount(part.name, link, at + place * tip.turn, turned, z=floor - under)
+    if not tip.rolls:
+        return
+    hole, ring = layout.turning(tip.point) + layout.fits.slide_clearance, f"roller-{tip.name}"
+    thick, title = layout.wheel_thickness(link), f"Roller of cam {tip.joint.name}"
+    roller = spacer(ring, title, hole, 2 * tip.radius, thick, layout.min_wall)
+    yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
+
+
+def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
+    """The parts of a cam as drawn at theta = 0, how far the underside of each lies under the level's floor, and where, mm."""
+    s, play, press = layout.sizes, layout.fits.slide_clearance, layout.fits.press_clearance
+    thick = layout.wheel_thickness(tip.joint.cam)
+    made = _Disc(
+        turn=float(-np.angle(tip.turn)), thickness=thick, bore=s.shaft_diameter + press, shaft="d-flat",
+        flat_depth=s.shaft_flat, pin_diameter=s.pin_diameter, rim=groove_rim(s), back=s.thickness + play,
+    )  # fmt: skip
+    edge, wall = outline(tip), groove_wall(tip, play)
+    name = f"cam {tip.joint.name}"
+    try:
+        parts = disc_parts(made, [edge], wall, (2 * tip.radius + play, 2 * tip.radius), layout.min_wall)
+    except DesignError as error:
+        raise named(error, name, "draw the follower further from the shaft") from None
+    if wall is None:
+        yield parts[0], 0.0, 0j
+        return
+    for part in parts:
+        yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
+        how = TURNED if s.pin == "dowel" else "printed"
+        pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how)
+        yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
+
+
+def gear_part(layout: Layout, wheel: Toothed) -> Placed:
+    """A gear's wheel on its link's shaft, as drawn at theta = 0."""
+    spur, sizes, press = wheel.spur, layout.sizes, layout.fits.press_clearance
+    start = float(layout.machine.start_of(wheel.link).angle)
+    edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
+    bore = d_bore(sizes.shaft_diameter + press, sizes.shaft_flat).moved(cmath.exp(1j * start))
+    held = f"pressed and glued on the shaft of {wheel.link}"
+    wide = sizes.shaft_diameter + press
+    if wheel.link in layout.freewheels:
+        on, clutch = layout.freewheels[wheel.link]
+        wide = clutch.outside + press
+        bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+    region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, layout.min_wall)
+    notes = (
+        f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
+        f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
+    )  # fmt: skip
+    layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
+    part = Part(
+        wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
+        bore=wide, min_wall=layout.min_wall,
+    )  # fmt: skip
+    at = layout.at(wheel.link, layout.shaft_of(wheel.link))
+    return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))

@@ -1,0 +1,158 @@
+"""What the joints of a linkage of parts are measured on: holes, slots, rails, outlines and pins, by the parts that have them."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from camgen.machine import model as m
+from camgen.machine.features import (
+    CamOutline,
+    Eye,
+    Faces,
+    Feature,
+    Flat,
+    GearTeeth,
+    Keyed,
+    Mark,
+    Mount,
+    PinEyes,
+    Ring,
+    SlotFaces,
+    Steady,
+)
+from camgen.machines.linkage.joined import GROUND
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.pins import bearing_name
+from camgen.machines.linkage.plates import SECOND
+from camgen.machines.linkage.stubs import in_upper
+from camgen.machines.linkage.wheels import Tip, pivot
+
+
+def part_name(link: str) -> str:
+    """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar", "shaft-collar")
+    return f"link-{link}" if taken else link
+
+
+def point_of(layout: Layout, joint: m.Joint) -> tuple[str, str, str]:
+    """The point of a pin or slot, and its two links, a slot's last."""
+    if isinstance(joint, m.Slot):
+        point = next(name for name, slot in layout.slots.items() if slot == joint)
+        return point, layout.web_at(joint.runner.body, point), joint.guide.body
+    assert isinstance(joint, m.Pin)
+    at = layout.machine.body(joint.a.body).points
+    joined = {point: {layout.carrier(link) for link in links} for point, links in layout.pivots.items()}
+    point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in joined.get(n, ()))
+    return point, layout.web_at(joint.a.body, point), layout.web_at(joint.b.body, point)
+
+
+def part_of(layout: Layout, link: str) -> str:
+    """Name of the part that a link is; of one that is a wheel alone, that wheel's."""
+    level = layout.alone.get(link)
+    parts = {tip.level: f"cam-{tip.name}{'-inner' * tip.grooved}" for tip in layout.tips}
+    parts |= {each.level: each.part for each in layout.toothed if each.link == link}
+    return part_name(link) if level is None else parts[level]
+
+
+def _eye(layout: Layout, point: str, link: str, beside: str = "") -> Eye:
+    """A link's hole at a point; of the ground the one in the plate that holds the other link's pin, or is nearer to it."""
+    if link == GROUND and beside and in_upper(layout, point, beside):
+        return Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
+    return Eye(part_of(layout, link), layout.at(link, point), layout.hole(point, link))
+
+
+def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
+    """Holes, slots, rails, outlines and pins of every joint, and pens."""
+    found: list[Feature] = []
+    for joint in layout.machine.joints:
+        if isinstance(joint, m.Slide):
+            guide = layout.guides[joint.runner.body]
+            names = part_name(joint.guide.body), part_name(joint.runner.body)
+            found.append(guide.faces(*names, layout.fits.slide_clearance))
+        elif isinstance(joint, m.Pin | m.Slot):
+            point, a, b = point_of(layout, joint)
+            fixed = layout.pressed_in(point)
+            if layout.on_motor(point, GROUND):  # its boss in the plate, its shaft in the link: the mean counts twice
+                pin = Eye(None, 0j, (layout.sizes.face.boss + layout.turning(point)) / 2, True)  # type: ignore[union-attr]
+            else:
+                pin = Eye(_pin_of(layout, mounts, point, fixed, b if a == fixed else a), 0j, layout.turning(point), True)
+            if isinstance(joint, m.Slot):
+                middle = sum(layout.slots_of(b)[point]) / 2
+                walls = Faces(part_name(b), middle, joint.angle, layout.hole(point, b))
+                found.append(SlotFaces(joint.name, walls, _eye(layout, point, a), pin))
+            else:
+                held = (layout.bearing_in(point, link) for link in (a, b))
+                rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
+                found.append(PinEyes(joint.name, _eye(layout, point, a, b), _eye(layout, point, b, a), pin, rings))
+    for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
+        turns = pivot_of(layout, one.link), pivot_of(layout, other.link)
+        found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
+    found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
+    found += [*_keyed(layout), *_steady(layout, mounts)]
+    return [*found, *(Mark(_eye(layout, point, link)) for point, link in layout.pens.items())]
+
+
+def _pin_of(layout: Layout, mounts: Sequence[Mount], point: str, link: str, beside: str) -> str:
+    """The part that is the pin or shaft of a point, fixed in a link, on which another one turns."""
+    body, at = layout.carrier(link), layout.at(link, point)
+    named = [each for each in mounts if each.part.startswith(("pin-", "shaft")) and (each.body, each.at) == (body, at)]
+    floor = layout.floor(layout.level[beside])
+    return max((each for each in named if each.z <= floor), key=lambda each: each.z, default=named[0]).part
+
+
+def _keyed(layout: Layout) -> Iterator[Keyed]:
+    """Webs on one crank pin."""
+    for (low, held), (high, _) in pairwise(layout.webs.items()):
+        yield Keyed(_eye(layout, held[1], low), _eye(layout, held[1], high), math.pi / 2)
+
+
+def _steady(layout: Layout, mounts: Sequence[Mount]) -> Iterator[Steady]:
+    """Pins and shafts that the second plate holds too."""
+    for point in (point for point in layout.points_of(GROUND) if layout.second is not None and layout.in_second(point)):
+        far, hangs = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)), layout.cut(point) is not None
+        if hangs and point not in layout.shafts:
+            continue  # it is the joints' own
+        joint = next((each.name for each in layout.machine.joints if isinstance(each, m.Pin)
+                      and point_of(layout, each)[0] == point and GROUND in (each.a.body, each.b.body)), None)  # fmt: skip
+        if joint is None:
+            continue  # a spring's eye sits there
+        web = layout.upper_web
+        part = f"shaft-{web}" if hangs else _pin_of(layout, mounts, point, layout.pressed_in(point), GROUND)
+        ends = (_eye(layout, point, layout.driven), _eye(layout, point, web)) if hangs else None
+        yield Steady(joint, _eye(layout, point, GROUND), far, Eye(part, 0j, layout.turning(point), True), ends)
+
+
+def pivot_of(layout: Layout, link: str) -> str:
+    """Name of the pin on which a link turns on the ground."""
+    joints = layout.machine.joints
+    return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
+
+
+def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
+    """What of the follower touches: a roller's seat, an edge, a face."""
+    link = tip.joint.follower
+    if tip.rolls:
+        return _eye(layout, tip.point, link)
+    at = layout.at(link, tip.point)
+    if tip.shape == "knife":
+        return Eye(part_name(link), at, 0.0)
+    (low, high), away = tip.touched(), tip.away(float(layout.machine.start_of(link).angle))
+    origin = at if tip.joint.slide is not None else pivot(layout.machine, link)[0]
+    return Flat(part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low)
+
+
+def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
+    """What a roller runs on, first what drives; the hole of its pin is what holds it."""
+    joint, name = tip.joint, f"cam-{tip.name}"
+    driving = CamOutline(
+        joint.name, f"{name}-inner" if tip.grooved else name, pivot_of(layout, joint.cam),
+        pivot_of(layout, joint.follower) if joint.slide is None else None,
+        _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
+    )  # fmt: skip
+    yield driving
+    if tip.grooved:
+        yield replace(driving, part=f"{name}-outer", inside=True, free=layout.fits.slide_clearance)

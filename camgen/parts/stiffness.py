@@ -1,0 +1,58 @@
+"""How stiff an arm is in its plane, from its outline: held at one point, pushed across at another.
+
+    1 / k = integral of (l - x)^2 / (E I(x)) dx from the held point to the pushed one, l mm off
+I(x): second moment of what material a cut across the line meets, about the middle of that material.
+[Castigliano's theorem for a beam in bending, Shigley, sec. 4-8; with I even F l^3 / (3 E I), table A-9, case 1]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Any
+
+import numpy as np
+
+from camgen.geometry.facets import facet_contour
+from camgen.parts.part import Part
+
+_CUTS = 200  # along the arm
+_FACETS = 0.02  # mm
+
+
+def bending_stiffness(part: Part, held: complex, pushed: complex, modulus: float) -> float:
+    """N/mm at `pushed`, across the line from `held`, mm in the part's frame; modulus: Young's, MPa.
+
+    0 where a cut meets nothing.
+    """
+    import shapely
+
+    length, turn = abs(pushed - held), cmath.exp(-1j * cmath.phase(pushed - held))
+    shapes: list[tuple[float, Any]] = []
+    for layer in part.layers:
+        rings = [(facet_contour(contour, _FACETS) - held) * turn for contour in (layer.region.outer, *layer.region.holes)]
+        outer, *holes = ([(z.real, z.imag) for z in ring] for ring in rings)
+        shapes.append((layer.z1 - layer.z0, shapely.Polygon(outer, holes)))
+    x = (np.arange(_CUTS) + 0.5) * length / _CUTS
+    reach = max(max(abs(value) for value in shape.bounds) for _, shape in shapes)
+    cuts = [[(high, *piece) for high, shape in shapes for piece in _pieces(shape, float(place), reach)] for place in x]
+    if not all(cuts):
+        return 0.0
+    moments = np.array([_second_moment(cut) for cut in cuts])
+    return float(1 / np.sum((length - x) ** 2 / (modulus * moments) * length / _CUTS))
+
+
+def _pieces(shape: Any, x: float, reach: float) -> list[tuple[float, float]]:
+    """From where to where a cut at x meets material, mm."""
+    import shapely
+
+    met = shape.intersection(shapely.LineString([(x, -reach - 1), (x, reach + 1)]))
+    return [(each.bounds[1], each.bounds[3]) for each in shapely.get_parts(met) if each.length > 0]
+
+
+def _second_moment(cut: list[tuple[float, float, float]]) -> float:
+    """Of rectangles (thickness, from, to) about their common middle, mm^4."""
+    areas = [high * (b - a) for high, a, b in cut]
+    middle = math.fsum(area * (a + b) / 2 for area, (_, a, b) in zip(areas, cut, strict=True)) / math.fsum(areas)
+    own = (high * (b - a) ** 3 / 12 + area * ((a + b) / 2 - middle) ** 2 for area, (high, a, b) in zip(areas, cut, strict=True))
+    return math.fsum(own)
