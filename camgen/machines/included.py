@@ -22,7 +22,7 @@ from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
 from camgen.machines.linkage.joined import Merged, Sleeve, Stand
-from camgen.machines.linkage.layout import SLEEVE
+from camgen.machines.linkage.layout import SLEEVE, Layout
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.merged import Merging, merging
 from camgen.motion.segments import with_tables
@@ -313,11 +313,22 @@ def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joi
     return line.end - shaft.z, Sleeve(making.shaft_diameter, making.shaft_flat, turn, up), None
 
 
-def kept(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> tuple[tuple[complex, float], ...]:
-    """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm."""
+def upper_end(layout: Layout) -> Line | None:
+    """Of the shaft that drives a linkage, where it has a second plate."""
+    if layout.second is None:
+        return None
+    point = layout.shaft_of(layout.driven)
+    axis = layout.at(GROUND, point) if layout.in_second(point) else None
+    shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
+    angle = float(layout.machine.start_of(layout.driven).angle)
+    return Line(axis, layout.line[1], angle, layout.sizes, shaft, layout.ceiling)
+
+
+def kept(includes: Sequence[Include], host: Callable[[], Mapping[str, Any]], rpm: float) -> tuple[tuple[complex, float], ...]:
+    """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm; host: gives its tables."""
     found: list[tuple[complex, float]] = []
     for each in (each for each in includes if each.mounted):
-        mechanism = _mechanism(each, host, rpm)
+        mechanism = _mechanism(each, host(), rpm)
         frame = next((part for part in mechanism.parts() if part.name == mechanism.frame_part), None)
         holes = frame.layers[0].region.holes if frame else ()
         arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
@@ -353,6 +364,9 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
     found, names = [], [_name(each) for each in includes]
     for k, each in enumerate(includes):
         path = f"include.{k}"
+        if each.mounted and host["parts"]["plates"] < 2:
+            right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
+            found.append(Fault(f"{path}.mounted", "true", right))
         if names[k] in names[:k]:
             found.append(Fault(f"{path}.name", names[k], "a name of its own for each"))
         if isinstance(each.spec, str):

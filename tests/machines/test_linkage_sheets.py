@@ -109,3 +109,10 @@ def test_without_a_sheet_or_dowels():
         camgen.load(spec)
     with pytest.raises(DesignError, match="length of the dowel is 0 mm.*thin dowels are sold"):
         camgen.load(laser("linkage", pin_diameter=5.0)).parts()
+
+
+@pytest.mark.parametrize("key, value", [("plates", 2), ("shaft", "interrupted")])
+def test_posts_and_webs_are_no_sheets(key: str, value: object) -> None:
+    with pytest.raises(camgen.SpecError) as told:
+        camgen.load(laser("linkage", **{key: value}))
+    assert f"parts.{key}" in [fault.path for fault in told.value.faults]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
+from camgen.geometry.convex import distance
 from camgen.parts import levels as lv
 
 THETA = np.linspace(0, math.tau, 360, endpoint=False)
@@ -43,7 +44,7 @@ def test_distance_is_that_of_polygons() -> None:
                 points = np.array([points[:, j][np.argsort(np.angle(points[:, j] - points[:, j].mean()))] for j in range(50)]).T
                 points = points[:3]
             shapes.append(points)
-        found = lv.distance(*shapes)
+        found = distance(*shapes)
         for j in range(50):
             hulls = [shapely.MultiPoint([(z.real, z.imag) for z in shape[:, j]]).convex_hull for shape in shapes]
             assert found[j] == pytest.approx(hulls[0].distance(hulls[1]), abs=1e-12)
@@ -74,7 +75,7 @@ def test_spans_of_what_meets_never_share_a_level() -> None:
     found = lv.levels(bands, axes, THETA, 0.2)
     for band in bands:
         for axis in axes:
-            if band.name not in axis.links and lv.distance(band.corners, axis.place[None]).min() < band.radius + axis.radius:
+            if band.name not in axis.links and distance(band.corners, axis.place[None]).min() < band.radius + axis.radius:
                 (low, high), (at, _) = lv.span(axis, found), lv.span(band, found)
                 assert at < low or at > high
 

@@ -104,7 +104,8 @@ class Linkage(Mechanism):
         found = drawing_faults(self._drawing)
         turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
         found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
-        lying = [*moving, *self._webs, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        webbed = webs.further(self.links, self.drive.link, self._slotted, self.making)
+        lying = [*moving, *webbed, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         if self.counterweight is not None:
             found += weight_faults(self.counterweight, self.drive, self.masses, lying)
             lying.append(NAME)
@@ -112,23 +113,19 @@ class Linkage(Mechanism):
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
         found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
         if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
-            found += webs.faults(self.links, self.points, self.drive.link, [slot.pin for slot in self.slots])
+            found += webs.faults(self.links, self.points, self.drive.link, self._slotted)
         found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
-        if self.making.plates < 2:
-            right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
-            found += [Fault(f"include.{k}.mounted", "true", right) for k, each in enumerate(self.includes) if each.mounted]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
 
     @property
-    def _webs(self) -> list[str]:
-        """Names of the further webs of an interrupted shaft."""
-        if self.making.shaft == "through" or self.drive.link not in self.links or m.GROUND not in self.links:
-            return []
-        thrown = webs.throws(self.links, self.drive.link, [slot.pin for slot in self.slots])
-        return [webs.web_name(self.drive.link, k) for k in range(1, len(thrown) + self.making.plates - 1)]
+    def _slotted(self) -> list[str]:
+        return [slot.pin for slot in self.slots]
+
+    def _whole_spec(self) -> dict[str, Any]:
+        return self.model_dump(by_alias=True, exclude_none=True)
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -149,10 +146,10 @@ class Linkage(Mechanism):
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
-        host, bare = self.model_dump(by_alias=True, exclude_none=True), self._bare
+        host, bare = self._whole_spec(), self._bare
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
         play = self.print.slide_clearance
-        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, play, self._line)
+        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, play, inc.upper_end(bare.layout))
         inc.distinct(found, bare.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
         return found
 
@@ -270,23 +267,6 @@ class Linkage(Mechanism):
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
-    @property
-    def _line(self) -> inc.Line | None:
-        """The upper end of the shaft that drives, for what stands on the second plate."""
-        layout = self._bare.layout
-        if layout.second is None:
-            return None
-        point = layout.shaft_of(self.drive.link)
-        axis = layout.at(m.GROUND, point) if layout.in_second(point) else None
-        shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
-        return inc.Line(axis, layout.line[1], self.chain.start[self.drive.link].angle, self.making, shaft, layout.ceiling)
-
-    @cached_property
-    def _kept(self) -> tuple[tuple[complex, float], ...]:
-        """Holes of what stands on the second plate, of which its posts keep clear."""
-        host = self.model_dump(by_alias=True, exclude_none=True) if any(each.mounted for each in self.includes) else {}
-        return inc.kept(self.includes, host, self.drive.speed_rpm) if host else ()
-
     @cached_property
     def bodies(self) -> Bodies:
         """What is made of it, and what holds machines that stand on it."""
@@ -328,7 +308,8 @@ class Linkage(Mechanism):
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
-            springs={each.name: each.stretched for each in self.sprung}, kept=self._kept,
+            springs={each.name: each.stretched for each in self.sprung},
+            kept=inc.kept(self.includes, self._whole_spec, self.drive.speed_rpm),
         )  # fmt: skip
 
     def lacking(self) -> DesignError | None:

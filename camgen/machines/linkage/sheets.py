@@ -54,6 +54,10 @@ def faults(sizes: Parts, laser: Laser | None, table: str, slides: int = 0, groov
     if sizes.hand_crank:
         right = "0: its knob is no sheet; turn the shaft by what fits on it"
         found.append(Fault(f"{table}.hand_crank", f"{sizes.hand_crank:g}", right))
+    if sizes.plates > 1:
+        found.append(Fault(f"{table}.plates", f"{sizes.plates}", "1: a second one is screwed on printed posts, heads in pockets"))
+    if sizes.shaft != "through":
+        found.append(Fault(f"{table}.shaft", repr(sizes.shaft), '"through": crank pins with flats are printed'))
     if slides:
         right = "slots and pins in place of it: rails stand on their plate, and sheets have one thickness"
         found.append(Fault("slide", f"{slides} with {table}.make = 'laser'", right))

@@ -15,6 +15,7 @@ from itertools import pairwise
 from camgen.errors import Fault
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
+from camgen.machines.linkage.sizes import Parts
 from camgen.parts.part import Layer, Part, d_bore
 
 
@@ -33,6 +34,13 @@ def webs(link: str, shaft: str, thrown: Sequence[str], back: bool) -> dict[str, 
     """Points of each web by its name, from below; back: whether the last leads back to the axis. Nothing without a throw."""
     chain = [shaft, *thrown, *([shaft] if back else [])] if thrown else []
     return {web_name(link, k): both for k, both in enumerate(pairwise(chain))}
+
+
+def further(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str], sizes: Parts) -> list[str]:
+    """Names of the webs after the first, of a shaft that is interrupted; nothing of one that goes through."""
+    if sizes.shaft == "through" or link not in links or m.GROUND not in links:
+        return []
+    return [web_name(link, k) for k in range(1, len(throws(links, link, pins)) + sizes.plates - 1)]
 
 
 def parted(bodies: Sequence[m.Body], link: str, found: Mapping[str, tuple[str, ...]]) -> list[m.Body]:
