@@ -10,7 +10,7 @@ import click
 
 from camgen.commands.options import EXIT_CODES
 from camgen.commands.running import hand_over, refuse_taken
-from camgen.errors import Fault, FileError, SpecError, printable
+from camgen.errors import FileError, printable
 
 
 @click.command(epilog=EXIT_CODES)
@@ -29,9 +29,6 @@ def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path |
     refuse_taken(file)
     if front is not None and front.exists():
         raise FileError(front, "exists already and is left as it is; choose another folder")
-    text, found = run.design(spec, settings, jobs or os.cpu_count() or 1, lambda said: click.echo(printable(said), err=True))
-    if front is not None:
-        if found is None:
-            raise SpecError([Fault("--front", str(front), "a search for a path: it alone has a front")], "command line")
-        found.write(front)
-    hand_over(text, file)
+    keep = None if front is None else lambda found: found.write(front)
+    cores = jobs or os.cpu_count() or 1
+    hand_over(run.design(spec, settings, cores, lambda said: click.echo(printable(said), err=True), keep), file)

@@ -57,8 +57,11 @@ class Front:
                    len(self.rows), ["worst_distance_mm", "bars_mm"])  # fmt: skip
 
 
-def design(spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told = lambda text: None) -> tuple[str, Front | None]:
-    """Text of the spec that was found, and the front where there is one.
+def design(
+    spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told = lambda text: None,
+    keep: Callable[[Front], None] | None = None,
+) -> str:  # fmt: skip
+    """Text of the spec that was found. keep: is handed the front of a search for a path, also where none of it will do.
 
     SpecError with every fault of the wish; DesignError, with the nearest that was reached, where nothing fulfils it.
     """
@@ -68,27 +71,30 @@ def design(spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told
     text = Path(spec).read_text(encoding="utf-8-sig") if isinstance(spec, str | Path) else None
     asked = wish(data, source)
     if isinstance(asked, PathWish):
-        return _for_path(asked, data, source, folder, text if not settings else None, jobs, told)
+        return _for_path(asked, data, source, folder, text if not settings else None, jobs, told, keep)
+    if keep is not None:
+        raise SpecError([Fault("--front", "", "a search for a path: it alone has a front")], "command line")
     if isinstance(asked, KeyWish):
         rest = without(data)
         changed(rest, source, folder)  # faults of the spec itself come first
         found = Search(rest, source, folder, asked, told).found()
         if text is not None and not settings:
-            return with_tables(edited(text, found), {}, ["wanted"]), None
+            return with_tables(edited(text, found), {}, ["wanted"])
         for setting in found:
             rest = override(rest, setting)
-        return specs.dump(changed(rest, source, folder)), None
+        return specs.dump(changed(rest, source, folder))
     mechanism = read_mechanism(spec, settings)
     own = getattr(mechanism, "designed", None)
     if own is None:
         right = 'a table with path = "..." (a linkage for it), or vary = { key = [least, most] } and least = "figure"'
         raise SpecError([Fault("wanted", "", f"missing: {right}; camgen guide design")], source)
-    return specs.dump(own()), None
+    return specs.dump(own())
 
 
 def _for_path(
     asked: PathWish, data: specs.Data, source: str, folder: Path, text: str | None, jobs: int, told: Told,
-) -> tuple[str, Front]:  # fmt: skip
+    keep: Callable[[Front], None] | None,
+) -> str:  # fmt: skip
     from camgen.design import paths
     from camgen.design.polish import Goal
     from camgen.design.target import Target
@@ -116,10 +122,9 @@ def _for_path(
     for number, each in enumerate(front, 1):
         told(f"parts of design {number} of {len(front)}")
         rows.append(each.row(number))
-    chosen = _chosen(front, goal, asked.tolerance)
-    borne = asked.tolerance if asked.tolerance is not None and chosen.worst <= asked.tolerance else None
-    texts = [_text(each, text, borne if each is chosen else None) for each in front]
-    return texts[front.index(chosen)], Front(str(data.get("name")), texts, rows)
+    if keep is not None:
+        keep(Front(str(data.get("name")), [_text(each, text, None) for each in front], rows))
+    return _text(_chosen(front, goal, asked.tolerance), text, asked.tolerance)
 
 
 def _hub(tables: specs.Data) -> float:
