@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from camgen.pipeline import build as pipeline
+from camgen.pipeline.shown import animation as shown
 from camgen.report.animation import frames, still_svg
 
 TOP = Path(__file__).resolve().parent.parent
@@ -30,13 +31,13 @@ FRAMES = {
 def picture(name: str) -> str:
     """The still picture of a spec in specs/, as SVG."""
     mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
-    return still_svg(pipeline.animation(mechanism), f"{mechanism.name} ({mechanism.mechanism})", FRAMES[name])
+    return still_svg(shown(mechanism), f"{mechanism.name} ({mechanism.mechanism})", FRAMES[name])
 
 
 def moving(name: str, seconds: float = 6.0) -> str:
     """The same, moving: each copy by a CSS animation of 40 places, still where a reader asks for less motion."""
     mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
-    animation = pipeline.animation(mechanism)
+    animation = shown(mechanism)
     rules, numbers = [], iter(range(10**6))
     poses: Any = frames(animation)["poses"]
 
