@@ -32,3 +32,7 @@ def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path |
     keep = None if front is None else lambda found: found.write(front)
     cores = jobs or os.cpu_count() or 1
     hand_over(run.design(spec, settings, cores, lambda said: click.echo(printable(said), err=True), keep), file)
+    if front is not None:
+        click.echo(printable(f"wrote {front}: each design, front.csv and front.html"), err=True)
+    if file is not None:
+        click.echo(printable(f"wrote {file}; next: camgen build {file}"), err=True)

@@ -82,7 +82,7 @@ class Candidate:
         return {
             "design": number, "links": len(chain.bodies), "mean_distance_mm": round(self.found.error / 2, 6),
             "worst_distance_mm": round(self.worst, 6), "bars_mm": round(self.found.bars, 4),
-            "verdict": "buildable" if not self.refused else "not buildable", "reason": self.refused,
+            "verdict": "holds" if not self.refused else "refused", "reason": self.refused,
         }  # fmt: skip
 
 

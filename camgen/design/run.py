@@ -52,9 +52,10 @@ class Front:
             table.writeheader()
             table.writerows(self.rows)
             (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
-        summary = f"{len(self.rows)} designs: each is nearer to the path than all with less bar, or has less bar than all nearer."
-        write_page(folder / "front.html", self.name, summary, list(self.rows[0]), ["worst_distance_mm", "bars_mm"], self.rows,
-                   len(self.rows), ["worst_distance_mm", "bars_mm"])  # fmt: skip
+        summary = (f"{len(self.rows)} designs: each is nearer to the path than all with less bar, or has less bar than all "
+                   "nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
+        write_page(folder / "front.html", f"Linkages for the path of {self.name}", summary, list(self.rows[0]),
+                   ["worst_distance_mm"], self.rows, len(self.rows), ["bars_mm"])  # fmt: skip
 
 
 def design(
@@ -111,7 +112,7 @@ def _for_path(
     shortest = asked.shortest or _hub(rest)
     sine = math.sin(math.radians(max(asked.transmission_deg, 0.1)))
     goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
-    kinds = paths.kinds(asked.bars // 2, 2)
+    kinds = [chain for chain in paths.kinds(asked.bars // 2, 2) if len(chain.bodies) <= asked.bars]
     told(f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else ""))
     with Workers(jobs) as workers:
         found = paths.search(goal, kinds, asked.effort, asked.seed, workers.map, told)
@@ -123,8 +124,12 @@ def _for_path(
         told(f"parts of design {number} of {len(front)}")
         rows.append(each.row(number))
     if keep is not None:
-        keep(Front(str(data.get("name")), [_text(each, text, None) for each in front], rows))
-    return _text(_chosen(front, goal, asked.tolerance), text, asked.tolerance)
+        keep(Front(str(data.get("name")), [_text(each, asked, text, None) for each in front], rows))
+    chosen = _chosen(front, goal, asked.tolerance)
+    row = rows[front.index(chosen)]
+    told(f"design {row['design']} of {len(front)}: at most {chosen.worst:.4g} mm from the path, {row['mean_distance_mm']:.3g} mm "
+         f"in the mean, bars of {chosen.found.bars:.4g} mm")  # fmt: skip
+    return _text(chosen, asked, text, asked.tolerance)
 
 
 def _hub(tables: specs.Data) -> float:
@@ -156,10 +161,12 @@ def _chosen(front: Sequence[Candidate], goal: Goal, tolerance: float | None) -> 
     return min(near, key=lambda each: each.found.bars)
 
 
-def _text(each: Candidate, text: str | None, tolerance: float | None) -> str:
+def _text(each: Candidate, asked: PathWish, text: str | None, tolerance: float | None) -> str:
     from camgen.machines import MECHANISMS, load
 
     data = each.data(tolerance)
     if text is None:
         return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
-    return with_tables(text, {key: data[key] for key in ("points", "links", "drive", "output")}, ["wanted"])
+    path = asked.path if isinstance(asked.path, str) else f"{len(asked.path)} points"
+    said = f"found by camgen design for the path {path}; output.points: places of that path, and how far this machine passes them"
+    return with_tables(text, {key: data[key] for key in ("points", "links", "drive", "output")}, ["wanted"], said)

@@ -253,7 +253,7 @@ def _take_up() -> Iterator[Row]:
               undecided="its shape and size are left to further work, and masses' centres not printed")  # fmt: skip
     rocker, _ = against(printed, bodies, speed, None)
     ratio = rocker["rocker_reaction_c_n"] / float(np.abs(before.reactions["C"]).max())
-    wear = 3 * rocker["rocker_wear"] / sum(printed.wear(ANGLES, before, speed).values())
+    wear = 3 * rocker["rocker_wear_n_rad_s"] / sum(printed.wear(ANGLES, before, speed).values())
     for what, text, ours, why in (
         ("reaction at C at 5000 rpm, N", "120", math.nan, "centres of mass are not printed; 118 and 123 with two fair guesses"),
         ("the same of the crank-rocker over it", "1.58", ratio, f"{_NO_LENGTHS}; more, as it says"),

@@ -35,13 +35,16 @@ def edited(text: str, settings: Sequence[str]) -> str:
     return tomlkit.dumps(document)
 
 
-def with_tables(text: str, tables: Mapping[str, Any], without: Collection[str] = ()) -> str:
-    """The text with whole tables added, or keys added to tables that it has, less some tables."""
+def with_tables(text: str, tables: Mapping[str, Any], without: Collection[str] = (), said: str = "") -> str:
+    """The text with whole tables added, or keys added to tables that it has, less some tables; said: a comment before them."""
     import tomlkit
 
     document: Any = tomlkit.parse(text)
     for name in without:
         document.pop(name, None)
+    if said:
+        document.add(tomlkit.nl())
+        document.add(tomlkit.comment(said))
     for name, value in tables.items():
         if isinstance(value, Mapping):
             if name not in document:

@@ -335,7 +335,7 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
         found = Swept(count, dict(verdicts), reasons.most_common(_REASONS), max(len(reasons) - _REASONS, 0),
                       time.perf_counter() - began, before, list(columns))  # fmt: skip
         keys = [axis.key for axis in task.variants.axes]
-        named = table.with_suffix(".html"), Path(task.source).stem, found.told
+        named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
         write_page(*named, found.columns, keys, journal.rows(), count, _wished(task.data, found.columns))
     finally:
         journal.close()

@@ -17,7 +17,7 @@ MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
 
 def write_page(
-    path: Path, name: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
+    path: Path, title: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
     count: int, wished: Sequence[str] = (),
 ) -> None:  # fmt: skip
     """Write the page of a sweep of `count` rows; keys: the columns that were varied; wished: figures of a wish."""
@@ -28,6 +28,6 @@ def write_page(
     data = json.dumps({"columns": list(columns), "keys": list(keys), "wished": list(wished), "rows": shown}, ensure_ascii=False)
     data = data.replace("<", "\\u003c")
     page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
-    text = page.substitute(title=escape(f"Sweep of {name}"), summary=escape(summary), data=data)
+    text = page.substitute(title=escape(title), summary=escape(summary), data=data)
     with file_errors():
         path.write_text(text, encoding="utf-8", newline="\n")

@@ -66,7 +66,7 @@ def against(t: TakeUp, bodies: Mapping[str, Body], speed: float, consumption: Fl
     rows = [(name, two[name], one[name], one[name] / two[name], said.get(name, "")) for name in two]
     numbers = {f"rocker_{key}": one[name] for key, name in (
         ("excess_mm", "least excess, mm"), ("reaction_c_n", "greatest reaction at C, N"),
-        ("wear", "mean wear measure of A, B, C, N rad/s"),
+        ("wear_n_rad_s", "mean wear measure of A, B, C, N rad/s"),
     ) if not math.isnan(one[name])}  # fmt: skip
     columns = ("", "two cranks", "crank-rocker", "ratio", "the source's")
     return numbers, Table("Two cranks against a crank-rocker of the same feed, found by a search", columns, rows)
