@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,8 +215,12 @@ def facet(piece: Piece, tolerance: float) -> Floats:
         return np.linspace(piece.t0, piece.t1, _facets_of_arc(piece.radius, piece.sweep, tolerance) + 1)
     if piece.t1 < piece.t0:
         return facet(piece.reversed(), tolerance)[::-1]
-    track = Track(piece, _facet_law(tolerance))
-    return fewest(track, lambda t: sagittas(track, t), tolerance, 1 / 2)
+    key = (piece.t0, piece.t1, tolerance)
+    if key not in piece.known:  # always found on the curve itself, so that it does not matter which image asks first
+        track = Track(replace(piece.origin, t0=piece.t0, t1=piece.t1) if piece.origin else piece, _facet_law(tolerance))
+        piece.known[key] = fewest(track, lambda t: sagittas(track, t), tolerance, 1 / 2)
+        piece.known[key].setflags(write=False)
+    return piece.known[key]
 
 
 def facet_contour(contour: Contour, tolerance: float) -> Points:

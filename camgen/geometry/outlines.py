@@ -15,7 +15,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -28,6 +28,7 @@ from camgen.tolerances import SAME_POINT
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 
+_CONGRUENT = 1e-12  # share of its size by which an image may differ from the curve and still have its facets
 _GAUSS_NODES, _GAUSS_WEIGHTS = gauss_legendre(16)
 
 
@@ -101,12 +102,16 @@ class Smooth:
 
     The curvature has no jump inside; a joint with a jump belongs between two pieces. t1 < t0 runs backwards.
     knots: growing parameters at which the slope of the curvature may jump; those outside of the piece count for nothing.
+    origin: the curve of which this one is a congruent image, None where it is its own; known: the facets found before on any
+    of its images, by t0, t1 and tolerance.
     """
 
     function: Callable[[Floats, int], Points]
     t0: float
     t1: float
     knots: tuple[float, ...] = ()
+    origin: Smooth | None = field(default=None, compare=False, repr=False)
+    known: dict[tuple[float, float, float], Floats] = field(default_factory=dict, compare=False, repr=False)
 
     def spread(self, count: int) -> Floats:
         """Parameters from t0 to t1, evenly spread, and the knots between them; (count,) and more."""
@@ -134,7 +139,9 @@ class Smooth:
             z = inner(t, order)
             return turn * (np.conj(z) if mirror else z) + (shift if order == 0 else 0)
 
-        return replace(self, function=image)
+        if abs(abs(turn) - 1) > _CONGRUENT:
+            return replace(self, function=image, origin=None, known={})
+        return replace(self, function=image, origin=self.origin or self)
 
 
 Piece = Line | Arc | Smooth
@@ -170,6 +177,16 @@ def _integral(piece: Piece, integrand: Callable[[Points, Points], Floats]) -> fl
         panels, last = 2 * panels, value
 
 
+def _fan(piece: Piece, origin: complex) -> float:
+    """Signed area between a piece and its rays from the origin, mm^2; of lines and arcs in closed form."""
+    if isinstance(piece, Line):
+        return 0.5 * ((piece.a - origin).conjugate() * (piece.b - origin)).imag
+    if isinstance(piece, Arc):
+        chord = cmath.rect(piece.radius, piece.t1) - cmath.rect(piece.radius, piece.t0)
+        return 0.5 * (piece.radius**2 * piece.sweep + ((piece.centre - origin).conjugate() * chord).imag)
+    return 0.5 * _integral(piece, lambda z, dz: np.imag(np.conj(z - origin) * dz))
+
+
 @dataclass(frozen=True)
 class Contour:
     """A closed sequence of pieces, each beginning where the one before it ends (within SAME_POINT)."""
@@ -185,9 +202,9 @@ class Contour:
 
     @cached_property
     def area(self) -> float:
-        """Signed area, mm^2, positive when counter-clockwise (Green's theorem, exact integrands)."""
+        """Signed area, mm^2, positive when counter-clockwise (Green's theorem)."""
         origin = start_point(self.pieces[0])
-        return sum(0.5 * _integral(p, lambda z, dz: np.imag(np.conj(z - origin) * dz)) for p in self.pieces)
+        return sum(_fan(piece, origin) for piece in self.pieces)
 
     @cached_property
     def centroid(self) -> complex:

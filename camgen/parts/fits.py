@@ -165,7 +165,7 @@ def parallel_curve(piece: Smooth, e: float) -> Smooth:
         slope = (curvature(after) - curvature(before)) / (after - before)
         return np.asarray(inner(t, 2) * stretch + d * side * slope)
 
-    return replace(piece, function=function)
+    return replace(piece, function=function, origin=None, known={})
 
 
 # ---- parts -----------------------------------------------------------------------------------------------------------

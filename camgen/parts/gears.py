@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from fractions import Fraction
@@ -74,10 +75,10 @@ class Spur:
         if top <= 0:
             raise DesignError("tooth's tip", 2 * top * self.tip, 0, "mm", f"{self.teeth} teeth", "use more teeth")
         pieces: list[Piece] = []
+        rise, fall = (Smooth(partial(_flank, self.base, -side * half, side), begin, end) for side in (1, -1))
         for k in range(self.teeth):
             middle = math.tau * k / self.teeth
-            up = Smooth(partial(_flank, self.base, middle - half, 1), begin, end)
-            down = Smooth(partial(_flank, self.base, middle + half, -1), end, begin)
+            up, down = rise.moved(cmath.rect(1, middle)), fall.moved(cmath.rect(1, middle)).reversed()
             low, high = complex(up.at(begin)), complex(down.at(begin))
             feet = [self.root * z / abs(z) for z in (low, high)]
             if foot < begin:

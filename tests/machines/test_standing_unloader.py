@@ -12,6 +12,7 @@ import pytest
 
 from camgen.errors import DesignError
 from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.geometry.mesh import Mesh
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
 from camgen.machines.indexing_cam.mechanism import IndexingCam
@@ -33,6 +34,11 @@ def machine(**tables: Any) -> IndexingCam:
 @pytest.fixture(scope="module")
 def starter() -> IndexingCam:
     return machine()
+
+
+@pytest.fixture(scope="module")
+def meshes(starter: IndexingCam) -> dict[str, Mesh]:
+    return {each.name: solid(each, 0.005) for each in starter.parts()}
 
 
 def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) -> None:
@@ -105,7 +111,13 @@ WHEEL, MATE = "gear-unloader_gears-unloader", "gear-unloader_gears-driven-link-1
     ],
 )
 def test_parts_out_of_place_are_found_out(
-    tmp_path: Path, starter: IndexingCam, part: str, turned: float, raised: float, pair: set[str] | None
+    tmp_path: Path,
+    starter: IndexingCam,
+    meshes: dict[str, Mesh],
+    part: str,
+    turned: float,
+    raised: float,
+    pair: set[str] | None,
 ) -> None:
     items, poses = [], starter.poses(np.zeros(1))
     for each in starter.parts():
@@ -113,7 +125,7 @@ def test_parts_out_of_place_are_found_out(
             angle, z = float(pose.angle[0]) + turned * (each.name == part), pose.z + raised * (each.name == part)
             where = placing(angle, complex(pose.place[0]), z, each.thickness, pose.flipped)
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
-    write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.005) for each in starter.parts()}, items, "key")
+    write_3mf(tmp_path / "x.3mf", meshes, items, "key")
     failed = [set(f.where.partition(":")[0].split(" and ")) for f in sweep(tmp_path / "x.3mf", starter.moved())[0] if not f.ok]
     assert (pair in failed) if pair else not failed
 
