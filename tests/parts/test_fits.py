@@ -140,7 +140,7 @@ def test_fits_that_leave_no_material(fit: Compensation, quantity: str) -> None:
 
 def test_a_crossed_part_has_no_fits() -> None:
     crossed = replace(bush(), crossed=Region(circle(2.5j, 2.5)))
-    with pytest.raises(DesignError, match="bush is crossed"):
+    with pytest.raises(DesignError, match="bush is made of two crossed outlines"):
         compensated(crossed, Compensation(hole=0.1))
 
 
