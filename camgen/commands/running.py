@@ -59,9 +59,11 @@ def hand_over(text: str, file: Path | None) -> None:
 
 
 def refuse_taken(file: Path | None) -> None:
-    """FileError where the file that is to be written exists: asked before a search."""
+    """FileError where the file that is to be written exists, or its folder does not: asked before a search."""
     if file is not None and file.exists():
         raise _taken(file)
+    if file is not None and not file.parent.is_dir():
+        raise FileError(file, f"there is no folder {file.parent}; make it, or choose another place")
 
 
 def _taken(file: Path) -> FileError:

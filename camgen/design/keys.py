@@ -74,8 +74,8 @@ class Search:
         try:
             mechanism = changed(dict(self.data), self.source, self.folder, settings)
             findings, figures = mechanism.limits(), mechanism.study().numbers
-        except DesignError as error:
-            self.reason = self.reason or str(error).partition("\n")[0]
+        except (DesignError, SpecError) as error:
+            self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED
         name, sign = (self.wish.least, 1) if self.wish.least is not None else (str(self.wish.most), -1)
         figures = {**figures, **{key: float(value) for key, value in zip(self.wish.vary, values, strict=True)}}

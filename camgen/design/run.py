@@ -10,17 +10,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from camgen import spec as specs
+from camgen.design.chains import chains
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
+from camgen.design.paths import Found
 from camgen.design.wanted import KeyWish, PathWish, wish, without
-from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
+from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, file_errors
 from camgen.pipeline.edits import edited, with_tables
 from camgen.pipeline.jobs import Source, Workers, changed, read_mechanism, read_tables
 from camgen.settings import override
 
 if TYPE_CHECKING:
     from camgen.design.polish import Goal
+    from camgen.machines.linkage.sizes import Parts
 
 Told = Callable[[str], None]
 
@@ -78,6 +83,8 @@ def design(
     if isinstance(asked, KeyWish):
         rest = without(data)
         changed(rest, source, folder)  # faults of the spec itself come first
+        if wrong := [fault for key, ends in asked.vary.items() for fault in _beyond(rest, source, folder, key, ends)]:
+            raise SpecError(wrong, source)
         found = Search(rest, source, folder, asked, told).found()
         if text is not None and not settings:
             return with_tables(edited(text, found), {}, ["wanted"])
@@ -107,9 +114,10 @@ def _for_path(
         faults.append(Fault("mechanism", str(data.get("mechanism")), '"linkage", for a path'))
     if faults:
         raise SpecError(faults, source)
+    made = _checked(rest, source)
     points = asked.points(folder)
     target = Target(points)
-    shortest = asked.shortest or _hub(rest)
+    shortest = asked.shortest or made.pin_diameter + 2 * made.wall  # of a hub
     sine = math.sin(math.radians(max(asked.transmission_deg, 0.1)))
     goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
     kinds = [chain for chain in paths.kinds(asked.bars // 2, 2) if len(chain.bodies) <= asked.bars]
@@ -132,15 +140,26 @@ def _for_path(
     return _text(chosen, asked, text, asked.tolerance)
 
 
-def _hub(tables: specs.Data) -> float:
-    """Diameter of a pin's hub, mm, by [parts]; two of them pass each other."""
-    from camgen.machines.linkage.sizes import Parts
+def _checked(tables: specs.Data, source: str) -> Parts:
+    """Sizes of the parts; SpecError with the faults of everything that is not found, before a search: seen with a four-bar."""
+    from camgen.machines.linkage.mechanism import Linkage
 
-    given = tables.get("parts")
-    known = given if isinstance(given, dict) else {}
-    fields = Parts.model_fields
-    pin, wall = (known.get(key, fields[key].default) for key in ("pin_diameter", "wall"))
-    return float(pin + 2 * wall)
+    drawn = (0j, 20 + 0j, 70 + 0j, 45 + 40j, 20 + 60j)
+    any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), tables)
+    return specs.validate(Linkage, any_one.data(1.0), source).making
+
+
+def _beyond(tables: specs.Data, source: str, folder: Path, key: str, ends: tuple[float, float]) -> list[Fault]:
+    """What is wrong with a key that varies, at both ends by itself: no such key, or a value that it cannot have."""
+    for value in ends:
+        try:
+            changed(tables, source, folder, [f"{key}={value!r}"])
+        except SpecError as error:
+            own = [fault for fault in error.faults if fault.path.removeprefix("--set ") in (key, f"{key}={value!r}") or not value]
+            own = own or [fault for fault in error.faults if fault.expected.startswith(UNKNOWN) or fault.path == "--set"]
+            if own:
+                return [Fault(f"wanted.vary.{key}", f"{value:g}", fault.expected, fault.nearest) for fault in own]
+    return []
 
 
 def _chosen(front: Sequence[Candidate], goal: Goal, tolerance: float | None) -> Candidate:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import csv
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -70,6 +70,8 @@ class KeyWish(Record):
         """What does not go together."""
         found = [Fault(f"wanted.vary.{key}", f"[{low:g}, {high:g}]", "the least value first, then the greatest")
                  for key, (low, high) in self.vary.items() if not low < high]  # fmt: skip
+        found += [Fault(f"wanted.vary.{key}", key, "a key of the spec, such as geometry.base_radius") for key in self.vary
+                  if not re.fullmatch(r"[\w.\-]+", key)]  # fmt: skip
         if (self.least is None) == (self.most is None):
             found.append(Fault("wanted.least", "", "one of wanted.least and wanted.most: what the search is for"))
         found += [Fault(f"wanted.figures.{name}", f"[{low:g}, {high:g}]", "the least value first, then the greatest")
@@ -111,7 +113,8 @@ def _table(path: Path) -> list[tuple[float, float]]:
     except UnicodeDecodeError:
         raise FileError(path, "is no table: it is not text in UTF-8") from None
     rows: list[tuple[float, float]] = []
-    for number, row in enumerate(csv.reader(text.replace(";", ",").replace("\t", ",").splitlines()), 1):
+    for number, line in enumerate(text.replace(";", ",").replace("\t", ",").splitlines(), 1):
+        row = line.split(",")
         if not any(map(str.strip, row)):
             continue
         try:
@@ -120,7 +123,7 @@ def _table(path: Path) -> list[tuple[float, float]]:
             if not rows and number == 1:
                 continue
             raise FileError(path, f"line {number}: two numbers, x and y in mm, were expected") from None
-        if not max(abs(x), abs(y)) <= 1e5:
+        if not (abs(x) <= 1e5 and abs(y) <= 1e5):
             raise FileError(path, f"line {number}: x and y within +-100000 mm were expected")
         rows.append((x, y))
     if len(rows) > _MOST_POINTS:

@@ -93,6 +93,8 @@ def test_what_cannot_be_is_told_with_the_nearest() -> None:
         ({"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "presure_angle_deg"}, "did you mean 'pressure_angle_deg'"),
         ({"vary": {"geometry.bse_radius": [10.0, 20.0]}, "least": "pressure_angle_deg"}, "geometry.bse_radius"),
         ({"vary": {}, "least": "x"}, "wanted.vary"),
+        ({"vary": {"geometry.base_radius": [-20.0, 20.0]}, "least": "x"}, "wanted.vary.geometry.base_radius: -20"),
+        ({"vary": {"a b=3 #": [10.0, 20.0]}, "least": "stroke_mm"}, "a key of the spec"),
         ({"path": [[0, 0], [1, 1], [2, 0]]}, '"linkage", for a path'),
         ({"path": "none.csv", "bars": 5}, "wanted.bars"),
         ({}, "wanted"),
@@ -107,6 +109,7 @@ def test_faults_of_a_wish_are_told(wanted: dict[str, Any], said: str) -> None:
 @pytest.mark.parametrize(
     ("table", "said"),
     [("x,y\n1,2\n", "1 different points"), ("1,2\na,b\n", "line 2: two numbers"), ("1,2\n3,1e9\n", "within"),
+     ("1,2\n1,nan\n", "line 2"),
      ("", "0 different points"),
      ("\n".join(f"{(k * 7919) % 97},{(k * 31) % 89}" for k in range(60)), "a line of .* through all points")],
 )  # fmt: skip
@@ -115,6 +118,14 @@ def test_tables_that_are_no_path_are_told(table: str, said: str, tmp_path: Path)
     asked = wish({"wanted": {"path": "path.csv"}}, "spec")
     with pytest.raises((SpecError, FileError), match=said):
         asked.points(tmp_path)  # type: ignore[union-attr]
+
+
+def test_faults_of_the_rest_of_the_spec_come_before_a_search() -> None:
+    spec = {"mechanism": "linkage", "name": "Bad Name", "foo": 1, "parts": {"thickness": -2.0, "pin_diameter": "x"},
+            "wanted": {"path": [[0, 0], [20, 12], [45, 20], [20, 4]], "bars": 8}}  # fmt: skip
+    with pytest.raises(SpecError) as error:
+        design(spec)
+    assert [fault.path for fault in error.value.faults] == ["name", "parts.thickness", "parts.pin_diameter", "foo"]
 
 
 def test_texts_keep_their_comments() -> None:
