@@ -10,10 +10,12 @@ import numpy as np
 from camgen.geometry.outlines import Floats
 from camgen.judge.proof import Proof
 from camgen.machine.model import Output, unit_of
+from camgen.report.words import rounded
 from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG
 
 _SPEED, _ERROR, _BAND = "Speed", "Motion error", "Worst case of the joints' play"
+_TURNS_ON = 1.0  # deg, from end to end; what swings comes back
 
 
 class Curves:
@@ -30,6 +32,7 @@ class Curves:
         self._plots: dict[str, list[tuple[str, Floats, Floats]]] = {}
         self._wanted: Any = None
         self._lawful = False  # whether the wanted motion is the machine's own
+        self._sense = ""  # how an angle turns on
 
     def want(self, value: Any, slope: Any) -> None:
         """The wanted motion and its slope, (n,)."""
@@ -56,8 +59,9 @@ class Curves:
     def _mean(self, value: Any) -> Any:
         """Slope to theta, a mean over the window of SPEED_RIPPLE."""
         step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(self.theta) - 1) / 360))
-        turn = value[:-1]
-        mean = (np.roll(turn, -step) - np.roll(turn, step)) / (2 * step * math.tau / len(turn))
+        turn, further = value[:-1], value[-1] - value[0]  # what turns on ends the turn further on than it began
+        ahead, behind = np.append(turn[step:], turn[:step] + further), np.append(turn[-step:] - further, turn[:-step])
+        mean = (ahead - behind) / (2 * step * math.tau / len(turn))
         return np.append(mean, mean[0])
 
     def _put(self, title: str, label: str, values: Any, of: str | None = None) -> None:
@@ -65,6 +69,8 @@ class Curves:
         parts = {"x": values.real, "y": values.imag} if np.iscomplexobj(values) else {"": values}
         for axis, part in parts.items():
             shown = self.scale * part
+            if title == self.output.name.capitalize() and self.unit == "deg":
+                self._sense = _turned(float(shown[-1] - shown[0]))
             self._plots.setdefault(title, []).append((f"{axis} {label}".strip(), np.degrees(self.theta), shown))
             if of is not None:
                 words = (self.output.name.replace(" ", "_"), axis, self.unit, of)
@@ -75,10 +81,18 @@ class Curves:
         mean = f", mean of {SPEED_WINDOW_DEG:g} deg" if self.cams else ""
         of = "" if self.alone else f" of {self.output.name}"
         titles = [title for title in (self.output.name.capitalize(), _SPEED, _ERROR, _BAND) if title in self._plots]
+        units = {_SPEED: f"{self.unit}/rad{mean}", titles[0]: self.unit + self._sense} if titles else {}
         return [
             Plot(
                 title + (of if title in (_SPEED, _ERROR, _BAND) else ""), "cam angle, deg" if self.cams else "crank angle, deg",
-                f"{self.unit}/rad{mean}" if title == _SPEED else self.unit, self._plots[title],
+                units.get(title, self.unit), self._plots[title],
             )
             for title in titles
         ]  # fmt: skip
+
+
+def _turned(far: float) -> str:
+    """Behind the unit of an angle's curve how far and in which sense it turns on from end to end, deg; "" where it comes back."""
+    if not abs(far) > _TURNS_ON:
+        return ""
+    return f", {rounded(far)} from end to end: {'clockwise' if far < 0 else 'counter-clockwise'}"

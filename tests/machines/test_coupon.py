@@ -70,6 +70,19 @@ def test_a_printer_is_found_again(sent: dict[str, float]) -> None:
     assert found["slide_clearance"].wide == pytest.approx(0.05, abs=1e-4)  # half a step of the holes
 
 
+def test_a_press_fit_below_0_is_told() -> None:
+    """Holes come in by 0.28, the pin comes out by 0.18: a hole 0.3 too wide for it holds with -0.16."""
+    measured = {"caliper": 1e-6, "sizes": printed_by(coupon(), 0.0, 0.14, 0.09), "runs": 0.5, "holds": 0.3}
+    made = coupon(measured=measured)
+    (line,) = (line for line in made.remarks() if line.startswith("press_clearance"))
+    assert line.startswith("press_clearance = 0.000 ") and "# mm, would be -0.160 +- 0.050 (95 %): " in line
+    assert "print.press_clearance cannot be below 0: glue" in line
+    (row,) = (row for row in made.study().tables[0].rows if row[0] == "press_clearance")
+    assert row[1] == 0 and row[2] == pytest.approx(-0.16, abs=1e-6) and row[3] == pytest.approx(0.05, abs=1e-4)
+    (line,) = (line for line in made.remarks() if line.startswith("slide_clearance"))
+    assert "# mm, +- 0.050 (95 %): " in line and "below 0" not in line
+
+
 def test_the_interval_holds_the_truth_as_often_as_it_says() -> None:
     made, inside = coupon(), []
     for seed in range(400):

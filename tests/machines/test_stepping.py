@@ -23,6 +23,7 @@ from camgen.machine.targets import Advance, Course, advance
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
+from camgen.pipeline.curves import Curves
 from camgen.pipeline.shown import animation
 from camgen.spec import read, validate
 
@@ -77,6 +78,20 @@ def test_the_judges_route_and_the_makers_agree(made: IndexingCam) -> None:
     rate = run.derivatives("link")[1]
     near = (made.solve(theta + 1e-6, 0)["link"] - made.solve(theta - 1e-6, 0)["link"]) / 2e-6
     assert rate == pytest.approx(near, abs=1e-6)
+
+
+def test_the_speed_of_what_turns_on_has_no_step_where_the_turn_ends(made: IndexingCam) -> None:
+    """The curve is the model's own derivative, and 0 where the link stands; it says in which sense the link turns."""
+    assert made.stepping is not None
+    theta = np.linspace(0.0, math.tau, 1441)
+    link = next(output for output in made.model.outputs if output.name == "link")
+    curves = Curves(link, theta, False, cams=True)
+    curves.want(made.stepping(theta), None)
+    course, speed = curves.plots()
+    exact = np.degrees(made.stepping(theta, 1))
+    assert np.abs(speed.series[0][2] - exact).max() < 0.1 * np.abs(exact).max()  # a mean rounds the corner of the lock
+    assert np.abs(speed.series[0][2][-100:-20]).max() == 0
+    assert course.y_label == "deg, −180 from end to end: clockwise" and speed.y_label.startswith("deg/rad, mean")
 
 
 def test_torque_in_the_freewheel_by_hand(made: IndexingCam) -> None:

@@ -84,20 +84,36 @@ def least_squares(rows: Floats, sizes: Floats, least: float = 0.0) -> Fit:
 
 @dataclass(frozen=True)
 class Value:
-    """A key of [print]: its value, half of its interval of 95 %, unit, and what it is from."""
+    """A key of [print]: what the sizes give for it, half of its interval of 95 %, unit, and what it is from; below_0: what to do
+    where they give less than 0 and the key cannot hold that, "" where it can."""
 
     key: str
-    value: float
+    measured: float
     wide: float
     unit: str
     said: str
+    below_0: str = ""
+
+    @property
+    def value(self) -> float:
+        """What the key can hold of it."""
+        return max(0.0, self.measured) if self.below_0 else self.measured
+
+    @property
+    def source(self) -> str:
+        """What it is from, and that it was cut off at 0."""
+        if self.value == self.measured:
+            return self.said
+        return f"{self.said}; print.{self.key} cannot be below 0: {self.below_0}"
 
     @property
     def line(self) -> str:
         """As a spec holds it."""
         told = f"{self.value:.5f}" if self.unit == "1" else f"{self.value:.3f}"
         wide = f"{self.wide:.1g}" if self.unit == "1" else f"{self.wide:.3f}"
-        return f"{self.key} = {told}".ljust(36) + f"# {'share' if self.unit == '1' else self.unit}, +- {wide} (95 %): {self.said}"
+        known = "" if self.value == self.measured else f"would be {self.measured:.3f} "
+        unit = "share" if self.unit == "1" else self.unit
+        return f"{self.key} = {told}".ljust(36) + f"# {unit}, {known}+- {wide} (95 %): {self.source}"
 
 
 @dataclass(frozen=True)
@@ -136,18 +152,19 @@ def calibrated(
             found.append(Value(key, float(value), fit.wide(np.eye(len(free))[free.index(k)]), unit, said))
     if all(name in sizes for name in disc):
         foot, middle = (float(np.mean(sizes[name])) for name in disc)
-        value, wide = max(0.0, printed.foot + (foot - middle) / 2), coverage(0) * caliper / math.sqrt(2)
-        found.append(Value("elephant_foot", value, wide, "mm", "the disc at its foot and above"))
+        value, wide = printed.foot + (foot - middle) / 2, coverage(0) * caliper / math.sqrt(2)
+        found.append(Value("elephant_foot", value, wide, "mm", "the disc at its foot and above", "no chamfer is needed"))
     if ladder is not None and set(known) == {1, 2}:
         pin, runs, holds, step = ladder
         fits = (
-            ("slide_clearance", runs, "the tightest hole in which the pin turns"),
-            ("press_clearance", holds, "the widest hole in which the pin holds"),
+            ("slide_clearance", runs, "the tightest hole in which the pin turns", "pins turn more loosely than felt"),
+            ("press_clearance", holds, "the widest hole in which the pin holds", "glue what has to hold"),
         )
-        for key, hole, said in fits:
+        for key, hole, said, below_0 in fits:
             if hole is not None:
                 row = np.array([printed.sent(hole) - printed.sent(pin), hole.holes, -pin.outlines])
-                found.append(Value(key, max(0.0, float(row @ theta)), math.hypot(fit.wide(row[free]), step / 2), "mm", said))
+                wide = math.hypot(fit.wide(row[free]), step / 2)
+                found.append(Value(key, float(row @ theta), wide, "mm", said, below_0))
     if fit.freedom >= _SCATTER_FROM:
         wide = fit.scatter * coverage(fit.freedom) / math.sqrt(2 * fit.freedom)
         found.append(Value("size_error", fit.scatter, wide, "mm", "scatter of the sizes, the caliper's in it"))

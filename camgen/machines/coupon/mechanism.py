@@ -169,13 +169,13 @@ class Coupon(Mechanism):
         numbers = {f"print_{each.key}_{'share' if each.unit == '1' else each.unit}": each.value for each in done.values}
         if not done.rows:
             return Study(notes=self.remarks())
-        values = [(each.key, each.value, each.wide, each.unit, each.said) for each in done.values]
+        values = [(each.key, each.value, each.measured, each.wide, each.unit, each.source) for each in done.values]
         nominal = {each.name: each.nominal for each in self.sizes}
         rows = [(name, nominal[name], *row) for name, *row in done.rows]
         series = ("sizes", np.array([row[1] for row in rows]), np.array([row[-1] for row in rows]))
         plot = Plot("What is left of each size", "nominal, mm", "mm", [series], dots=("sizes",))
         tables = [
-            Table("Values for [print]", ("key", "value", "+- (95 %)", "unit", "from"), values),
+            Table("Values for [print]", ("key", "value", "measured", "+- (95 %)", "unit", "from"), values),
             Table("Sizes", ("feature", "nominal, mm", "measured, mm", "by these values, mm", "left, mm"), rows),
         ]
         return Study(numbers, [plot], tables)
