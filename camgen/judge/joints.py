@@ -76,12 +76,14 @@ class Rolled:
 
 @dataclass(frozen=True)
 class Fit:
-    """A joint's play as measured and as meant, mm, how much the worst of its features is off, and the shift of each side."""
+    """A joint's play as measured and as meant, mm, how much the worst of its features is off, and the shift of each side, the
+    part of which is in `parts`, "" where it is none."""
 
     play: float
     meant: float
     misfit: float
     shifts: tuple[float, float] = (0.0, 0.0)
+    parts: tuple[str, str] = ("", "")
 
 
 @dataclass(frozen=True)
@@ -197,7 +199,7 @@ class _Builder:
         shifts = (abs(new.a.at - joint.a.at), abs(new.b.at - joint.b.at))
         rings = sum(ring.outside - ring.bore for ring in feature.rings)
         meant, made = (a.diameter - rings, b.diameter), (self._size(a) - rings, self._size(b))
-        self._fit(joint.name, meant, made, shifts, (a, b), feature.pin, a.shaft)
+        self._fit(joint.name, meant, made, shifts, (a.part, b.part), (a, b), feature.pin, a.shaft)
         return new
 
     def _steady(self, feature: Steady, joint: Pin) -> None:
@@ -218,7 +220,7 @@ class _Builder:
 
     def _fit(
         self, joint: str, meant: tuple[float, float], made: tuple[float, float], shifts: tuple[float, float],
-        eyes: Sequence[Eye], pin: Eye | None = None, shaft: bool = False,
+        parts: tuple[str | None, str | None], eyes: Sequence[Eye], pin: Eye | None = None, shaft: bool = False,
     ) -> None:  # fmt: skip
         """Write down a joint's fit, from what its two sides measure, mm; shaft: the first of them is in the second."""
 
@@ -231,7 +233,7 @@ class _Builder:
         for eye in eyes:  # each hole's own size, and its centres at several heights
             found = self.found.eyes[eye]
             misfit = max(misfit, found.spread, abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0)
-        self.fits[joint] = Fit(now, was, misfit, shifts)
+        self.fits[joint] = Fit(now, was, misfit, shifts, (parts[0] or "", parts[1] or ""))
 
     def _line(self, faces: Faces, place: Place, along: float) -> tuple[Place, float]:
         """The middle of two faces: where it crosses beside the place, square to the direction `along`, and its direction."""
@@ -251,7 +253,7 @@ class _Builder:
         block, own = self._line(runner, joint.runner, joint.angle - joint.turn)
         found = (self.found.faces[rails].width, self.found.faces[runner].width)
         shifts = (abs(guide.at - joint.guide.at), abs(block.at - joint.runner.at))
-        self._fit(joint.name, (rails.width, runner.width), found, shifts, ())
+        self._fit(joint.name, (rails.width, runner.width), found, shifts, (rails.part, runner.part), ())
         return replace(joint, guide=guide, runner=block, angle=angle, turn=angle - own)
 
     def _slot(self, feature: SlotFaces, joint: Slot) -> Slot:
@@ -260,7 +262,7 @@ class _Builder:
         walls, eye = feature.walls, feature.eye
         found = (self.found.faces[walls].width, self._size(eye))
         shifts = (abs(guide.at - joint.guide.at), abs(runner.at - joint.runner.at))
-        self._fit(joint.name, (walls.width, eye.diameter), found, shifts, (eye,), feature.pin)
+        self._fit(joint.name, (walls.width, eye.diameter), found, shifts, (walls.part, eye.part), (eye,), feature.pin)
         return replace(joint, guide=guide, runner=runner, angle=angle)
 
     def _held(self, pin: str, body: str) -> tuple[complex, complex]:

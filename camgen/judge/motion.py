@@ -163,6 +163,7 @@ class _Judged:
     ) -> None:
         self.output, self.asked, self.proof, self.theta = output, asked, proof, theta
         self.unit, self.scale = unit_of(output)
+        self.accurate = chord_tolerance + 2 * rounding  # mm
         self.moved = proof.moved(output.name, theta)
         self.reach = {name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()}
         outlines = sum(self.reach[j.name] for j in proof.machine.joints if isinstance(j, Cam) and j.name in self.reach)
@@ -231,8 +232,19 @@ class _Judged:
             remark += ", and at each corner of the outlines"
         if lost:
             remark += f"; it does not close at {lost} of them"
+        if self.error > self.limit:
+            remark += self._moved_most()
         place = f"{self._where(where, alone)}, {turn} angle {math.degrees(self.every[self.worst]):.3f} deg"
         return self._finding("MOTION_ERROR", self.error, self.limit, place, remark)
+
+    def _moved_most(self) -> str:
+        """Which part is furthest off at a joint, where it is more than files may be."""
+        sides = [(off, part, name) for name, fit in self.proof.fits.items()
+                 for off, part in zip(fit.shifts, fit.parts, strict=True)]  # fmt: skip
+        off, part, name = max(sides, default=(0.0, "", ""))
+        if off <= self.accurate:
+            return ""
+        return f"; {part or 'a side'} is furthest from where it is meant, by {off:.3g} mm at joint {name}"
 
     def play(self, where: str, alone: bool) -> Finding:
         """LASH."""

@@ -70,9 +70,11 @@ class Strung:
 
 
 def _made(layout: Layout, run: Run) -> Bodies:
-    """The bodies of a layout; DesignError with the keys of a bench, whose sizes are in [bodies]."""
+    """The bodies of a layout, with their parts; DesignError with the keys of a bench, whose sizes are in [bodies]."""
     try:
-        return Bodies(laid(layout, run))
+        found = Bodies(laid(layout, run))
+        _ = found.parts  # here, not when they are asked for: their errors too get these keys
+        return found
     except DesignError as error:
         of, where, remedy, said = (
             re.sub(r"\bparts\.(?!make)", "bodies.", words)

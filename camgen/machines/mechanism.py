@@ -45,6 +45,7 @@ from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
+from camgen.machines.loads.pins import stronger
 from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
@@ -231,6 +232,10 @@ class Mechanism(Spec, ABC):
     def posts(self) -> Sequence[Post]:
         """Its pins that only a spring or a roller bends."""
         return ()
+
+    def stronger(self, pin: Journal) -> str:
+        """What makes a pin bear more, by the spec's keys."""
+        return stronger("parts", getattr(self, "making", None), pin)
 
     def bears(self, joint: str) -> Bears:
         """What the spec says of a joint's materials."""

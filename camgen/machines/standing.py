@@ -15,7 +15,8 @@ from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
-from camgen.machines.loads.journals import Post
+from camgen.machines.loads.journals import Journal, Post
+from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.catalogue import Bought
@@ -192,7 +193,11 @@ class StandingCams(Mechanism):
 
         bench, pulls = self.bench, {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()}
         pulls |= {} if bench.spring is None else {"spring": bench.spring.force(bench.way[1])}
-        return tuple(posts(bench.bodies.layout, pulls, self.material.name))
+        return tuple(posts(bench.bodies, pulls, self.material.name))
+
+    def stronger(self, pin: Journal) -> str:
+        """By keys of [bodies] of a machine."""
+        return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
 
     def steps(self) -> Table:
         """By height, and at last the springs."""

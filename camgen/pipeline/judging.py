@@ -293,7 +293,10 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.machines.loads.assess import assess
 
     found = assess(case.mechanism)
-    return Outcome(found.findings, found.study.numbers, found.study.plots, found.study.tables, not_judged=found.not_judged)
+    study = found.study
+    return Outcome(
+        found.findings, study.numbers, study.plots, study.tables, not_judged=found.not_judged, warnings=found.warnings
+    )
 
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:

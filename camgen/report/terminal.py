@@ -154,15 +154,23 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
         said += [f"  {folder / name}" for name in names]
-    plate = next((name for name in names if name.startswith(f"{report.name}-plate") and name.endswith(".3mf")), None)
+    plates = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-plate(-\d+)?\.3mf", name)]
     if "report.html" in names:
         said.append(f"open {folder / 'report.html'} in a browser to see it move")
-    if plate is not None:
-        said.append(f"print {folder / plate}")
+    if plates:
+        said.append(f"print {folder / _first_and_rest(sorted(plates, key=lambda name: (len(name), name)))}")
     sheets = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)]
     if sheets:
         said.append(f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}")
     return said
+
+
+def _first_and_rest(plates: Sequence[str]) -> str:
+    """Files of plates in few words: the first by its name, the others by their numbers: "plate.3mf, and plate-2 to -5"."""
+    first, *more = (name.removesuffix(".3mf") for name in plates)
+    numbers = [name.removeprefix(first) for name in more]
+    rest = f", and plate{numbers[0]}{f' to {numbers[-1]}' if len(numbers) > 1 else ''}" if numbers else ""
+    return f"{first}.3mf{rest}"
 
 
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:

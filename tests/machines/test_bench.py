@@ -243,3 +243,11 @@ def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: l
     assert len(told) == 1 and all(key in told[0] for key in idle)
     alone = read(SPECS / "disc-cam.toml")
     assert validate(DiscCamDrive, alone).idle() == ()
+
+
+def test_a_dowel_that_is_not_sold_is_told_by_keys_of_the_bench() -> None:
+    """Dowels of 5 mm end at 50 mm (ISO 2338); a post of the return spring as high as four thick levels asks for more."""
+    spec = drive(parts={"make": "machine"}, bodies={"pin": "dowel", "thickness": 30, "shaft_length": 40})
+    with pytest.raises(DesignError, match=r"the longest dowel of 5 mm is 50 mm, [\d.]+ mm are needed at pin") as caught:
+        spec.parts()
+    assert "parts." not in str(caught.value) and "bodies.thickness" in str(caught.value)

@@ -107,7 +107,7 @@ def test_without_a_sheet_or_dowels():
     del spec["laser"]
     with pytest.raises(SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"):
         camgen.load(spec)
-    with pytest.raises(DesignError, match="length of the dowel is 0 mm.*thin dowels are sold"):
+    with pytest.raises(DesignError, match="the shortest dowel of 5 mm is 10 mm, there is room for .*thin dowels are sold"):
         camgen.load(laser("linkage", pin_diameter=5.0)).parts()
 
 

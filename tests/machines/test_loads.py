@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -178,6 +179,29 @@ def test_pins_of_the_needle_machine_by_hand() -> None:
     assert each.measured == pytest.approx(32 * run["reaction_p_n"] * 1.9 / (math.pi * 27)) and each.ok
     broken = found("PIN_STRESS", "eccentric-drive", "limits.pin_stress_mpa=1")
     assert [f.where for f in broken if not f.ok] == ["pin P"]
+
+
+def test_a_printed_pin_is_not_taken_for_steel_in_silence() -> None:
+    """The stitch head's crank shaft is to be turned of steel, its parts list has it as printed; its other pins bear enough."""
+    (said,) = judged("stitch-head").warnings
+    assert said.startswith("limits.pin_stress_mpa = 120 ")
+    assert "PLA bears 20 MPa: shaft (pin O) 35.4 MPa; make it of steel" in said
+    assert not judged("stitch-head", "limits.pin_stress_mpa=30").warnings  # it fails, which is no silence
+    assert not judged("thread-take-up", "limits.pin_stress_mpa=350").warnings  # these are turned of steel
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "keys"),
+    [
+        ("disc-cam", ("parts.make='machine'",), {"bodies.pin_diameter", 'bodies.pin = "dowel"', "bodies.shaft_diameter"}),
+        ("linkage", (), {"parts.pin_diameter", 'parts.pin = "dowel"', "parts.shaft_diameter"}),
+        ("eccentric-drive", (), {"parts.pin_diameter", 'parts.pins = "steel"'}),
+    ],
+)
+def test_remedy_of_a_bent_pin_names_keys_of_this_machine(name: str, settings: tuple[str, ...], keys: set[str]) -> None:
+    broken = [f.message for f in found("PIN_STRESS", name, *settings, "limits.pin_stress_mpa=1e-5") if not f.ok]
+    told = {key for text in broken for key in re.findall(r"(?:parts|bodies)\.\w+(?: = \"\w+\")?", text)}
+    assert told == keys
 
 
 def test_life_of_a_roller() -> None:

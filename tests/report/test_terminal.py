@@ -50,6 +50,24 @@ def test_table_keeps_verdict_code_measured_and_limit(
     assert ("margin" in text) is (width > 80)
 
 
+@pytest.mark.parametrize(
+    ("plates", "said"), [((), ""), ((2,), ", and plate-2"), ((2, 3, 4, 5, 6, 7, 8, 9, 10), ", and plate-2 to -10")]
+)
+def test_every_plate_is_named(
+    plates: tuple[int, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of the machine with the longest name in 80 columns; a part that is a plate is none of them."""
+    monkeypatch.chdir(tmp_path)
+    name = "chain-stitch-looper"
+    folder = Path("out", name)
+    folder.mkdir(parents=True)
+    for each in ("plate", "needle-plate", "plate-drawing", *(f"plate-{each}" for each in plates)):
+        (folder / f"{name}-{each}.3mf").touch()
+    print_report(Report(name, name, FINDINGS[:2], folder=folder))
+    line = capsys.readouterr().out.splitlines()[-1]
+    assert line == f"print {folder}/{name}-plate.3mf{said}" and len(line) <= 80
+
+
 STEERS = "\x1b[31m\x9b5m\u202e"  # red, blinking, and from right to left
 ESCAPED = r"\x1b[31m\x9b5m\u202e"
 

@@ -46,7 +46,7 @@ from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
-from camgen.machines.loads.journals import Post
+from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
@@ -217,12 +217,21 @@ class Linkage(Mechanism):
         """Pins of its springs and rollers alone, of what is its own."""
         if self.lacking() is not None:
             return ()
-        return tuple(posts(self.bodies.layout, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
+        return tuple(posts(self.bodies, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
 
     def bears(self, joint: str) -> Bears:
         """As this spec, or that of the included machine whose joint it is, says."""
-        own = (each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_"))
-        return next((each.bears(joint) for each in own), self.allowed)
+        own = self._owner(joint)
+        return self.allowed if own is None else own.bears(joint)
+
+    def stronger(self, pin: Journal) -> str:
+        """By keys of this spec, or of that of the included machine whose joint it is."""
+        own = self._owner(pin.joint)
+        return super().stronger(pin) if own is None else own.stronger(pin)
+
+    def _owner(self, joint: str) -> Mechanism | None:
+        """The included machine whose joint it is."""
+        return next((each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_")), None)
 
     @property
     def angle_name(self) -> str:

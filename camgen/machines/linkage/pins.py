@@ -24,7 +24,7 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
 from camgen.machines.linkage.stubs import Stub
 from camgen.machines.linkage.webs import keyed_pin
-from camgen.parts.catalogue import BEARINGS, Bearing, dowel
+from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel
 from camgen.parts.hardware import headed, plate, spacer
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
@@ -110,9 +110,20 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         raise DesignError(
             "length of the dowel", length, whole - s.base_thickness / 2, "mm", f"pin {point}",
             f'change parts.thickness or parts.base_thickness, or make parts.pins.{point} "printed"',
+            _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
         )  # fmt: skip
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",)
     return replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought"), mount
+
+
+def _unsold(diameter: float, least: float, most: float, point: str) -> str:
+    """That no dowel of a diameter is sold which is at least and at most so long, mm, and why."""
+    shortest, longest = DOWELS[diameter]
+    if longest < least:
+        return f"the longest dowel of {diameter:g} mm is {longest:g} mm, {least:.4g} mm are needed at pin {point}"
+    if shortest > most:
+        return f"the shortest dowel of {diameter:g} mm is {shortest:g} mm, there is room for {most:.4g} mm at pin {point}"
+    return f"no dowel of {diameter:g} mm is sold between {least:.4g} and {most:.4g} mm long, as pin {point} needs it"
 
 
 def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
@@ -122,8 +133,9 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     least = grip + max(layout.min_wall, s.head / 2)
     if length < least:
         remedy = f"change {s.thick_key} or parts.pin_diameter"
-        remedy += ": thin dowels are sold shorter" if s.of_sheet else ', or make parts.pin "printed"'
-        raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy)
+        remedy += ": thin dowels are sold shorter" if s.of_sheet else f', or make parts.pins.{point} "printed"'
+        said = _unsold(s.pin_diameter, least, grip + s.thickness, point)
+        raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy, said)
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.loads.journals import Post
 
 _STEEL = ("dowel", "shoulder")
+_SAME = 1e-6  # mm
 
 
-def posts(layout: Layout, pulls: Mapping[str, float], printed: str) -> Iterator[Post]:
+def posts(bodies: Bodies, pulls: Mapping[str, float], printed: str) -> Iterator[Post]:
     """All of them; pulls: greatest pull of each spring of the layout, N; printed: the name of their plastic."""
+    layout = bodies.layout
     loads: dict[str, list[tuple[str, float, float]]] = {}
     for name, spring in layout.springs.items():
         for _, point in (spring.a, spring.b):
@@ -31,6 +33,9 @@ def posts(layout: Layout, pulls: Mapping[str, float], printed: str) -> Iterator[
         low = layout.floor(layout.level[body])
         faces = low, low + layout.thickness(body)
         material = "steel" if layout.kind(point) in _STEEL else printed
+        pins = (each.part for each in bodies.mounts if each.body == layout.carrier(body) and "pin" in each.part
+                and abs(each.at - layout.at(body, point)) < _SAME)  # fmt: skip
+        part = next(pins, "")
         for what, pull, at in bent:
             lever = max(0.0, at - faces[1], faces[0] - at)
-            yield Post(point, what, layout.turning(point), lever, material, pull)
+            yield Post(point, what, layout.turning(point), lever, material, pull, part)

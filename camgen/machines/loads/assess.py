@@ -14,6 +14,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
 from camgen.machines.loads import bearing, counterweights, drive, follower
+from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
@@ -26,11 +27,12 @@ _FEW, _MANY, _BODIES = 361, 1441, 9  # angles of a machine with more, or at most
 
 @dataclass(frozen=True)
 class Assessment:
-    """Findings, figures, and what could not be judged."""
+    """Findings, figures, what could not be judged, and what a person should know first."""
 
     findings: Sequence[Finding] = ()
     study: Study = field(default_factory=Study)
     not_judged: Sequence[NotJudged] = ()
+    warnings: Sequence[str] = ()
 
 
 def assess(mechanism: Mechanism) -> Assessment:
@@ -58,7 +60,7 @@ def assess(mechanism: Mechanism) -> Assessment:
         if isinstance(each, CamOutline):
             outlines.setdefault(each.joint, each)
     parts = {part.name: part for part in mechanism.parts()}
-    plain = bearing.plain_bearings(run, forces, journals, bears, mechanism.load)
+    plain = bearing.plain_bearings(run, forces, journals, bears, mechanism.load, mechanism.stronger)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
     turned, more = drive.driven(run, forces, motor)
     shaken = np.abs(forces.shaking)
@@ -70,7 +72,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     if mechanism.arm_stiffness:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
-    posts = bearing.bent_posts(forces, mechanism.posts(), bears)
+    posts = bearing.bent_posts(forces, mechanism.posts(), bears, mechanism.stronger)
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
@@ -82,7 +84,8 @@ def assess(mechanism: Mechanism) -> Assessment:
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
     balanced = counterweights.study(mechanism, machine)
-    return Assessment(held, together([Study(kept, plots, tables), balanced]), (*left, *more))
+    study = together([Study(kept, plots, tables), balanced])
+    return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 
 def _masses(found: Weighed) -> Table:

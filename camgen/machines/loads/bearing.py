@@ -23,6 +23,7 @@ from camgen.machine.friction import circle
 from camgen.machine.model import GROUND, Cam, Pin
 from camgen.machine.run import Run
 from camgen.machines.loads.journals import Journal, Post
+from camgen.machines.loads.pins import Bent, Stronger, bent_by, unsaid
 from camgen.machines.loads.rubbing import coefficient
 from camgen.machines.loads.tables import Bears, Weight
 from camgen.numerics import Floats
@@ -44,14 +45,16 @@ class Borne:
     tables: list[Table] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
     left: list[NotJudged] = field(default_factory=list)
+    bent: list[Bent] = field(default_factory=list)
 
 
 def plain_bearings(
-    run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears], load: Weight | None = None
-) -> Borne:
+    run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears], load: Weight | None = None,
+    stronger: Stronger = unsaid,
+) -> Borne:  # fmt: skip
     """PV of the worst plain one, PIN_STRESS of every pin whose bearing is known, BEARING_LIFE of ball bearings, and a table.
 
-    bears: what the spec says of a joint; load: of its friction.
+    bears: what the spec says of a joint; load: of its friction; stronger: what makes a joint's pin bear more.
     """
     borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
     usual = materials.PV_MOST
@@ -64,7 +67,9 @@ def plain_bearings(
         slides = strength.sliding(force, turning, journal.diameter, journal.length, circle(1.0, coefficient(journal, load)))
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
-        borne.findings += _pin(name, journal, bent, sheared, float(np.max(force)), bears(name))
+        each = bent_by(name, journal, bent, sheared, float(np.max(force)), bears(name))
+        borne.bent += each
+        borne.findings += [pin.finding(stronger) for pin in each]
         if journal.ball is not None:
             _life(borne, name, journal.ball, force, turning, bears(name))
             continue
@@ -93,9 +98,11 @@ def plain_bearings(
     return borne
 
 
-def bent_posts(forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears]) -> Borne:
+def bent_posts(
+    forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid
+) -> Borne:
     """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most."""
-    borne, worst = Borne(), dict[str, tuple[float, Finding]]()
+    worst: dict[str, Bent] = {}
     for post in posts:
         pressed = forces.pressing.get(post.by)
         if not post.pull and pressed is None:
@@ -104,29 +111,11 @@ def bent_posts(forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bea
         bent = float(strength.pin_bending(force, post.lever, post.diameter))
         sheared = float(strength.pin_shear(force, post.diameter))
         name = f"{post.name}, under {post.by}"
-        journal = Journal(post.by, post.diameter, 0.0, post.lever, post.material, "")
-        for each in _pin(name, journal, bent, sheared, force, bears(post.by), not post.pull):
-            if post.name not in worst or each.measured > worst[post.name][0]:
-                worst[post.name] = each.measured, each
-    borne.findings += [each for _, each in worst.values()]
-    return borne
-
-
-def _pin(
-    name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears, fast: bool = True
-) -> list[Finding]:
-    """PIN_STRESS of one pin, by what it bears least of: bending, or shear as bending as bad; fast: inertia may load it."""
-    row = materials.of(journal.shaft)
-    limit = bears.pin_stress_mpa or row.bears
-    worse, how = max((bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared"))
-    if force <= _STILL:
-        return []
-    holds = math.sqrt(limit / worse) if worse else math.inf
-    by = "limits.pin_stress_mpa" if bears.pin_stress_mpa else f"{row.name} bears {row.bears:g} MPa"
-    remark = f"by {force:.4g} N, {how}; {by}"
-    remark += "" if worse <= limit else "; make it thicker or shorter, or of steel and say so (limits.pin_stress_mpa = 350)"
-    remark += f", {holds:.3g} times the speed where inertia alone loads it" if fast and math.isfinite(holds) else ""
-    return [at_most("PIN_STRESS", worse, limit, "MPa", f"pin {name}", remark)]
+        journal = Journal(post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part)
+        for each in bent_by(name, journal, bent, sheared, force, bears(post.by), not post.pull):
+            if post.name not in worst or each.stress > worst[post.name].stress:
+                worst[post.name] = each
+    return Borne([each.finding(stronger) for each in worst.values()], bent=list(worst.values()))
 
 
 def contacts(

@@ -23,7 +23,7 @@ _SAME = 1e-6  # mm
 class Journal:
     """A bearing of a Pin: diameter and length, mm; lever: mm, 0 where nothing bends; the plastics or "steel" of both.
 
-    ball: the ball bearing on the pin; None of a plain one.
+    ball: the ball bearing on the pin; None of a plain one. part: what the pin or shaft is in the list of parts.
     """
 
     joint: str
@@ -33,13 +33,14 @@ class Journal:
     shaft: str
     hole: str
     ball: Bearing | None = None
+    part: str = ""
 
 
 @dataclass(frozen=True)
 class Post:
     """A pin of one link that a spring or a cam's roller bends: diameter and lever, mm; what it is of; pull: N, 0 by a cam.
 
-    by: the spring, or the joint of the cam.
+    by: the spring, or the joint of the cam; part: as of a Journal.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Post:
     lever: float
     material: str
     pull: float = 0.0
+    part: str = ""
 
 
 def _round(contour: Contour, eye: Eye) -> bool:
@@ -138,4 +140,5 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
         return None
     sizes = [(each.bore, each.outside) for each in feature.rings]
     ball = next((each for each in BEARINGS.values() if (each.bore, each.outside) in sizes), None)
-    return Journal(feature.joint, shaft.diameter, high - low, lever, places.material(shaft), places.material(turning[0]), ball)
+    materials = places.material(shaft), places.material(turning[0])
+    return Journal(feature.joint, shaft.diameter, high - low, lever, *materials, ball, shaft.part or "")
