@@ -117,7 +117,7 @@ def test_rails_without_covers_are_told_and_rails_that_hold_no_screw_refused() ->
     assert not [part.name for part in bare.parts() if part.name.startswith("cover")]
     assert any("open above" in note for note in bare.study().notes)
     assert not any("open above" in note for note in drive().study().notes)
-    with pytest.raises(DesignError, match=r"parts.rail_width.*1.5 mm.*limit 3.2.*parts.cover = false"):
+    with pytest.raises(DesignError, match=r"bodies.rail_width.*1.5 mm.*limit 3.2.*bodies.cover = false"):
         drive(rail_width=1.5).parts()
     assert [b.size for b in drive(rail_width=3.2).bought() if b.name == "screw of a cover"][0].startswith("M2 ")
     assert drive(rail_width=1.5, cover=False).parts()

@@ -16,8 +16,9 @@ from camgen.geometry.facets import facet_contour
 from camgen.machine.closed_form import slider_travel
 from camgen.machines import MECHANISMS
 from camgen.motion.program import Program, uniform_swing
-from camgen.pipeline.build import animation, build
+from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
+from camgen.pipeline.shown import animation
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 TURN = np.linspace(0, math.tau, 721)
@@ -107,7 +108,7 @@ def test_programs_backwards_keep_breaks_jumps_and_their_beginning() -> None:
         ("disc-cam", 60, ("geometry.closure='conjugate'",)),
         ("indexing-cam", 30, ()),
         ("eccentric-drive", 13000, ()),
-        ("thread-take-up", 5000, ()),
+        ("thread-take-up", 5000, ("load.friction=0",)),  # its ring rubs so much that one way loads the pins more
         ("chain-stitch-looper", 3000, ()),
         ("uniform-swing", 30, ("parts.make='cams'", "parts.bore=8")),
     ],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,12 +55,15 @@ def assess(mechanism: Mechanism) -> Assessment:
     bears, journals = mechanism.bears, mechanism.journals()
     run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
+    smooth = solve(machine, theta).forces().reactions  # friction may spare a pin, and may be less than its table says
+    worse = {name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load) for name, load in forces.reactions.items()}
+    borne_by_pins = replace(forces, reactions=worse)
     outlines: dict[str, CamOutline] = {}
     for each in mechanism.features():
         if isinstance(each, CamOutline):
             outlines.setdefault(each.joint, each)
     parts = {part.name: part for part in mechanism.parts()}
-    plain = bearing.plain_bearings(run, forces, journals, bears, mechanism.load, mechanism.stronger)
+    plain = bearing.plain_bearings(run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
     turned, more = drive.driven(run, forces, motor)
     shaken = np.abs(forces.shaking)
@@ -72,7 +75,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     if mechanism.arm_stiffness:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
-    posts = bearing.bent_posts(forces, mechanism.posts(), bears, mechanism.stronger)
+    posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
