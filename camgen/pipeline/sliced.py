@@ -89,6 +89,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
         findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", path.name, said))
         for copy in (copy for copy in copies if copy is not None):
             name = copy.known.part
+            findings += copy.complete(path.name)
             if copy.known.over is None:
                 not_judged.append(NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"))
                 continue

@@ -134,6 +134,26 @@ def test_holes_that_are_lost_and_outlines_that_grow(folder):
         assert any(each.code == "MOTION_ERROR" for each in report.not_judged)
 
 
+@pytest.mark.parametrize("height", [f";HEIGHT:{LAYER}", ""])
+def test_layers_that_are_missing(folder, height):
+    """Two layers out of the middle, and the last one cut off: nothing holds them up, or the part is too low."""
+    path = laid(folder, ["collar"])
+    first, *layers = path.read_text().split("G1 Z")
+    layers = [f"G1 Z{layer}" for layer in layers]
+
+    def wrong(kept):
+        path.write_text("\n".join([f"{first}{height}", *kept]))
+        return [(finding.where, finding.measured) for finding in check_gcode(folder, [path]).findings if not finding.ok]
+
+    assert len(layers) == 5 and not wrong(layers)
+    ((where, gap),) = wrong(layers[:2] + layers[3:])
+    assert "collar, gap" in where and gap == pytest.approx(LAYER)
+    ((where, short),) = wrong(layers[:-1])
+    assert "collar, height" in where and short == pytest.approx(LAYER)
+    if height:  # without it nothing tells a first layer that is high from one that is missing, nor half of all layers
+        assert [gap for _, gap in wrong(layers[::2])] == pytest.approx([LAYER])
+
+
 def test_the_first_layer_is_told_by_itself(folder):
     """It is squeezed out by 0.2 mm: no finding, but a figure; with a solid drawn in against it already one that fails."""
     squeezed = laid(folder, ["collar"], lambda name, k, flat: flat.buffer(0.2 * (k == 0)))
