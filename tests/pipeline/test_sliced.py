@@ -79,6 +79,7 @@ def test_parts_are_found_wherever_they_lie(folder):
         assert first == pytest.approx(meant, abs=4e-3)
     assert any("perimeter_generator = arachne" in text and "1.1" in text for text in report.remarks)
     assert any("ground 4.8 for 5" in text for text in report.remarks)  # six layers of 0.8 mm
+    assert any("none of these plates" in each.why and "1 of collar" in each.why for each in report.not_judged)
     assert any("shaft: not on the plate" in each.why for each in report.not_judged)
 
 
