@@ -22,6 +22,7 @@ from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 
 _MARK = re.compile(r"; ?(?:TYPE|FEATURE):\s*(.*)")
 _WIDTH = re.compile(r"; ?(?:WIDTH|LINE_WIDTH):\s*([\d.]+)")
+_HEIGHT = re.compile(r"; ?(?:HEIGHT|LAYER_HEIGHT):\s*([\d.]+)")
 _SETTING = re.compile(r"; (\w+) = (.*)")
 _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers write most moves
@@ -43,11 +44,12 @@ _BORE = 0.03  # mm, by which a hole may differ from a circle and be the bore
 @dataclass(frozen=True)
 class Wall:
     """The centre line of one outer wall, closed; height of its layer, and width of the bead along each edge, (n,) mm, nan where
-    nothing says it."""
+    nothing says it; height: of the bead itself, mm, inf where nothing says it."""
 
     z: float
     ring: Ring
     widths: Floats
+    height: float = math.inf
 
     def edge(self, hole: bool, further: float = 0.0) -> Ring | None:
         """The edge of what is laid, counter-clockwise: the bead's outer side, or a hole's inner one, `further` off, mm.
@@ -94,6 +96,8 @@ class _State:
     relative_e: bool = False
     kind: str = ""
     width: float = math.nan
+    height: float = math.inf
+    thin: float = math.inf
     points: list[complex] = field(default_factory=list)
     bulges: list[float] = field(default_factory=list)
     widths: list[float] = field(default_factory=list)
@@ -120,7 +124,7 @@ def read_gcode(path: Path) -> list[Wall]:
                     raise FileError(path, f"has more than {_MOST_MOVES} lines")
                 line = raw.decode("latin-1").strip()
                 if line.startswith(";"):
-                    mark, width = _MARK.match(line), _WIDTH.match(line)
+                    mark, width, height = _MARK.match(line), _WIDTH.match(line), _HEIGHT.match(line)
                     if mark:
                         state.kind = mark[1].strip().lower()
                         marked |= state.kind in _OUTER
@@ -129,6 +133,8 @@ def read_gcode(path: Path) -> list[Wall]:
                             said = f"line {number + 1} says that its lines are {width[1]} mm wide"
                             raise FileError(path, f"{said}; {_NARROWEST:g} to {_WIDEST:g} was expected")
                         state.width = float(width[1])
+                    elif height:
+                        state.height = tall if _NARROWEST <= (tall := _number(height[1])) <= _WIDEST else math.inf
                     continue
                 walls += _command(path, state, line.partition(";")[0], number + 1)
     except OSError as error:
@@ -202,7 +208,8 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
         return
     if not state.points:
         state.points.append(start)
-        state.level = state.z
+        state.level, state.thin = state.z, math.inf
+    state.thin = min(state.thin, state.height)  # a bridge is as high as the nozzle is wide
     bulge = 0.0
     if code in (2, 3):
         if "I" not in words and "J" not in words:
@@ -231,7 +238,7 @@ def _ended(state: _State) -> Iterator[Wall]:
         points = points[:-1]
     else:  # the seam is closed straight
         bulges, widths = [*bulges, 0.0], [*widths, widths[-1]]
-    yield Wall(state.level, Ring(np.array(points), np.array(bulges)), np.array(widths))
+    yield Wall(state.level, Ring(np.array(points), np.array(bulges)), np.array(widths), state.thin)
 
 
 def read_settings(path: Path) -> dict[str, str]:

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.errors import counted
+from camgen.findings import Finding, at_most
 from camgen.geometry.mesh import Mesh, components, slice_mesh
 from camgen.geometry.registration import Laid, dense, deviation, lay
 from camgen.geometry.rings import Floats, Points, Ring, Shape
@@ -26,6 +28,7 @@ from camgen.judge.round_trip import pieces_of
 if TYPE_CHECKING:
     from camgen.files.gcode import Wall
 
+_GAP = 1.5  # of its own height, by which a layer may lie over the one below it
 _ON_BED = 1.0  # mm, higher than any first layer
 _COARSE = 0.1  # mm, to which walls are taken where only their place counts
 _STEP, _FINE = 0.2, 0.02  # mm, between points of edges that are laid on each other, and of those that they are measured from
@@ -37,6 +40,7 @@ _NO_OTHER = 0.6  # mm rms: what is farther off is another part
 _AREA = 0.1  # share by which the area of a layer may differ
 _FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
 _CHORDS = 1e-4  # mm, of outlines that are joined
+_SAME = 1e-3  # mm, by which heights may differ that are the same
 _SLIVER = 1e-4  # mm^2, what facets leave of a hole
 
 
@@ -96,6 +100,24 @@ class Copy:
         z = self.known.solid.vertices[:, 2]
         return float(z.max() - layer.middle if self.known.over else z.min() + layer.middle)
 
+    def complete(self, where: str) -> list[Finding]:
+        """Whether its layers lie on each other without a gap, and reach up to the top of the solid."""
+        tops = [0.0, *(layer.top for layer in self.layers)]
+        gaps = [(layer.low - top, top) for top, layer in zip(tops, self.layers, strict=False)]
+        gap, under = max(gaps)
+        count = sum(size > _SAME for size, _ in gaps)
+        most = f"layers are missing in {counted(count, 'place')}, the most over z = {under:.3f} mm"
+        said = most if count else "no layer is missing"
+        lying = self.known.solid.vertices @ self.known.turn[2]
+        off, last = tops[-1] - float(np.ptp(lying)), self.layers[-1]
+        half = (last.top - last.low) / 2 + _SAME
+        high = f"its last layer ends at {tops[-1]:.3f} mm, its top lies at {np.ptp(lying):.3f}; half a layer may be off"
+        where = f"{where}, {self.known.part}"
+        return [
+            at_most("ROUND_TRIP", max(gap, 0.0) if count else 0.0, _SAME, "mm", f"{where}, gap between layers", said),
+            at_most("ROUND_TRIP", abs(off), half, "mm", f"{where}, height", high),
+        ]
+
 
 def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
     """The bodies that walls make, each with its layers from below."""
@@ -111,8 +133,14 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
         layers = []
         tops = sorted({round(walls[k].z, 4) for k in members})
         bed = 0.0 if tops[0] < _ON_BED or len(tops) < 2 else 2 * tops[0] - tops[1]  # a raft under it is none of its own
+        usual = float(np.median(np.diff(tops))) if len(tops) > 1 else math.inf
         for low, top in pairwise([bed, *tops]):
             here = [k for k in members if round(walls[k].z, 4) == top]
+            own = min(walls[k].height for k in here)
+            if math.isinf(own) and low > bed:  # a first layer may be higher than the others
+                own = usual
+            if top - low > _GAP * own:
+                low = top - own
             within = [sum(flat[j].area > flat[k].area and flat[j].contains(flat[k]) for j in here) % 2 == 1 for k in here]
             layers.append(Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within)))
         found.append(tuple(layers))

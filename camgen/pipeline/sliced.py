@@ -8,6 +8,7 @@ not on the plates count as their files have them.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -78,6 +79,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     findings: list[Finding] = []
     not_judged: list[NotJudged] = []
     settings: dict[str, str] = {}
+    absent = Counter({part.name: part.count for part in mechanism.printed()})
     for path in plates:
         progress(f"reading {path.name}")
         found = bodies(with_width(read_gcode(path), path, line_width))
@@ -89,12 +91,17 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
         findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", path.name, said))
         for copy in (copy for copy in copies if copy is not None):
             name = copy.known.part
+            findings += copy.complete(path.name)
+            absent[name] -= 1
             if copy.known.over is None:
                 not_judged.append(NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"))
                 continue
             _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, path.name)
     for one in laid.values():
         findings += one.findings
+    if lacking := +absent:
+        said = ", ".join(f"{count} of {name}" for name, count in lacking.items())
+        not_judged.append(NotJudged("ROUND_TRIP", f"copies that lie on none of these plates: {said}", "the G-code of all plates"))
     progress("letting the parts touch")
     moved, numbers, more = _moved(case, laid, ", ".join(path.name for path in plates))
     columns = ("part", "layers", "height, mm", "meant, mm", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm",

@@ -79,6 +79,7 @@ def test_parts_are_found_wherever_they_lie(folder):
         assert first == pytest.approx(meant, abs=4e-3)
     assert any("perimeter_generator = arachne" in text and "1.1" in text for text in report.remarks)
     assert any("ground 4.8 for 5" in text for text in report.remarks)  # six layers of 0.8 mm
+    assert any("none of these plates" in each.why and "1 of collar" in each.why for each in report.not_judged)
     assert any("shaft: not on the plate" in each.why for each in report.not_judged)
 
 
@@ -132,6 +133,26 @@ def test_holes_that_are_lost_and_outlines_that_grow(folder):
         report = check_gcode(folder, [laid(folder, ["collar"], change)])
         assert failing(report) == {"ROUND_TRIP"}
         assert any(each.code == "MOTION_ERROR" for each in report.not_judged)
+
+
+@pytest.mark.parametrize("height", [f";HEIGHT:{LAYER}", ""])
+def test_layers_that_are_missing(folder, height):
+    """Two layers out of the middle, and the last one cut off: nothing holds them up, or the part is too low."""
+    path = laid(folder, ["collar"])
+    first, *layers = path.read_text().split("G1 Z")
+    layers = [f"G1 Z{layer}" for layer in layers]
+
+    def wrong(kept):
+        path.write_text("\n".join([f"{first}{height}", *kept]))
+        return [(finding.where, finding.measured) for finding in check_gcode(folder, [path]).findings if not finding.ok]
+
+    assert len(layers) == 5 and not wrong(layers)
+    ((where, gap),) = wrong(layers[:2] + layers[3:])
+    assert "collar, gap" in where and gap == pytest.approx(LAYER)
+    ((where, short),) = wrong(layers[:-1])
+    assert "collar, height" in where and short == pytest.approx(LAYER)
+    if height:  # without it nothing tells a first layer that is high from one that is missing, nor half of all layers
+        assert [gap for _, gap in wrong(layers[::2])] == pytest.approx([LAYER])
 
 
 def test_the_first_layer_is_told_by_itself(folder):
