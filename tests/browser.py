@@ -53,8 +53,8 @@ PROBE = """(async () => {
   found.hidden = await after(() => document.querySelectorAll(".legend [data-body]").forEach(box => box.click()));
   found.drawing = document.querySelector("#mechanism .c0").style.visibility;
   const key = document.querySelector(".plot.turn output"), small = document.querySelector(".small");
-  key.scrollIntoView();
-  await until(() => key.value);
+  found.curves = Boolean(key);
+  if (key) { key.scrollIntoView(); await until(() => key.value); }  // a coupon has none
   small.scrollIntoView();
   await until(() => small.dataset.seen);
   found.small = small.getContext("2d").getImageData(0, 0, 320, 220).data.filter(value => value > 0).length;
