@@ -162,6 +162,9 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
     sheets = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)]
     if sheets:
         said.append(f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}")
+    found = f"{report.name}-print.toml"
+    if found in names:
+        said.append(f"paste {folder / found} into your specs")
     return said
 
 

@@ -47,7 +47,7 @@ GROUPS = (
     ("Forces and drive", r"torque|force|reaction|energy|inertia|"
      r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
      r"kick|spring|wear|weight|shaking|harmonic|residual"),
-    ("Shape of the cam", r"radius|profile|pressure|undercut|curvature|wall|tip_on"),
+    ("Shape and contact", r"radius|profile|pressure|undercut|curvature|wall|tip_on"),
     ("Motion", r""),
 )  # fmt: skip
 
