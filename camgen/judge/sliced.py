@@ -150,7 +150,7 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
 def copy_of(layers: Sequence[Layer], known: Sequence[Known]) -> Copy | None:
     """The part of which a body is the print; None where it is like none of them."""
     best: Copy | None = None
-    middle = layers[len(layers) // 2]
+    middle = _telling(layers)
     own = [dense(ring.points, _STEP) for ring in middle.edges()]
     if not own:
         return None
@@ -168,6 +168,14 @@ def copy_of(layers: Sequence[Layer], known: Sequence[Known]) -> Copy | None:
         if laid.off < (math.inf if best is None else best.laid.off):
             best = Copy(each, laid, tuple(layers))
     return best if best is not None and best.laid.off <= _NO_OTHER else None
+
+
+def _telling(layers: Sequence[Layer]) -> Layer:
+    """The layer that tells best how a body lies: the middle one of those that are largest, such as a cam's disc, not its hub."""
+    inner = layers[1:-1] or layers
+    areas = np.array([_net([ring.points for ring in layer.edges()]) for layer in inner])
+    large = np.flatnonzero(areas >= (1 - _AREA) * areas.max())
+    return inner[int(large[len(large) // 2])]
 
 
 def _laid(cut: Sequence[Points], own: Sequence[Points], centre: complex, turns: Sequence[float], to_beat: float) -> Laid:
