@@ -57,10 +57,9 @@ class Picture:
     def joint(self, name: str, place: complex, beside: complex = 14 + 12j, kind: str = "joint") -> None:
         """A named point; beside: from it to its name, px, y up."""
         self.reach.append(place)
+        radius = 4 if kind == "joint" else 2.5
         self.drawn.append(
-            lambda at: (
-                f'<circle class="{kind}" cx="{at(place).real:.1f}" cy="{at(place).imag:.1f}" r="{4 if kind == "joint" else 2.5}"/>'
-            )
+            lambda at: f'<circle class="{kind}" cx="{at(place).real:.1f}" cy="{at(place).imag:.1f}" r="{radius}"/>'
         )
         self.sign(name, place, beside, "name")
 
@@ -108,7 +107,8 @@ class Picture:
             draw(lambda z: complex(margin + scale * (z.real - left), margin + scale * (top - z.imag))) for draw in self.drawn
         )
         return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.wide:.0f} {tall:.0f}" width="{self.wide:.0f}" role="img">'
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.wide:.0f} {tall:.0f}" width="{self.wide:.0f}" '
+            'role="img">'
             f"<title>{escape(self.title)}</title><style>{_STYLE}</style>{inside}</svg>\n"
         )
 
