@@ -306,8 +306,4 @@ class ThreadTakeUp(Mechanism):
         data["geometry"] |= {
             "eye_distance": x[0], "eye_angle_deg": x[1], "frame_angle_deg": x[2], "guides": [[x[3], x[4]], [x[5], x[6]]],
         }  # fmt: skip
-        found = validate(type(self), data, "design")
-        failed = next((finding for finding in found.limits() if not finding.ok), None)
-        if failed is not None:
-            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
-        return found
+        return validate(type(self), data, "design").proven()
