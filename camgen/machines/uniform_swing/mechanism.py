@@ -28,7 +28,7 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region, circle
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import FollowerLoad, Loaded, MirroredTouch, ProfileTouch, cam_machine, cam_outline
+from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
@@ -116,7 +116,7 @@ class UniformSwing(Mechanism):
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
-        touches = (ProfileTouch(self.cam), MirroredTouch(self.cam))[: 1 + pair]
+        touches = (CamTouch(self.cam), CamTouch(self.cam, mirrored=True))[: 1 + pair]
         return cam_machine([self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
