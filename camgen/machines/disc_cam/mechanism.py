@@ -26,7 +26,7 @@ from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
+from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
@@ -195,7 +195,7 @@ class DiscCamDrive(StandingCams):
 
     def _drawn(self, load: FollowerLoad | None) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        groove = (ProfileTouch(self.cam), OuterWallTouch(self.cam)) if self.geometry.closure == "groove" else ()
+        groove = (CamTouch(self.cam), CamTouch(self.cam, outer=True)) if self.geometry.closure == "groove" else ()
         return cam_machine(self.cams, self.speed, load, closed, groove)
 
     @cached_property
