@@ -299,7 +299,8 @@ def test_what_cannot_be_mounted_is_told(root: Path, host: dict[str, Any], change
 
 
 @pytest.mark.parametrize(
-    ("at", "z", "said"), [((20, 0), -50, "at least "), ((20, 0), 20, "at least "), ((0, 0), 90, "or nothing: both shafts are one")]
+    ("at", "z", "said"),
+    [((20, 0), -50, "at least "), ((20, 0), 20, "at least "), ((0, 0), 90, "or nothing: both shafts are one")],
 )
 def test_a_height_at_which_no_frame_can_stand_is_told(root: Path, at: tuple[float, float], z: float, said: str) -> None:
     with pytest.raises(SpecError) as told:
