@@ -134,7 +134,7 @@ def _overlap(joint: Cam, drive: Outline, other: Outline, where: str, off: float)
     largest, beyond, air = float(np.max(play)), "", drive.feature.free
     if air > 0:
         beyond = f", each {air:g} mm off its tip where the motion is as wanted"
-    if min(drive.feature.free, other.feature.free) < 0:
+    elif air < 0:
         play = drive.feature.leaves * (other.law(theta) - drive.law(theta))
         beyond = f" beyond the preload, {-air:g} mm at each tip"
     least = int(np.argmin(np.where(np.isnan(play), -np.inf, play)))
