@@ -19,6 +19,7 @@ from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.convex import hull_corners
 from camgen.numerics import Floats, Points
 from camgen.spec import Record
 
@@ -282,7 +283,7 @@ def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> lis
 
 def strip(places: Points) -> float:
     """Width of the narrowest strip that holds all places, mm: one side of it lies along an edge of their convex hull."""
-    hull = _hull(places)
+    hull = places[hull_corners(places.tolist())]
     if len(hull) < 3:
         return 0.0
     widths = []
@@ -290,21 +291,6 @@ def strip(places: Points) -> float:
         away = ((hull - a) * np.conj((b - a) / abs(b - a))).imag
         widths.append(float(np.ptp(away)))
     return min(widths)
-
-
-def _hull(places: Points) -> Points:
-    """Corners of the convex hull, counter-clockwise.   [Andrew 1979]"""
-    ordered = sorted({(z.real, z.imag) for z in places.tolist()})
-    half: list[list[complex]] = []
-    for run in (ordered, ordered[::-1]):
-        chain: list[complex] = []
-        for x, y in run:
-            z = complex(x, y)
-            while len(chain) > 1 and ((chain[-1] - chain[-2]).conjugate() * (z - chain[-2])).imag <= 0:
-                chain.pop()
-            chain.append(z)
-        half.append(chain[:-1])
-    return np.array(half[0] + half[1])
 
 
 def straightest(course: Course, length: float) -> tuple[float, float, float]:
