@@ -60,7 +60,7 @@ def to_html(report: Report) -> str:
         plots=_section("Curves", _plots(report.plots)),
         parts=_section("Parts", _parts(report))
         + _section("Plates, ready to print", _plates(scene), "plates")
-        + _section("Assembly, step by step", _steps(scene), "steps"),
+        + _section(scene.work if scene else "", _steps(scene), "steps"),
         findings=_section("Margins", margins(report.findings)),
         numbers=_section("Figures", figure_lists(report.numbers)),
         tables=_section("Tables", "".join(map(_folded, report.all_tables))),
@@ -381,7 +381,7 @@ def _parts(report: Report) -> str:
         drawing = f"{report.name}-{label}-drawing.pdf"
         links += [_link(drawing, "PDF")] if drawing in report.files else []
         facts = [str(part["title"])] if part.get("title") else []
-        facts += [f"{rounded(_float(part['thickness_mm']), 3)} mm thick"] if "thickness_mm" in part else []
+        facts += [f"{rounded(_float(part['thickness_mm']), 3)} mm high"] if "thickness_mm" in part else []
         facts += [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"] if "material_mm3" in part else []
         title = label.replace("_", " ") + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
