@@ -98,7 +98,8 @@ def judge(
         [_part_record(case, part, files) for part in case.parts.values()],
         [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
-        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
+        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes,
+         *(note for each in outcomes for note in each.notes)],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
         (*not_judged(asked, files, findings, lacks), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
         (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
@@ -304,8 +305,9 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
     found = assess(case.mechanism)
     study = found.study
     return Outcome(
-        found.findings, study.numbers, study.plots, study.tables, not_judged=found.not_judged, warnings=found.warnings
-    )
+        found.findings, study.numbers, study.plots, study.tables, not_judged=found.not_judged, warnings=found.warnings,
+        notes=study.notes,
+    )  # fmt: skip
 
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:

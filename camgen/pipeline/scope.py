@@ -36,6 +36,7 @@ class Outcome:
     columns: Mapping[str, Floats] = field(default_factory=dict)
     not_judged: Sequence[NotJudged] = ()
     warnings: Sequence[str] = ()
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
