@@ -18,7 +18,7 @@ import zipfile
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from ctypes import string_at
+from ctypes import c_uint64, string_at
 from dataclasses import dataclass, field
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
@@ -107,9 +107,9 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
         thing = meshes[name] = model.AddMeshObject()
         thing.SetName(name)
         thing.SetUUID(made("mesh", name))
-        thing.SetGeometry(
-            (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
-        )
+        call, code = thing._wrapper, thing._wrapper.lib.lib3mf_meshobject_setgeometry  # `SetGeometry` copies number by number
+        rows = (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
+        call.checkError(thing, code(thing._handle, c_uint64(len(vertices)), rows[0], c_uint64(len(faces)), rows[1]))
         thing.SetObjectLevelProperty(colours.GetUniqueResourceID(), colours.AddMaterial(name, lib3mf.Color(*_colour(name), 255)))
     for item in items:
         thing = meshes[item.object]
