@@ -126,17 +126,23 @@ class Through(Record):
             return [Fault(f"{path}.in_order", "true", "false, or no theta_deg: angles say the order already")]
         return []
 
-    def finding(self, course: Course, where: str) -> Finding:
-        """PATH_ERROR: the place that the path misses most."""
-        places = [complex(*place) for place in self.at]
+    @property
+    def places(self) -> list[complex]:
+        """Where the path shall pass, mm."""
+        return [complex(*place) for place in self.at]
+
+    def met(self, course: Course) -> list[tuple[float, float]]:
+        """theta and distance, mm, at which the path passes each place; none where it never passes them in their order."""
         if self.theta_deg is not None:
             t = np.radians(self.theta_deg)
-            met = list(zip(t.tolist(), np.abs(course.at(t) - places).tolist(), strict=True))
-            how = "at the angles given"
-        else:
-            ways = [course.nearest(place) for place in places]
-            met = _in_order(ways, course.whole) if self.in_order else [min(way, key=lambda pair: pair[1]) for way in ways]
-            how = "in their order" if self.in_order else "each at its nearest"
+            return list(zip(t.tolist(), np.abs(course.at(t) - self.places).tolist(), strict=True))
+        ways = [course.nearest(place) for place in self.places]
+        return _in_order(ways, course.whole) if self.in_order else [min(way, key=lambda pair: pair[1]) for way in ways]
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """PATH_ERROR: the place that the path misses most."""
+        met = self.met(course)
+        how = "in their order" if self.in_order else "each at its nearest" if self.theta_deg is None else "at the angles given"
         if not met:
             return at_most(self.code, math.nan, self.tolerance, "mm", where, "the path never passes them in this order")
         k = max(range(len(met)), key=lambda k: met[k][1])

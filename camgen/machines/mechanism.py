@@ -160,6 +160,14 @@ class Mechanism(Spec, ABC):
     def study(self) -> Study:
         """Named numbers, curves and tables for the report."""
 
+    def figures(self) -> Mapping[str, float]:
+        """The study's named numbers alone."""
+        return self.study().numbers
+
+    @classmethod
+    def prepare(cls, many: Sequence[Self]) -> None:
+        """Find together, where that is quicker, what each of many variants needs for its limits and figures."""
+
     @property
     def speed(self) -> float:
         """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""

@@ -151,8 +151,8 @@ def cam_outline(
 
     bore: diameter of the part's own hole on the shaft, mm. pressure_angle: the largest, deg. ripple, undercut: as in CamMeant.
     face: between which places a flat one on an arm is touched, mm from the pivot's foot; width: its own, None without an end.
-    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm. copy: which of the
-    part's mounts it is.
+    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm; else the cam's own air.
+    copy: which of the part's mounts it is.
     """
     follower, cosine, middle = cam.follower, math.cos(math.radians(pressure_angle)), (face[0] + face[1]) / 2
     tip: Eye | Flat
@@ -171,7 +171,8 @@ def cam_outline(
             lever = cosine
     given = cam.reachable if cam.undercuts and free is None else None
     return CamOutline(
-        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None, free=free or 0.0, copy=copy,
+        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None,
+        free=cam.air if free is None else free, copy=copy,
         bore=None if bore is None else Eye(part, 0j, bore), own=own, meant=CamMeant(given, lever, ripple, undercut),
     )  # fmt: skip
 

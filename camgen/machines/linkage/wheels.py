@@ -56,6 +56,10 @@ class Ridden(Protocol):
     def closure(self) -> str:
         """"force", "groove" or "conjugate"."""
 
+    @property
+    def tip_clearance(self) -> float:
+        """Of a pair, mm at each tip."""
+
 
 @dataclass(frozen=True)
 class Wheel:
@@ -251,7 +255,7 @@ def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance
                 raise DesignError(
                     "side of the face", follower.leaves, leaves, "", f"cam {name}", "draw `at` on the cam's side of the hinge"
                 )
-            cam, rim = DiscCam(_signed(joint.law), follower), groove_rim(sizes) + clearance
+            cam, rim = DiscCam(_signed(joint.law), follower, spec.tip_clearance), groove_rim(sizes) + clearance
             level = key if spec.shape == "roller" else joint.follower
             found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, key, spec.shape, rim))
     return found

@@ -36,6 +36,7 @@ from camgen.machines.cam_loads import unweighed
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.machines.uniform_swing.room import LAYOUT, Room, machine_checks, place_pins
@@ -91,6 +92,8 @@ class UniformSwing(Mechanism):
         deg = None if self.load is None else self.load.gravity_deg
         weight = None if deg is None else unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        g = self.geometry
+        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, g.tip_radius)
         return [*found, *p.misfits(), *([] if weight is None else [weight])]
 
     @cached_property
@@ -106,7 +109,7 @@ class UniformSwing(Mechanism):
                 f"{g.pivot_distance * math.tan(math.radians(g.swing_deg / 2)):.4g} mm",
             )  # fmt: skip
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
-        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
+        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1), g.tip_clearance)
 
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import ShaftHole
 from camgen.spec import Length, Record, Rpm, turning
@@ -23,6 +24,7 @@ class Geometry(Record):
     swing_deg: Annotated[float, Field(gt=0, lt=180)]
     tip_radius: Annotated[float, Field(ge=0, le=1e6)]
     closure: Literal["conjugate", "force"] = "conjugate"
+    tip_clearance: Air = 0.0
     reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
 
 
