@@ -212,10 +212,7 @@ def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
     shifted = _shifted(machine, spread, errors)
     laws = {}
     parts = {part.name: part for part in mechanism.parts()}
-    first: dict[str, CamOutline] = {}
-    for each in mechanism.features():
-        if isinstance(each, CamOutline):
-            first.setdefault(each.joint, each)
+    first = mechanism.outlines()
     for joint in machine.joints:
         own = given.get(f"{joint.name}, 1")
         if not isinstance(joint, Cam) or own is None:
