@@ -17,7 +17,7 @@ from camgen.machine.run import solve
 from camgen.machines.included import opened
 from camgen.pipeline.build import build, check
 from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
-from camgen.pipeline.making import make
+from camgen.pipeline.making import make_parts, put_together
 from camgen.spec import read
 
 THETA = np.linspace(0, math.tau, 97)
@@ -97,7 +97,7 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
     data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 0], "z": 0})
     case = Case(read_mechanism(data).resolved(), tmp_path)
     with Workers() as workers:
-        make(case, frozenset({"3mf"}), workers, silent)
+        put_together(case, frozenset({"3mf"}), make_parts(case, frozenset({"3mf"}), workers, silent), silent)
     failed = [finding for finding in sweep(case.file("assembly", "3mf"), case.mechanism.moved())[0] if not finding.ok]
     assert {finding.code for finding in failed} == {"INTERFERENCE"}
     assert any("coupler-1" in f.where and "thread-take-up-bell-crank-1" in f.where for f in failed)

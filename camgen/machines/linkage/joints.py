@@ -152,7 +152,8 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
     driving = CamOutline(
         joint.name, f"{name}-inner" if tip.grooved else name, pivot_of(layout, joint.cam),
         pivot_of(layout, joint.follower) if joint.slide is None else None,
-        _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
+        _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, free=tip.cam.air,
+        roller=f"roller-{tip.name}" if tip.rolls else None,
     )  # fmt: skip
     yield driving
     if tip.grooved:
