@@ -121,7 +121,7 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
             raise DesignError(
                 "sine of the transmission angle", fold.determinant, FOLD, "",
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
-                "change a length, or add a second coupled crank, or keep drive.range_deg away from there",
+                "change a length, or keep drive.range_deg away from there",
                 f"change point at {math.degrees(fold.theta):.6g} deg: the links at {listed('joint', fold.joints)} lie in line "
                 f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})",
             )  # fmt: skip
