@@ -19,7 +19,7 @@ from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.parts.part import Part
 from camgen.settings import override
 

@@ -27,7 +27,7 @@ import numpy as np
 from camgen import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
 from camgen.files.folder import locked
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.pipeline.jobs import Progress, changed, read_tables, silent
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
