@@ -10,7 +10,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen import tolerances
 from camgen.findings import Finding, at_most
@@ -21,8 +20,7 @@ from camgen.judge.joints import Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
 from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
-
-Floats = NDArray[np.float64]
+from camgen.numerics import Floats
 
 
 def judged_angles() -> Floats:

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
@@ -34,9 +33,8 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.machine.model import GROUND, Cam, Function, Gear, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
+from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
-
-Floats = NDArray[np.float64]
 
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
 _PRESSURE = math.radians(20)  # of gears' flanks

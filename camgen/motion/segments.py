@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -26,6 +27,7 @@ from camgen.errors import Fault, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
+from camgen.numerics import Floats
 from camgen.spec import Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
@@ -126,6 +128,12 @@ def program(
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
+    made = _program if all(table.law is None or table.law.file is None for table in tables) else _program.__wrapped__
+    return made(tuple(tables), unit, path, turn, suffix)
+
+
+@lru_cache(maxsize=256)  # variants of a sweep mostly share their program, and with it all that is known of it
+def _program(tables: tuple[SegmentTable, ...], unit: float, path: str, turn: float, suffix: str) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
     laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
@@ -235,13 +243,18 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
     return [segment for segment in made if segment is not None]
 
 
+@lru_cache(maxsize=256)
+def _against(law: Law, forwards: bool) -> Floats:
+    """Places at which a law runs against the sense that it should have, (n,)."""
+    u = np.union1d(np.linspace(0, 1, 2001), law.breaks)
+    return np.asarray(u[law(u, 1) * (1 if forwards else -1) < -LAW_CLOSES * max(1.0, law.c_v)])
+
+
 def backwards(segment: Segment, path: str) -> Fault | None:
     """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
     if segment.kind == "dwell":
         return None
-    u = np.union1d(np.linspace(0, 1, 2001), segment.law.breaks)
-    speed = segment.law(u, 1) * math.copysign(1, segment.scale) * (1 if segment.kind == "rise" else -1)
-    wrong = u[speed < -LAW_CLOSES * max(1.0, segment.law.c_v)]
+    wrong = _against(segment.law, (segment.scale > 0) == (segment.kind == "rise"))
     if not len(wrong):
         return None
     where = f"{wrong[0]:.3g} to {wrong[-1]:.3g} of its span"

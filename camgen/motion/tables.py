@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -94,29 +94,43 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
 
 
 def with_tables(data: Data, folder: Path) -> Data:
-    """Copy of a spec's tables in which each law's and each load's `file` is replaced by its points and its name.
+    """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
 
     Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
     [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
     """
+    if not any((*_laws(data), *_loads(data))):
+        return data
     data = copy.deepcopy(data)
-
-    def listed(holder: Any, key: str) -> list[Any]:
-        found = holder.get(key) if isinstance(holder, dict) else None
-        return found if isinstance(found, list) else []
-
-    holders = [data, data.get("drive"), *listed(data, "cam")]
-    for table in (data.get("geometry"), *(segment for holder in holders for segment in listed(holder, "segment"))):
-        law = table.get("law") if isinstance(table, dict) else None
-        if isinstance(law, dict) and isinstance(law.get("file"), str) and "points" not in law:
-            name = law.pop("file")
-            law["points"] = [list(point) for point in read_points(folder / name)]
-            law.setdefault("source", name)
-    for load in listed(data.get("load"), "on"):
-        if isinstance(load, dict) and isinstance(load.get("file"), str) and "points" not in load:
-            name = load.pop("file")
-            load["points"], unit = load_table(folder / name)
-            if unit is not None:
-                load.setdefault("unit", unit)
-            load.setdefault("source", name)
+    for table in _laws(data):
+        name = table.pop("file")
+        table["points"] = [list(point) for point in read_points(folder / name)]
+        table.setdefault("source", name)
+    for table in _loads(data):
+        name = table.pop("file")
+        table["points"], unit = load_table(folder / name)
+        if unit is not None:
+            table.setdefault("unit", unit)
+        table.setdefault("source", name)
     return data
+
+
+def _laws(data: Data) -> list[Data]:
+    """Tables of laws that name a file in place of points."""
+    holders = [data, data.get("drive"), *_listed(data, "cam")]
+    segments = [segment for holder in holders for segment in _listed(holder, "segment")]
+    return _with_files(table.get("law") for table in (data.get("geometry"), *segments) if isinstance(table, dict))
+
+
+def _loads(data: Data) -> list[Data]:
+    """Tables of loads that do."""
+    return _with_files(_listed(data.get("load"), "on"))
+
+
+def _with_files(tables: Iterable[Any]) -> list[Data]:
+    return [each for each in tables if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each]
+
+
+def _listed(holder: Any, key: str) -> list[Any]:
+    found = holder.get(key) if isinstance(holder, dict) else None
+    return found if isinstance(found, list) else []

@@ -15,7 +15,6 @@ h + d2h/dphi2.   [Norton, Cam Design and Manufacturing Handbook, ch. 7; formulas
 
 from __future__ import annotations
 
-import cmath
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -105,7 +104,7 @@ class RoundTip(Follower):
     def envelope(self, theta: Any, motion: Motion, order: int) -> Points:
         """Parallel curve at the tip's radius to the right of the pitch curve; the right is the cam's inside."""
         rho = self.tip_radius
-        if rho == 0:
+        if not np.any(rho):
             return self.pitch(theta, motion, order)
         d0, d1, *more = self.pitches(theta, motion, order + 1)
         speed = np.abs(d1)
@@ -318,7 +317,7 @@ class SlidingFace(FlatFace):
         h = self.leaves * np.array([motion(theta, k) for k in range(order + 1)])
         h[0] += (ahead.conjugate() * self.start).real
         phi = np.zeros_like(h)
-        phi[0] = cmath.phase(ahead) - theta
+        phi[0] = np.angle(ahead) - theta
         if order:
             phi[1] = -1
         return ahead * np.exp(-1j * theta), h, phi
@@ -352,7 +351,7 @@ class SwingingFace(FlatFace):
     @property
     def leaves(self) -> int:
         """The sense of s in which the face goes off the axis at s = 0."""
-        return 1 if (self.facing.conjugate() * self.pivot).imag > 0 else -1
+        return 1 if np.all((self.facing.conjugate() * self.pivot).imag > 0) else -1
 
     def line(self, theta: Any, motion: Motion, order: int) -> tuple[Points, Floats, Floats]:
         """h = the pivot along the normal + ahead; phi = s - theta."""
@@ -362,7 +361,7 @@ class SwingingFace(FlatFace):
         lever = np.conj(turn) * self.pivot
         p, p1 = lever.real, lever.imag  # h - ahead and its derivative to s; the second is -p, the third -p1
         h = [p + self.ahead]
-        phi = [cmath.phase(self.facing) + s[0] - theta]
+        phi = [np.angle(self.facing) + s[0] - theta]
         if order > 0:
             h.append(p1 * s[1])
             phi.append(s[1] - 1)

@@ -54,6 +54,29 @@ class Undercut:
     depth: float
 
 
+# What a follower and a motion make, for one cam, (n,), or for many, (cams, n).
+
+
+def steepness(follower: Follower, theta: Any, motion: Motion) -> Floats:
+    """Pressure angle on the untrimmed profile, rad, 0 or more."""
+    turn = np.exp(1j * np.asarray(theta, float))
+    normal = follower.normal(theta, motion) * turn
+    return follower.pressure_angle(motion(theta, 0), follower.envelope(theta, motion, 0) * turn, normal)
+
+
+def sharpness(follower: Follower, theta: Any, motion: Motion) -> Floats:
+    """The radius of curvature of the untrimmed profile, mm, below 0, where it is to be convex; elsewhere -inf."""
+    radius = follower.radius(theta, motion)
+    # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
+    return np.where(radius + follower.tip_radius > 0, -radius, -np.inf) if isinstance(follower, RoundTip) else -radius
+
+
+def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
+    """Where on a face the profile touches it, mm, as `FlatFace.place`."""
+    point = follower.envelope(theta, motion, 0) * np.exp(1j * np.asarray(theta))
+    return follower.place(motion(theta, 0), point)
+
+
 F = TypeVar("F", bound=Follower, default=SwingingArm)
 
 
@@ -96,14 +119,7 @@ class DiscCam(Generic[F]):
     @cached_property
     def least_radius(self) -> float:
         """Least radius of curvature of the untrimmed profile where it is to be convex, mm; below 0: undercut; inf: none."""
-        tip = self.cutter.tip_radius if isinstance(self.cutter, RoundTip) else None
-
-        def sharpness(theta: Floats) -> Floats:
-            radius = self.radius(theta)
-            # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
-            return np.asarray(-radius if tip is None else np.where(radius + tip > 0, -radius, -np.inf))
-
-        return -self.greatest(sharpness)[1]
+        return -self.greatest(lambda theta: sharpness(self.cutter, theta, self.program))[1]
 
     def profile(self, theta: Any, order: int = 0) -> Points:
         """Untrimmed envelope of the follower in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
@@ -125,9 +141,7 @@ class DiscCam(Generic[F]):
 
     def steepness(self, theta: Any) -> Floats:
         """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
-        turn = np.exp(1j * np.asarray(theta, float))
-        normal = self.cutter.normal(theta, self.program) * turn
-        return self.cutter.pressure_angle(self.program(theta), self.profile(theta) * turn, normal)
+        return steepness(self.cutter, theta, self.program)
 
     def groove(self, clearance: float = 0.0) -> Contour:
         """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.
@@ -191,10 +205,20 @@ class DiscCam(Generic[F]):
         """Whether the follower rides on an undercut's corner at theta."""
         return any(_within(np.asarray(theta), cut) for cut in self.undercuts)
 
-    @property
+    @cached_property
     def undercuts(self) -> tuple[Undercut, ...]:
         """Where the follower cannot follow the program."""
         return self._made[1]
+
+    @cached_property
+    def length(self) -> float:
+        """Of the outline, mm."""
+        return self.outline.length
+
+    @cached_property
+    def area(self) -> float:
+        """In the outline, mm^2."""
+        return self.outline.area
 
     @property
     def outline(self) -> Contour:

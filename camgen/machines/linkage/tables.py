@@ -164,7 +164,7 @@ class Include(Record):
     name: Name | None = Field(None, description="put before its names; unless given that of its spec")
     at: Place = Field((0.0, 0.0), description="mm, where its origin is on the ground")
     phase_deg: Degrees = Field(0.0, description="deg, how far its shaft is ahead of this one's")
-    z: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
+    z: Annotated[float, Field(ge=-1e4, le=1e4)] | None = Field(
         None, description="mm, how far it is raised; unless given it stands above all before it"
     )
     mounted: bool = Field(
