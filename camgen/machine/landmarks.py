@@ -20,6 +20,7 @@ Curve = Callable[[Floats, int], Points]
 TURN = 2 * math.pi
 # Angles closer than this are one angle, rad.
 SAME_ANGLE = 1e-12
+_ALONG = 1e-9  # sine of the angle between pieces of a curve that run along each other
 
 
 def zeros(f: Law, n: int = 720) -> Floats:
@@ -64,6 +65,7 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
         return (np.conj(b[of] - a[of]) * (end - a[of])).imag
 
     cross = (side(i, a[j]) * side(i, b[j]) < 0) & (side(j, a[i]) * side(j, b[i]) < 0)
+    cross &= np.abs(side(i, a[i] + b[j] - a[j])) > _ALONG * np.abs((b[i] - a[i]) * (b[j] - a[j]))  # not on one line
     apart = np.abs(i - j)
     i, j = np.sort(np.stack([i, j])[:, cross & (apart > 1) & (apart < n - 1)], axis=0)
     t1, t2 = theta[i] + math.pi / n, theta[j] + math.pi / n

@@ -21,6 +21,7 @@ from camgen.machine.model import Cam, Pin, Slide, Slot
 from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
 
+_STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
 WAVES = (2, 3, 4)  # orders of the form error; the first is a bore off its centre
 
 
@@ -136,8 +137,8 @@ def sensitivities(
         steep = np.linalg.norm(gradient @ per_s, axis=1)  # (n, cams): of the output for a unit of s
         held: dict[str, tuple[Floats, Floats]] = {}
         for k, contact in enumerate(contacts):
-            if contact.side:
-                c = cams.index(contact.cam)
+            c = cams.index(contact.cam)
+            if contact.side and np.any(steep[:, c] > _STILL):
                 one, two = np.abs(levers[:, first[c], c]), np.abs(levers[:, k, c])
                 held[contact.cam.name] = (open_[:, k] * (steep[:, c] / two)[:, None]).T, (1 / one + 1 / two) * steep[:, c]
         moved: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]

@@ -164,7 +164,8 @@ def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
             for cam, (gap, air) in found.held.items():
                 loose, least, needed = held[output.name, cam]
                 between = drawn @ gap
-                needed[block] = np.maximum(0.0, -(between / air).min(axis=1))
+                moving = air > _NOTHING * air.max()  # elsewhere the output stands still, whatever the follower does
+                needed[block] = np.maximum(0.0, -(between[:, moving] / air[moving]).min(axis=1, initial=0.0))
                 between += spread.air.get(cam, 0.0) * air
                 loose[block], least[block] = between.max(axis=1), between.min(axis=1)
     return Copies(errors, held, play, tight)

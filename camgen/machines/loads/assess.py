@@ -14,6 +14,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.machine.run import solve
 from camgen.machines import pairs
 from camgen.machines.loads import bearing, counterweights, drive, follower
+from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
@@ -86,7 +87,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
     balanced = counterweights.study(mechanism, machine)
-    study = together([Study(kept, plots, tables, notes=paired.notes), balanced])
+    study = together([Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)]), balanced])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 
