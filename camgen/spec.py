@@ -142,6 +142,7 @@ class Drawing(Record):
         ]
         | None
     ) = None
+    position: Annotated[float, Field(ge=0, le=5)] = 0.2
     profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
 
 

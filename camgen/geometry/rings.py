@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import counted
+from camgen.numerics import Floats as Floats
+from camgen.numerics import Points as Points
 from camgen.numerics import least_squares
 
-Floats = NDArray[np.float64]
-Points = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 
 _MOST_FACETS = 5_000_000  # of one ring: beyond it no memory serves

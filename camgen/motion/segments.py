@@ -16,7 +16,8 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -27,6 +28,7 @@ from pydantic import BeforeValidator, Field
 from camgen.errors import Fault, FileError, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
+from camgen.numerics import Floats
 from camgen.spec import Data, Length, Record, read_bytes, unknown
 from camgen.tolerances import LAW_CLOSES
 
@@ -128,6 +130,12 @@ def program(
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
+    made = _program if all(table.law is None or table.law.file is None for table in tables) else _program.__wrapped__
+    return made(tuple(tables), unit, path, turn, suffix)
+
+
+@lru_cache(maxsize=256)  # variants of a sweep mostly share their program, and with it all that is known of it
+def _program(tables: tuple[SegmentTable, ...], unit: float, path: str, turn: float, suffix: str) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
     laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
@@ -237,13 +245,18 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
     return [segment for segment in made if segment is not None]
 
 
+@lru_cache(maxsize=256)
+def _against(law: Law, forwards: bool) -> Floats:
+    """Places at which a law runs against the sense that it should have, (n,)."""
+    u = np.union1d(np.linspace(0, 1, 2001), law.breaks)
+    return np.asarray(u[law(u, 1) * (1 if forwards else -1) < -LAW_CLOSES * max(1.0, law.c_v)])
+
+
 def backwards(segment: Segment, path: str) -> Fault | None:
     """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
     if segment.kind == "dwell":
         return None
-    u = np.union1d(np.linspace(0, 1, 2001), segment.law.breaks)
-    speed = segment.law(u, 1) * math.copysign(1, segment.scale) * (1 if segment.kind == "rise" else -1)
-    wrong = u[speed < -LAW_CLOSES * max(1.0, segment.law.c_v)]
+    wrong = _against(segment.law, (segment.scale > 0) == (segment.kind == "rise"))
     if not len(wrong):
         return None
     where = f"{wrong[0]:.3g} to {wrong[-1]:.3g} of its span"
@@ -287,27 +300,31 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
 
 
 def with_tables(data: Data, folder: Path) -> Data:
-    """Copy of a spec's tables in which each law's and each load's `file` is replaced by its points and its name.
+    """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
 
     Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
     [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
     """
+    if not any(_files(data)):
+        return data
     data = copy.deepcopy(data)
+    for table in _files(data):
+        name = table.pop("file")
+        table["points"] = [list(point) for point in read_points(folder / name)]
+        table.setdefault("source", name)
+    return data
+
+
+def _files(data: Data) -> Iterator[Data]:
+    """Tables of laws and loads that name a file in place of points."""
 
     def listed(holder: Any, key: str) -> list[Any]:
         found = holder.get(key) if isinstance(holder, dict) else None
         return found if isinstance(found, list) else []
 
     holders = [data, data.get("drive"), *listed(data, "cam")]
-    for table in (data.get("geometry"), *(segment for holder in holders for segment in listed(holder, "segment"))):
-        law = table.get("law") if isinstance(table, dict) else None
-        if isinstance(law, dict) and isinstance(law.get("file"), str) and "points" not in law:
-            name = law.pop("file")
-            law["points"] = [list(point) for point in read_points(folder / name)]
-            law.setdefault("source", name)
-    for load in listed(data.get("load"), "on"):
-        if isinstance(load, dict) and isinstance(load.get("file"), str) and "points" not in load:
-            name = load.pop("file")
-            load["points"] = [list(point) for point in read_points(folder / name)]
-            load.setdefault("source", name)
-    return data
+    segments = [segment for holder in holders for segment in listed(holder, "segment")]
+    laws = [table.get("law") for table in (data.get("geometry"), *segments) if isinstance(table, dict)]
+    for table in (*laws, *listed(data.get("load"), "on")):
+        if isinstance(table, dict) and isinstance(table.get("file"), str) and "points" not in table:
+            yield table
