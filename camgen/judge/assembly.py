@@ -109,10 +109,10 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
             yield piece.name, rest.name, 2 * max(radius for *_, radius, _, _ in (*piece.bars, *rest.bars)) + spare
     for contact in machine.contacts:
         match contact:
-            case CamOutline(part=part, own=own):
+            case CamOutline(part=part, own=own, free=air):
                 made = contact.roller or contact.tip.part
                 rolling = [own.part] if own is not None and own.radius is None else [made] if made else tips
-                yield from ((tip, part, _ROLLING + spare) for tip in rolling)
+                yield from ((tip, part, _ROLLING + spare + max(0.0, -air)) for tip in rolling)
             case GearTeeth(a=wheel, b=mate):  # their play is measured far more finely at the pitch circle
                 yield wheel.part, mate.part, _ROLLING + spare
             case PinEyes(a=a, b=b, pin=pin, rings=rings):

@@ -35,7 +35,7 @@ from camgen.errors import counted
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.relative_motion import AT_REST, STRAIGHT, Motion
-from camgen.judge.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
+from camgen.judge.slabs import PLANE, ROUND, Body, Section, covered, sections_of, shadow_of, shrunk
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -335,7 +335,7 @@ def _least(
     while waiting:
         some = waiting.pop()
         if len(some) <= _LAYERS:
-            for first, second in some:
+            for first, second in _widest(some):
                 _settle(_facing(motions, first, second, -floor), best, target, fine)
             continue
         first, second = (shadow_of(sections) for sections in zip(*some, strict=True))
@@ -355,17 +355,26 @@ def _least(
     return best, best.gap - resolution
 
 
+def _widest(level: Sequence[tuple[Section, Section]]) -> list[tuple[Section, Section]]:
+    """Pairs less those of sections that lie within another pair's, and so are no nearer: those of a cam's mark."""
+    kept = list(level)
+    for first, second in level:
+        if any(covered(first, a) and covered(second, b) for a, b in kept if (a, b) != (first, second)):
+            kept.remove((first, second))
+    return kept
+
+
 def _facing(motions: tuple[Motion, Motion], first: Section, second: Section, allowed: float) -> _Approach:
     """Two sections for the search; the guest is the one that is looked at with less work."""
 
     def seen(motion: Motion, home: Section, guest: Section) -> _Approach:
         import shapely
 
-        shrunk, facets = home.area.buffer(-allowed / 2) if allowed else home.area, home.facets + guest.facets
+        body, facets = shrunk(home, allowed / 2), home.facets + guest.facets
         if guest.disc is None:
-            return _Approach(motion, shrunk, guest.area.buffer(-allowed / 2) if allowed else guest.area, 0.0, allowed, facets)
+            return _Approach(motion, body, shrunk(guest, allowed / 2), 0.0, allowed, facets)
         centre, radius = guest.disc
-        return _Approach(motion, shrunk, shapely.Point(centre.real, centre.imag), radius - allowed / 2, allowed, facets)
+        return _Approach(motion, body, shapely.Point(centre.real, centre.imag), radius - allowed / 2, allowed, facets)
 
     both = seen(motions[0], first, second), seen(motions[1], second, first)
     return min(both, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))

@@ -16,7 +16,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
@@ -25,6 +25,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import (
@@ -42,7 +43,7 @@ from camgen.machine.features import (
     Strand,
 )
 from camgen.machine.model import GROUND, Cam, Machine, Pose
-from camgen.machine.run import Run, solve
+from camgen.machine.run import Lazy, Run, solve
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.pins import stronger
@@ -60,24 +61,6 @@ def _held(part: Part) -> str:
     """What a part is, and what its notes say of how it is pressed, glued or screwed."""
     notes = [note for note in part.notes if re.search(r"press|glue|screw|tight", note)]
     return f"{part.title}: {'; '.join(notes)}" if notes else part.title
-
-
-class _Courses(Mapping[str, Pose]):
-    """Poses of a machine's bodies over its run, by name, each worked out once."""
-
-    def __init__(self, run: Run) -> None:
-        self._run, self._poses = run, dict[str, Pose]()
-
-    def __getitem__(self, name: str) -> Pose:
-        if name not in self._poses:
-            self._poses[name] = self._run.pose(name)
-        return self._poses[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter((GROUND, *(body.name for body in self._run.machine.moving)))
-
-    def __len__(self) -> int:
-        return 1 + len(self._run.machine.moving)
 
 
 class Mechanism(Spec, ABC):
@@ -131,7 +114,8 @@ class Mechanism(Spec, ABC):
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
-        return _Courses(solve(self._exact, self.course(np.asarray(theta, float)), 0))
+        run = solve(self._exact, self.course(np.asarray(theta, float)), 0)
+        return Lazy((GROUND, *(body.name for body in run.machine.moving)), run.pose)
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
@@ -164,6 +148,13 @@ class Mechanism(Spec, ABC):
     @abstractmethod
     def limits(self) -> Sequence[Finding]:
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
+
+    def proven(self) -> Self:
+        """Itself, whose limits all hold; DesignError with the first that fails."""
+        failed = next((finding for finding in self.limits() if not finding.ok), None)
+        if failed is not None:
+            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
+        return self
 
     @abstractmethod
     def study(self) -> Study:

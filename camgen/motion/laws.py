@@ -19,13 +19,12 @@ from functools import cached_property, lru_cache, partial
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.errors import Fault, SpecError
+from camgen.numerics import Floats as Floats
 from camgen.numerics import greatest
 from camgen.tolerances import LAW_CLOSES
 
-Floats = NDArray[np.float64]
 Ends = tuple[tuple[float, ...], tuple[float, ...]]
 
 

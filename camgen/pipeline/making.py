@@ -30,13 +30,12 @@ if TYPE_CHECKING:
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
 
 
-def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> list[Plate]:
-    """Write the files of these kinds, of FORMATS, into the case's folder, beside the spec that is there.
+Made = tuple[dict[str, "Mesh"], dict[str, "Mesh"]]  # solids of parts as designed and as sent to the printer, where any are
 
-    Returns the plates that were laid out.
-    """
-    mechanism, names = case.mechanism, list(case.parts)
-    listed = mechanism.printed()
+
+def make_parts(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> Made:
+    """Write the parts' own files of these kinds, of FORMATS, into the case's folder, beside the spec that is there."""
+    names = list(case.parts)
     meshes: dict[str, Mesh] = {}
     sent: dict[str, Mesh] = {}
     made = workers.map(_make_part, repeat(case, len(names)), names, repeat(only, len(names)))
@@ -45,6 +44,13 @@ def make(case: Case, only: frozenset[str], workers: Workers, progress: Progress)
         pair = next(made)
         if pair is not None:
             meshes[name], sent[name] = pair
+    return meshes, sent
+
+
+def put_together(case: Case, only: frozenset[str], made: Made, progress: Progress) -> list[Plate]:
+    """Write what the parts make together: their list, tables, the assembly, and the plates, which are returned."""
+    mechanism, (meshes, sent) = case.mechanism, made
+    listed = mechanism.printed()
     sides = lying_sides(mechanism, sent if "3mf" in only else {})
     write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
     if "dxf" in only and mechanism.laser is not None:

@@ -36,6 +36,7 @@ class Outcome:
     columns: Mapping[str, Floats] = field(default_factory=dict)
     not_judged: Sequence[NotJudged] = ()
     warnings: Sequence[str] = ()
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Stage:
         return not self.takes or any(kind in kinds for kind in self.takes)
 
 
-def reading(mechanism: Mechanism) -> list[Stage]:
+def of_parts(mechanism: Mechanism) -> list[Stage]:
     """The steps that are done as parts are read: each file by itself, and the motion that the files give."""
     holes = any(layer.region.holes for part in mechanism.parts() for layer in part.layers)
     stages = [

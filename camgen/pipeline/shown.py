@@ -54,7 +54,9 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
     unit, scale = unit_of(output)
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), output.name, unit, mechanism.shown_turns)
+    value = scale * mechanism.reachable(theta)
+    name = f"{output.name} x" if np.iscomplexobj(value) else output.name
+    return Animation(theta, bodies, value.real, name, unit, mechanism.shown_turns)
 
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:

@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -40,6 +40,10 @@ class Follower(ABC):
     @abstractmethod
     def envelope(self, theta: Any, motion: Motion, order: int) -> Points:
         """Untrimmed profile in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
+
+    @abstractmethod
+    def grown(self, by: float) -> Self:
+        """The same with its surface so much nearer to the cam, mm."""
 
     @abstractmethod
     def room(self, theta: Any, motion: Motion) -> Floats:
@@ -115,6 +119,10 @@ class RoundTip(Follower):
         dot = np.real(np.conj(d1) * d2)
         room_slope = rho * (np.imag(np.conj(d1) * d3) / speed**3 - 3 * cross * dot / speed**5)
         return np.asarray(d2 * room + d1 * room_slope)
+
+    def grown(self, by: float) -> Self:
+        """Its radius is larger."""
+        return replace(self, tip_radius=self.tip_radius + by)  # type: ignore[type-var]
 
     def bending(self, theta: Any, motion: Motion) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
@@ -298,6 +306,10 @@ class SlidingFace(FlatFace):
     along: complex
     leaves: int = 1
 
+    def grown(self, by: float) -> Self:
+        """It stands lower on its slide."""
+        return replace(self, start=self.start - by * self.leaves * self.along)
+
     def line(self, theta: Any, motion: Motion, order: int) -> tuple[Points, Floats, Floats]:
         """h = start along the normal + s; phi turns back with theta."""
         theta = np.asarray(theta, float)
@@ -331,6 +343,10 @@ class SwingingFace(FlatFace):
     pivot: complex
     facing: complex
     ahead: float
+
+    def grown(self, by: float) -> Self:
+        """It lies less far ahead."""
+        return replace(self, ahead=self.ahead - by)
 
     @property
     def leaves(self) -> int:

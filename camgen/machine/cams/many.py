@@ -63,7 +63,7 @@ def seen(cams: Sequence[DiscCam[Any]]) -> list[Seen | None]:
 
 
 def _kind(cam: DiscCam[Any]) -> Hashable:
-    follower = cam.follower
+    follower = cam.cutter
     knife = isinstance(follower, RoundTip) and not follower.tip_radius
     return type(follower), follower.leaves, knife, tuple((id(s.law), not s.scale) for s in cam.program.segments)
 
@@ -104,14 +104,14 @@ class _Kin:
     def _columns(self) -> dict[str, Any]:
         """Fields of the followers, (cams, 1) where they differ, so that they go with (cams, angles)."""
         columns = {}
-        for each in fields(self.cams[0].follower):
-            values = np.array([getattr(cam.follower, each.name) for cam in self.cams])
+        for each in fields(self.cams[0].cutter):
+            values = np.array([getattr(cam.cutter, each.name) for cam in self.cams])
             columns[each.name] = values[0].item() if np.all(values == values[0]) else values[:, None]
         return columns
 
     def _follower(self, rows: Any) -> Any:
         picked = {name: value[rows] if isinstance(value, np.ndarray) else value for name, value in self._columns.items()}
-        return replace(self.cams[0].follower, **picked)
+        return replace(self.cams[0].cutter, **picked)
 
     def _course(self, k: int, u: Floats, rows: Any) -> tuple[Floats, Motion]:
         """Cam angles and motion of some cams at shares u of their segment k: (n,) for all of them, or (rows, n)."""
@@ -145,7 +145,7 @@ class _Kin:
 
     def seen(self) -> list[Seen | None]:
         """Figures of all of them."""
-        everyone, flat = slice(None), issubclass(type(self.cams[0].follower), FlatFace)
+        everyone, flat = slice(None), issubclass(type(self.cams[0].cutter), FlatFace)
         courses = [self._course(each.segment, each.nodes, everyone) for each in self._stretches]
         follower = self._follower(everyone)
         count = len(self.cams)

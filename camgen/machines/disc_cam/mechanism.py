@@ -26,7 +26,7 @@ from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
+from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm, touched
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
@@ -35,6 +35,7 @@ from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_o
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.loads.weights import gravity, pulled
+from camgen.machines.pairs import air_faults
 from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
@@ -96,6 +97,7 @@ class DiscCamDrive(StandingCams):
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
+        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0)
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
             found += polydyne_faults(self.load, program(self.segment, 1 / self._unit[1]))
@@ -143,7 +145,7 @@ class DiscCamDrive(StandingCams):
         def make(size: float) -> DiscCam[Follower]:
             """size: distance of the trace point, or of the face, from the axis at s = 0; in line with it where it slides."""
             base = math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
-            return DiscCam(self.program, standing_on(base, self.geometry, self._highest[1])[0])
+            return self._cam(standing_on(base, self.geometry, self._highest[1])[0])
 
         stroke = self._highest[1] - self._highest[0]
         low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
@@ -164,7 +166,10 @@ class DiscCamDrive(StandingCams):
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
         """The cam; with conjugate closure also the second one."""
-        return [DiscCam(self.program, follower) for follower in standing_on(self.base_radius, self.geometry, self._highest[1])]
+        return [self._cam(follower) for follower in standing_on(self.base_radius, self.geometry, self._highest[1])]
+
+    def _cam(self, follower: Follower) -> DiscCam[Follower]:
+        return DiscCam(self.program, follower, self.geometry.tip_clearance)
 
     @property
     def cam(self) -> DiscCam[Follower]:
@@ -183,16 +188,17 @@ class DiscCamDrive(StandingCams):
     def _stood(self) -> Bench:
         from camgen.machines.bench import Bench, Tip
 
-        f, load = self.geometry.follower, self._load or FollowerLoad()
+        g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
+        tip = Tip(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
         return Bench(
-            self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
+            self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, tip,
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
             gravity=gravity(self.load),
         )  # fmt: skip
 
     def _drawn(self, load: FollowerLoad | None) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        groove = (ProfileTouch(self.cam), OuterWallTouch(self.cam)) if self.geometry.closure == "groove" else ()
+        groove = (CamTouch(self.cam), CamTouch(self.cam, outer=True)) if self.geometry.closure == "groove" else ()
         return cam_machine(self.cams, self.speed, load, closed, groove)
 
     @cached_property
@@ -262,10 +268,8 @@ class DiscCamDrive(StandingCams):
         """Between which places each cam touches its face, mm from the stem's line or the pivot's foot."""
         found = []
         for cam in self.cams:
-            follower = cam.follower
-            assert isinstance(follower, FlatFace)
-
-            place = partial(touched, follower, motion=self.program)
+            assert isinstance(cam.cutter, FlatFace)
+            place = partial(touched, cam.cutter, motion=self.program)
             found.append((-cam.greatest(partial(_negative, place))[1], cam.greatest(place)[1]))
         return found
 

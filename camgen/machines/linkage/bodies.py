@@ -50,7 +50,8 @@ from camgen.parts.set_screws import SetScrewHub
 
 _MM = 1e-3
 _ABOUT = {
-    "pin": "Pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "nut": "Nut {} of a pin", "cover": "Cover {} of a guide",
+    "pin": "Pin {}", "crank-pin": "Crank pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "nut": "Nut {} of a pin",
+    "cover": "Cover {} of a guide",
 }  # fmt: skip
 
 
@@ -230,9 +231,8 @@ class Bodies:
         top += max(reach, default=0.0) if stub.far and link in (self.layout.driven, self.layout.upper_web) else 0.0
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
-        made = "turned" if self.sizes.of_sheet else "printed"
         said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
-        part = Part(name, title, (layer,), centres=(0j,), notes=(said,), made=made)
+        part = Part(name, title, (layer,), centres=(0j,), notes=(said,), made=self.sizes.shafts_made)
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)

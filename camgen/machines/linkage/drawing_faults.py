@@ -10,6 +10,7 @@ from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.links import CLOSED, shape, too_long
+from camgen.machines.pairs import air_faults
 from camgen.spec import unknown
 
 MOST_LINKS = 60  # they close together: the time grows with the cube of their number, 40 take a third of a minute
@@ -153,6 +154,7 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
     if (cam.shape == "roller") != (cam.radius is not None):
         fits = "the roller's radius" if cam.shape == "roller" else f"nothing here: a {cam.shape} has none"
         faults.append(Fault(f"{path}.radius", "", fits))
+    faults += air_faults(f"{path}.tip_clearance", cam.tip_clearance, cam.closure, cam.radius)
     wrong, right = (("lift_deg", "to_deg"), ("lift", "to")) if slide else (("lift", "to"), ("lift_deg", "to_deg"))
     way = "slides" if slide else "swings"
     for k, segment in enumerate(cam.segment):

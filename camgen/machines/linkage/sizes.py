@@ -8,7 +8,17 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, ConfigDict, Field
 
 from camgen.errors import Fault
-from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
+from camgen.parts.catalogue import (
+    CORE_HOLES,
+    DOWELS,
+    MOTOR_FACES,
+    SCREWS,
+    SHOULDER_SCREWS,
+    TURNED,
+    MotorFace,
+    Screw,
+    ShoulderScrew,
+)
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, unknown
 
@@ -60,6 +70,9 @@ class Parts(Record):
         "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
     )
     plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
+    shaft_made: Literal["printed", "steel"] = Field(
+        "printed", description="steel: turned, with the flat, as are crank pins that join the webs of an interrupted shaft"
+    )
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
@@ -85,6 +98,11 @@ class Parts(Record):
     def shape(self, link: str) -> Shape:
         """What is special to a link."""
         return self.shapes.get(link, Shape.model_validate({}))
+
+    @property
+    def shafts_made(self) -> str:
+        """How shafts are made, for the list of parts."""
+        return TURNED if self.shaft_made == "steel" else "printed"
 
     @property
     def of_sheet(self) -> bool:

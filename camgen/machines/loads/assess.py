@@ -13,6 +13,7 @@ import numpy as np
 from camgen.findings import Finding, NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
+from camgen.machines import pairs
 from camgen.machines.loads import bearing, counterweights, drive, follower
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
@@ -76,6 +77,8 @@ def assess(mechanism: Mechanism) -> Assessment:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
     posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
+    paired = pairs.told(forces, machine, outlines)
+    left += paired.left
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
@@ -87,7 +90,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
     balanced = counterweights.study(mechanism, machine)
-    study = together([Study(kept, plots, tables), balanced])
+    study = together([Study(kept, plots, tables, notes=paired.notes), balanced])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 
