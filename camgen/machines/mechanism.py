@@ -96,13 +96,13 @@ class Mechanism(Spec, ABC):
     @cached_property
     def _exact(self) -> Machine:
         """The model as exact parts move it: cams that the spec undercuts give what they can."""
-        drives: dict[str, CamOutline] = {}  # a joint's first outline
-        for cam in self.features():
-            if isinstance(cam, CamOutline):
-                drives.setdefault(cam.joint, cam)
-        laws = {name: cam.meant.given for name, cam in drives.items() if cam.meant.given}
+        laws = {name: cam.meant.given for name, cam in self.outlines().items() if cam.meant.given}
         joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
         return replace(self.model, joints=tuple(joints)) if laws else self.model
+
+    def outlines(self) -> dict[str, CamOutline]:
+        """The first outline of each cam, by the name of its joint."""
+        return {each.joint: each for each in reversed(self.features()) if isinstance(each, CamOutline)}
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
