@@ -65,6 +65,9 @@ class SpecError(CamgenError):
         super().__init__(f"{source}: {len(self.faults)} fault{'' if len(self.faults) == 1 else 's'}\n{lines}")
 
 
+_WITHIN = ("between ", "within ")  # so begin places that are no points
+
+
 class DesignError(CamgenError):
     """The spec is well formed but no such mechanism exists.
 
@@ -79,7 +82,7 @@ class DesignError(CamgenError):
     ) -> None:
         self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
         self.where, self.remedy = where, remedy
-        place, of = f" at {where}" if where else "", f" {unit}" if unit else ""
+        place, of = f" {where if where.startswith(_WITHIN) else f'at {where}'}" if where else "", f" {unit}" if unit else ""
         named = f" ({where})" if where else ""
         if said:
             told = said

@@ -9,7 +9,7 @@ import json
 import re
 import tomllib
 from collections.abc import Sequence
-from copy import deepcopy
+from copy import copy
 from difflib import get_close_matches
 from typing import Any
 
@@ -62,7 +62,7 @@ def override(data: Data, setting: str) -> Data:
     deep = len(keys) + depth_of(value)
     if deep > DEEPEST:
         raise SpecError([Fault("--set", f"nested {deep} deep", SHALLOWER)])
-    changed = deepcopy(data)
+    changed = dict(data)
     holder: Any = changed
     for depth, name in enumerate(keys, 1):
         key, last = _key(holder, name, keys[: depth - 1], path), depth == len(keys)
@@ -72,7 +72,9 @@ def override(data: Data, setting: str) -> Data:
             fault = Fault(f"--set {path}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
             raise SpecError([fault])
         if not last:
-            holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
+            inner = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
+            holder[key] = copy(inner)  # what lies beside the path stays shared
+            holder = holder[key]
         elif removed:
             del holder[key]
         else:

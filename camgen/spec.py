@@ -74,6 +74,8 @@ class Print(Record):
     hole_compensation and profile_compensation: how far the printer's walls come into holes and out of outlines, mm;
     shrinkage: share in the plane; elephant_foot: height and width of a chamfer at the foot, in steps of first_layer, mm.
     They change what is printed (STL, 3MF, plates), not what a laser cuts (DXF) and not the assembly, which shows the print.
+    xy_step: of the print head in the plane, mm, by which a slicer may move walls; 80 steps a mm as Marlin's Configuration.h has
+    them: 20 teeth of a 2 mm belt a turn of 3,200 microsteps.
     """
 
     nozzle: Annotated[float, Field(ge=1e-9, le=5)] = 0.4
@@ -88,6 +90,7 @@ class Print(Record):
     elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
     first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
     layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
+    xy_step: Annotated[float, Field(ge=0, le=0.2)] = 0.0125
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
@@ -106,6 +109,7 @@ class Output(Record):
 
     curves: Literal["bulge", "lines"] = "bulge"
     center_marks: bool = False
+    engrave: bool = False
     step: bool | None = None
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
@@ -138,6 +142,7 @@ class Drawing(Record):
         ]
         | None
     ) = None
+    position: Annotated[float, Field(ge=0, le=5)] = 0.2
     profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import theory
 from test_cli import run as run  # noqa: F401  a fixture
 
 from camgen import guide
@@ -71,6 +72,19 @@ def test_every_page_is_a_topic_and_has_a_title() -> None:
     text = "".join(map(guide.page, guide.TOPICS))
     assert set(re.findall(r"camgen guide ([a-z-]+)", text)) <= set(guide.TOPICS)
     assert all((ROOT / path).exists() for path in re.findall(r"`(specs/[a-z-]+\.toml|camgen/[a-z_/]+(?:\.py|\.md)?)`", text))
+
+
+@pytest.mark.parametrize("name", theory.FIGURES)
+def test_the_figures_of_the_theory_pages_are_of_today(name: str) -> None:
+    assert theory.path(name).read_text(encoding="utf-8") == theory.FIGURES[name]().svg()
+
+
+def test_every_figure_stands_in_a_page_and_in_a_terminal_its_path() -> None:
+    shown = [name for topic in guide.TOPICS for name in re.findall(r"!\[.+?\]\((\S+)\.svg\)", guide.page(topic))]
+    assert sorted(shown) == sorted(theory.FIGURES)
+    text = guide.in_terminal("theory-linkage")
+    assert "![" not in text and all(Path(path).exists() for path in re.findall(r"`(/\S+\.svg)`", text))
+    assert len(re.findall(r"`(/\S+\.svg)`", text)) == 2
 
 
 @pytest.mark.parametrize("topic", guide.TOPICS)

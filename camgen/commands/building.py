@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @quiet_option
 @verbose_option
 def build(
-    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int, **shown: bool
+    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int | None, **shown: bool
 ) -> None:  # fmt: skip
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
 
@@ -52,7 +52,7 @@ def build(
 @quiet_option
 @verbose_option
 def check(
-    folders: Sequence[Path], gcode: Sequence[Path], line_width: float | None, jobs: int, **shown: bool
+    folders: Sequence[Path], gcode: Sequence[Path], line_width: float | None, jobs: int | None, **shown: bool
 ) -> None:  # fmt: skip
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
 
@@ -71,7 +71,7 @@ def check(
     each(folders, work, jobs, **shown)
 
 
-def _sliced(folder: Path, plates: Sequence[Path], line_width: float | None, progress: Progress, jobs: int) -> Report:
+def _sliced(folder: Path, plates: Sequence[Path], line_width: float | None, progress: Progress, jobs: int | None) -> Report:
     """A folder judged by the G-code of its plates; its own steps take one core."""
     from camgen.pipeline.sliced import check_gcode
 

@@ -53,7 +53,7 @@ def guide_(topic: str | None) -> None:
     if topic is None:
         click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
     else:
-        show(guide.page(known("TOPIC", topic, guide.TOPICS, "camgen guide")))
+        show(guide.in_terminal(known("TOPIC", topic, guide.TOPICS, "camgen guide")))
 
 
 @click.command()

@@ -24,7 +24,9 @@ EXIT_CODES = _CODES.format(
 )  # fmt: skip
 SWEEP_CODES = _CODES.format("some variant holds", "none holds (the table is written, and says why)", "")
 
-jobs_option = click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
+jobs_option = click.option(
+    "-j", "--jobs", type=click.IntRange(0), help="Cores to use, 0: all of them.  [default: all where that is quicker]"
+)
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed.")
 verbose_option = click.option("-v", "--verbose", is_flag=True, help="Print every finding in words, and every file.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")

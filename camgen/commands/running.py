@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 from collections.abc import Callable, Collection, Sequence
@@ -52,7 +51,7 @@ def hand_over(text: str, file: Path | None) -> None:
         click.echo(printable(text, keep="\n"), nl=False)
         return
     try:
-        with open(file, "x", encoding="utf-8") as stream:
+        with open(file, "x", encoding="utf-8", newline="") as stream:
             stream.write(text)
     except FileExistsError:
         raise _taken(file) from None
@@ -86,24 +85,24 @@ def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> Non
 
 
 def each(
-    paths: Sequence[Path], prepare: Callable[[], Work], jobs: int = 1, as_json: bool = False, quiet: bool = False,
+    paths: Sequence[Path], prepare: Callable[[], Work], jobs: int | None = 1, as_json: bool = False, quiet: bool = False,
     verbose: bool = False,
 ) -> NoReturn:  # fmt: skip
     """Do the work on each path, print what came out in their order, and end with the worst exit code.
 
     prepare: imports what the work needs, and gives it. Several paths are shared out to the cores; for a single one the work
-    shares out its own steps.
+    shares out its own steps. jobs: cores to use, 0: all, None: as many as are worth it.
     """
     from camgen.report.terminal import Bar, print_report
 
-    jobs = jobs or os.cpu_count() or 1
-    shared = len(paths) > 1 and jobs > 1
     worst, records = 0, []
     with Bar(not quiet):
-        from camgen.pipeline.jobs import Workers
+        from camgen.pipeline.jobs import Workers, all_cores
 
         work = prepare()
-    with Workers(min(jobs, len(paths)) if shared else 1) as workers:
+    cores = all_cores() if jobs == 0 or (jobs is None and len(paths) > 1) else jobs
+    shared = len(paths) > 1 and cores != 1
+    with Workers(min(cores or 1, len(paths)) if shared else 1) as workers:
         started = [workers.start(work, path) for path in paths] if shared else []
         for k, path in enumerate(paths):
             try:
@@ -112,7 +111,7 @@ def each(
                         progress(f"{path}, {k + 1} of {len(paths)}", k / len(paths))
                         report = started[k]()
                     else:
-                        report = work(path, progress=progress, jobs=jobs)
+                        report = work(path, progress=progress, jobs=cores)
             except (CamgenError, OSError) as error:
                 failure = explained(error)
                 if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file

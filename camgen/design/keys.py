@@ -73,7 +73,7 @@ class Search:
         settings = [f"{key}={float(f'{value:.{_DIGITS}g}')!r}" for key, value in zip(self.wish.vary, values, strict=True)]
         try:
             mechanism = changed(dict(self.data), self.source, self.folder, settings)
-            findings, figures = mechanism.limits(), mechanism.study().numbers
+            findings, figures = mechanism.limits(), mechanism.figures()
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import itertools
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -19,12 +19,16 @@ _EDGES = 16  # rows that an outline may take in the table
 
 @dataclass(frozen=True)
 class Hole:
-    """A row of the table: its place (complex mm) and what it is; a label fits at `middle`, or beside a round hole."""
+    """A row of the table: its place (complex mm) and what it is; a label fits at `middle`, or beside a round hole.
+
+    half: of one that is neither round nor a slot, half the sides of its box.
+    """
 
     place: complex
     shape: str
     middle: complex
     radius: float = 0.0
+    half: complex = 0j
 
 
 def holes_of(contours: Sequence[Contour], points: Sequence[tuple[str, complex]] = ()) -> list[tuple[str, Hole]]:
@@ -41,6 +45,45 @@ def holes_of(contours: Sequence[Contour], points: Sequence[tuple[str, complex]] 
         same = [hole for hole in holes if hole.shape == shape]
         named += [(f"{letter}{i}" if len(same) > 1 else letter, hole) for i, hole in enumerate(same, 1)]
     return named
+
+
+def standing_of(part: Part, told: Collection[str]) -> dict[int, tuple[str, Hole]]:
+    """Round layers that stand at points of the part whose names no hole has: by layer their name and what they are."""
+    found: dict[int, tuple[str, Hole]] = {}
+    for k, layer in enumerate(part.layers):
+        disc = as_circle(layer.region.outer)
+        names = [name for name, place in part.points if disc and name not in told and abs(place - disc[0]) < SAME_POINT]
+        if disc and names and k != part.cut:
+            found[k] = names[0], Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc)
+    return found
+
+
+def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
+    """Centre and radius, mm, of a round outline with flats, and the flats; None of any other."""
+    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
+    flats = [piece for piece in contour.pieces if isinstance(piece, Line)]
+    if not (arcs and flats) or len(arcs) + len(flats) < len(contour.pieces):
+        return None
+    centre, radius = arcs[0].centre, arcs[0].radius
+    alike = all(abs(arc.centre - centre) + abs(arc.radius - radius) < SAME_POINT and arc.sweep > 0 for arc in arcs)
+    return (centre, radius, flats) if alike else None
+
+
+def zero_of(part: Part, named: Sequence[tuple[str, Hole]]) -> tuple[complex, str]:
+    """Where X and Y of the table are 0, mm, and what is there: the part's origin where that can be touched, else a hole."""
+    if free(part.region.outer):
+        return 0j, ""
+    centred = [label for label, hole in named if hole.radius and abs(hole.place) < SAME_POINT]
+    if centred:
+        return 0j, f"the centre of hole {centred[0]}"
+    round_one = as_circle(part.region.outer) or flatted(part.region.outer)
+    if round_one and abs(round_one[0]) < SAME_POINT:
+        return 0j, ""
+    for label, hole in named:
+        if hole.radius:
+            return hole.place, f"the centre of hole {label}"
+    low, high = extent([fit_arcs(part.region.outer, 0.01)])
+    return (0j, "") if low.real <= 0 <= high.real and low.imag <= 0 <= high.imag else (low, "the lower left corner of the box")
 
 
 def _letters() -> itertools.chain[str]:
@@ -69,7 +112,7 @@ def hole_of(contour: Contour) -> Hole:
     if widest and abs(widest.sweep) > math.pi:
         shape = f"Ø{number(2 * widest.radius)}, {box} overall"
         return Hole(widest.centre, shape, widest.centre, widest.radius)
-    return Hole((lower + upper) / 2, box, (lower + upper) / 2)
+    return Hole((lower + upper) / 2, box, (lower + upper) / 2, 0.0, (upper - lower) / 2)
 
 
 def number(value: float) -> str:
@@ -101,11 +144,11 @@ def free(contour: Contour) -> bool:
 
 
 def layer_rows(
-    part: Part, holes: Sequence[Hole], tolerance: float, told_as: Callable[[Hole], str]
+    part: Part, holes: Sequence[Hole], tolerance: float, told_as: Callable[[Hole], str], zero: complex, names: Mapping[int, str]
 ) -> list[tuple[str, str, str, str]]:
     """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack.
 
-    holes: those that are told already.
+    holes: those that are told already; zero: where X and Y are 0, mm; names: of layers that have one.
     """
     layers, known = part.layers, {(hole.place, hole.shape) for hole in holes}
     rows: list[tuple[str, str, str, str]] = []
@@ -120,16 +163,22 @@ def layer_rows(
     if len(layers) == 1 and as_circle(layers[0].region.outer):
         return []
     known_edges: dict[tuple[tuple[str, str, str], ...], str] = {}
-    for layer in layers:
-        edges, span = edge_rows(layer.region.outer, sloped), f"z {number(layer.z0)} to {number(layer.z1)}"
-        same = known_edges.setdefault(tuple(edges), span)
-        rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
-        rows += [("", *row) for row in edges if same is span]
-        own = [hole_of(contour) for contour in layer.region.holes]
-        rows += [("", number(h.place.real), number(h.place.imag), told_as(h)) for h in own if (h.place, h.shape) not in known]
+    for k, layer in enumerate(layers):
+        outer, span = layer.region.outer.moved(1, -zero), f"z {number(layer.z0)} to {number(layer.z1)}"
+        disc = None if sloped else as_circle(outer)
+        if disc:
+            rows.append((names.get(k, ""), number(disc[0].real), number(disc[0].imag), f"Ø{number(2 * disc[1])}, {span}"))
+        else:
+            edges = edge_rows(outer, sloped)
+            same = known_edges.setdefault(tuple(edges), span)
+            rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
+            rows += [("", *row) for row in edges if same is span]
+        own = [hole for hole in map(hole_of, layer.region.holes) if (hole.place, hole.shape) not in known]
+        rows += [("", number((h.place - zero).real), number((h.place - zero).imag), told_as(h)) for h in own]
     if part.crossed is not None:
         rows.append(("", "X", "Z", "Edges from above:"))
-        rows += [("", *row) for contour in (part.crossed.outer, *part.crossed.holes) for row in edge_rows(contour, sloped)]
+        crossed = [contour.moved(1, -zero.real) for contour in (part.crossed.outer, *part.crossed.holes)]
+        rows += [("", *row) for contour in crossed for row in edge_rows(contour, sloped)]
     return rows
 
 
@@ -141,6 +190,15 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
     round_one = as_circle(contour)
     if round_one:
         return [(number(round_one[0].real), number(round_one[0].imag), f"Ø{number(2 * round_one[1])}, its edge")]
+    if shaft := flatted(contour):
+        centre, radius, flats = shaft
+        rows = [(number(centre.real), number(centre.imag), f"Ø{number(2 * radius)}, round")]
+        for flat in flats:
+            way = (flat.b - flat.a) / abs(flat.b - flat.a) * -1j  # outwards, for the outline runs counter-clockwise
+            foot = centre + ((flat.a - centre) * way.conjugate()).real * way
+            deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):.4g}°"
+            rows.append((number(foot.real), number(foot.imag), deep))
+        return rows
     if free(contour):
         return [("", "", "a curve: see the profile")]
     pieces = [piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9]

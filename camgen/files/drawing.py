@@ -18,11 +18,24 @@ from pathlib import Path
 import numpy as np
 
 from camgen.files import views
-from camgen.files.dimensions import STACK, Hole, free, hole_of, holes_of, layer_rows, nearest_and_farthest, number
+from camgen.files.dimensions import (
+    STACK,
+    Hole,
+    flatted,
+    free,
+    hole_of,
+    holes_of,
+    layer_rows,
+    nearest_and_farthest,
+    number,
+    standing_of,
+    zero_of,
+)  # fmt: skip
+from camgen.files.labels import along, placed
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
-from camgen.files.title_block import SIZE, Facts, title_block
+from camgen.files.title_block import SIZE, Facts, position_frame, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
-from camgen.geometry.outlines import Contour, Floats, Points, extent
+from camgen.geometry.outlines import Contour, Floats, extent
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -70,12 +83,6 @@ def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
     return [fit_arcs(contour, tolerance) for region in regions for contour in (region.outer, *region.holes)]
 
 
-def _along(contours: Sequence[Contour]) -> Points:
-    """Points along contours, close enough to place a label."""
-    pieces = [piece for contour in contours for piece in contour.pieces]
-    return np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 33)) for piece in pieces])
-
-
 class _Layout:
     """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
 
@@ -85,6 +92,10 @@ class _Layout:
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
         self.named = holes_of(part.region.holes, part.points)
         self.rims = dict(zip(map(hole_of, part.region.holes), self.holes, strict=True))
+        self.standing = standing_of(part, [name for name, _ in self.named])
+        self.rims |= {hole: fit_arcs(part.layers[k].region.outer, tolerance) for k, (_, hole) in self.standing.items()}
+        self.zero, self.zero_is = zero_of(part, self.named)
+        self.placed = facts.position > 0 and len([hole for _, hole in self.named if hole.radius]) > 1
         others = [each for k, each in enumerate(part.layers) if k != part.cut]
         covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
         known = set(part.region.holes)
@@ -96,8 +107,8 @@ class _Layout:
         self.depth = part.thickness if part.crossed or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.turns = free(part.region.outer) and part.bore is not None
-        self.notes = self._notes(tolerance)
         self.rows, self.polar = self._rows(), self._radii_of_profile()
+        self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
         self.letter = next((c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}), "S-S")
@@ -127,7 +138,7 @@ class _Layout:
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
         width, height = _SIZES[size]
-        foot = max(SIZE[1], 3.0 + 4.5 * len(self.notes))
+        foot = max(SIZE[1], 3.0 + 4.5 * len(self.notes) + (9.0 if self.placed else 0.0))
         return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
 
     def _choose(self) -> tuple[str, float]:
@@ -177,21 +188,22 @@ class _Layout:
         for contour in self.engraved:
             put(contour, "TEXT")
         self._centre_lines()
-        obstacles = _along([self.outer, *self.holes, *self.above, *self.engraved])
-        for k, (label, hole) in enumerate(self.named):
-            place = self._label_place(hole, obstacles)
+        obstacles = along([self.outer, *self.holes, *self.above, *self.engraved])
+        labels = [*self.named, *self.standing.values()]
+        for label, hole, place, led in placed(labels, self.rims, obstacles, self.zero, self.scale):
             sheet.text(self.paper(place) - 1.25j, label, align="centre", layer="DIM")
-            if not self._beside_its_own(k, place):
+            if led:
                 self._pointer(place, hole)
-            obstacles = np.append(obstacles, place + np.array([-2, -1, 0, 1, 2]) / self.scale)
         low, high = self.paper(self.low), self.paper(self.high)
         span = self.high - self.low
         # the extension lines start at the box: the points where it touches the outline are not all on one side
-        if self.disc is not None:
-            self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, f"Ø{number(2 * self.disc)}")
-        else:
-            self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, number(span.real))
-            self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, number(span.imag))
+        shaft = flatted(self.part.region.outer)
+        round_ones = [2 * each for each in (self.disc, shaft[1] if shaft else None) if each]  # diameters
+        signs = ("Ø" if any(abs(size - each) < SAME_POINT for each in round_ones) else "" for size in (span.real, span.imag))
+        wide, tall = (sign + number(size) for sign, size in zip(signs, (span.real, span.imag), strict=True))
+        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, wide)
+        if self.disc is None:
+            self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, tall)
         self._radii()
         if self.section:
             self._plane(self.section.y)
@@ -208,24 +220,6 @@ class _Layout:
             a, b = (self.paper(complex(x, y)) for x in (self.low.real, self.high.real))
             self.sheet.line(a - 4, b + 4, layer="CENTER")
 
-    def _label_place(self, hole: Hole, obstacles: Points) -> complex:
-        """Middle of a hole's label: in the hole if it is wide, else beside it where there is most room."""
-        if hole.radius == 0:
-            return hole.middle
-        away = hole.radius / 2 if self.scale * hole.radius > 8 else hole.radius + 2.8 / self.scale
-        ring = np.exp(1j * np.radians([45, 135, 315, 225, 65, 115, 295, 245]))
-        places = hole.middle + np.concatenate([(away + more / self.scale) * ring for more in (0, 2.5, 5)])
-        away_of_axes = np.minimum(np.abs(places.real), np.abs(places.imag))
-        room = np.minimum(np.min(np.abs(places[:, None] - obstacles), axis=1), away_of_axes)
-        room = np.minimum(room, 2.2 / self.scale)  # enough is enough
-        return complex(places[np.argmax(np.round(room, 3))])
-
-    def _beside_its_own(self, k: int, place: complex) -> bool:
-        """Whether a label at that place is nearer to the k-th hole than to any other one: to its middle and to its edge."""
-        edges = [float(np.min(np.abs(_along([self.rims[hole]]) - place))) for _, hole in self.named]
-        middles = [abs(hole.middle - place) for _, hole in self.named]
-        return all(min(away[:k] + away[k + 1 :], default=math.inf) > away[k] for away in (edges, middles))
-
     def _pointer(self, place: complex, hole: Hole) -> None:
         """A leader from a label to its hole's edge, or to the middle of one that is not round."""
         way = (hole.middle - place) / abs(hole.middle - place)
@@ -234,19 +228,19 @@ class _Layout:
         self.sheet.arrow(tip, way)
 
     def _centre_lines(self) -> None:
-        """Axes through the datum across the whole part, crosses on round holes and other centres."""
-        sheet, over = self.sheet, 4.0
+        """Axes through the zero point across the whole part, crosses on round holes and other centres."""
+        sheet, over, zero = self.sheet, 4.0, self.zero
         low, high = self.paper(self.low), self.paper(self.high)
-        axes = self.low.real <= 0 <= self.high.real and self.low.imag <= 0 <= self.high.imag
+        axes = self.low.real <= zero.real <= self.high.real and self.low.imag <= zero.imag <= self.high.imag
         if axes:
-            x, y = self.datum.real, self.datum.imag
+            x, y = self.paper(zero).real, self.paper(zero).imag
             sheet.line(complex(low.real - over, y), complex(high.real + over, y), layer="CENTER")
             sheet.line(complex(x, low.imag - over), complex(x, high.imag + over), layer="CENTER")
         radii = dict.fromkeys(self.part.centres, 1.0)
         circles = [as_circle(contour) for contour in (self.part.region.outer, *self.part.region.holes)]
         radii |= {circle[0]: min(circle[1], 5 / self.scale + 1) for circle in circles if circle}
         for centre, radius in radii.items():
-            if axes and abs(centre) < 1e-9:
+            if axes and abs(centre - zero) < 1e-9:
                 continue
             at, reach = self.paper(centre), self.scale * radius + 2
             for direction in (1, 1j):
@@ -277,7 +271,7 @@ class _Layout:
         tip = self.paper(point)
         reading = direction if direction.real > -1e-9 else -direction
         label = Text(0j, text, 2.5, "centre", reading, "DIM")
-        beyond = (_along(self.above) - point if self.above else np.zeros(1)) * direction.conjugate()
+        beyond = (along(self.above) - point if self.above else np.zeros(1)) * direction.conjugate()
         clear = self.scale * max(0.0, float(np.max(beyond.real)))  # past what a flange shows
         self.sheet.line(tip + (clear + label.width + 5) * direction, tip, layer="DIM")
         self.sheet.arrow(tip, -direction)
@@ -292,7 +286,7 @@ class _Layout:
         # Dimensions are below and to the left.
         upper = max((math.pi / 4, 3 * math.pi / 4), key=free)
         angle = upper if free(upper) > 0.6 else max((-math.pi / 4, -3 * math.pi / 4), key=free)
-        ring = _along([self.outer, *self.above])
+        ring = along([self.outer, *self.above])
         near: Floats = np.abs(np.angle(ring * cmath.exp(-1j * angle)))
         reach = float(np.max(np.abs(ring)[near < 0.5], initial=float(np.min(np.abs(ring)))))
         radius = self.scale * reach + 5
@@ -313,8 +307,8 @@ class _Layout:
         for bore in views.side_bores(self.part, self.tolerance):
             self.sheet.contour(bore.moved(self.scale, complex(left, self.datum.imag)), "HIDDEN")
         thick = self.scale * self.part.thickness
-        if self.low.imag <= 0 <= self.high.imag:
-            y = self.datum.imag
+        if self.low.imag <= self.zero.imag <= self.high.imag:
+            y = self.paper(self.zero).imag
             self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.paper(self.low).imag
         self._dimension(complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness))
@@ -365,8 +359,10 @@ class _Layout:
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""
-        rows = [(label, number(h.place.real), number(h.place.imag), self.facts.shape(h)) for label, h in self.named]
-        return rows + layer_rows(self.part, [hole for _, hole in self.named], self.tolerance, self.facts.shape)
+        places = [(label, h, h.place - self.zero) for label, h in self.named]
+        rows = [(label, number(at.real), number(at.imag), self.facts.shape(h)) for label, h, at in places]
+        names, holes = {k: name for k, (name, _) in self.standing.items()}, [hole for _, hole in self.named]
+        return rows + layer_rows(self.part, holes, self.tolerance, self.facts.shape, self.zero, names)
 
     def _radii_of_profile(self) -> list[tuple[float, float]]:
         """Angle, deg, and radius, mm, of a cam's outline or of a groove's wall; nothing of another part."""
@@ -383,7 +379,10 @@ class _Layout:
         if len(rows) > room:
             rows = [*rows[: room - 1], ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf")]
         if rows:
-            self._grid(top, [("Hole", "X", "Y", "Size"), *rows], _TABLE_WIDTHS, (1, 2))
+            head = ("Hole, pin" if self.standing else "Hole", "X", "Y", "Size")
+            first = min(20.0, max(_TABLE_WIDTHS[0], *(Text(0j, cell, 2.5).room + 2 for cell, *_ in (head, *rows))))
+            widths = (first, *_TABLE_WIDTHS[1:3], sum(_TABLE_WIDTHS[::3]) - first)
+            self._grid(top, [head, *rows], widths, (1, 2))
         if not polar:
             return
         top -= (len(rows) + 2) * _ROW
@@ -412,7 +411,14 @@ class _Layout:
 
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
-        lines = [f"Thickness {number(part.thickness)}"]
+        across = extent([self.outer])
+        alike = len({layer.region for layer in part.layers}) == 1 and part.crossed is None
+        long = part.thickness > max((across[1] - across[0]).real, (across[1] - across[0]).imag)
+        lines = [f"{'Length' if long else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"]
+        if self.zero_is and self.rows:
+            lines.append(f"X and Y from {self.zero_is}")
+        if self.zero:
+            lines[-1] += f", which in the part's files is at {number(self.zero.real)}, {number(self.zero.imag)}"
         round_one = as_circle(self.outer)
         if round_one and abs(round_one[0]) > 1e-9:
             x, y = round_one[0].real, round_one[0].imag
@@ -432,3 +438,6 @@ class _Layout:
         """Notes at the lower left, beside the title block, upwards."""
         for i, line in enumerate(reversed(self.notes)):
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
+        if self.placed:
+            corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
+            position_frame(self.sheet, corner, self.facts.position, self.zero_is.partition("hole ")[2])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from camgen import __version__
 from camgen.files.dimensions import Hole, number
-from camgen.files.sheet import Sheet
+from camgen.files.sheet import Sheet, Text
 from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
@@ -29,7 +30,7 @@ class Facts:
     """What a drawing says of a part besides its shape; "" or None is left out.
 
     tolerance: general tolerance; number: of the drawing, its file's name unless given; mass_g: of one part, g;
-    profile_step_deg: between the rows of a cam's table.
+    profile_step_deg: between the rows of a cam's table; position: of holes, the diameter in which their axes lie, mm.
     """
 
     mechanism: str = ""
@@ -40,6 +41,7 @@ class Facts:
     date: str = ""
     fits: Sequence[Fit] = ()
     profile_step_deg: float | None = None
+    position: float = 0.0
 
     def shape(self, hole: Hole) -> str:
         """What a hole is, with its fit where one is known."""
@@ -80,6 +82,21 @@ def title_block(sheet: Sheet, right: float, low: float, part: Part, facts: Facts
             corner += width
 
 
+def position_frame(sheet: Sheet, corner: complex, diameter: float, datum: str) -> None:
+    """Frame of a tolerance of position, from its lower left corner, and what it is of; datum: "" is none. [ISO 1101]"""
+    high, middle = 6.0, corner + 4 + 3j
+    cells = ["", f"Ø{number(diameter)}", *([datum] if datum else [])]
+    sheet.arc(middle, 1.4, 0.0, math.tau, "TEXT")
+    for way in (1, 1j):
+        sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
+    for k, cell in enumerate(cells):
+        width = max(8.0, Text(0j, cell, 2.5).room + 3)
+        sheet.line(corner, corner + width, corner + width + 1j * high, corner + 1j * high, layer="TEXT", closed=True)
+        sheet.text(corner + width / 2 + 1.8j, cell if k else "", 2.5, "centre")
+        corner += width
+    sheet.text(corner + 2 + 1.8j, "round holes; X and Y are exact", room=58)
+
+
 def _first_angle(sheet: Sheet, middle: complex) -> None:
     """A cone's frustum from the side, small end left, and to its right as seen from there. [ISO 5456-2]"""
     large, small = 2.8, 1.4  # radii, mm
@@ -87,7 +104,7 @@ def _first_angle(sheet: Sheet, middle: complex) -> None:
     sheet.line(side - 2.8 - 1j * small, side + 2.8 - 1j * large, side + 2.8 + 1j * large, side - 2.8 + 1j * small,
                layer="TEXT", closed=True)  # fmt: skip
     for radius in (large, small):
-        sheet.arc(front, radius, 0.0, 6.283185307179586, "TEXT")
+        sheet.arc(front, radius, 0.0, math.tau, "TEXT")
     sheet.line(side - 4, side + 4, layer="CENTER")
     sheet.line(front - 4, front + 4, layer="CENTER")
     sheet.line(front - 3.6j, front + 3.6j, layer="CENTER")

@@ -75,19 +75,14 @@ def _span(region: Region, x: float, tolerance: float) -> tuple[float, float]:
 def side_bores(part: Part, tolerance: float) -> list[Contour]:
     """Boxes of the bores in the view from the left: z + iy, those of one width joined where layers lie on each other."""
     found = [rectangle(complex(a, y0), complex(b, y1)) for y0, y1, a, b in _boxes(part, tolerance, 1)]
-    for low, high in _across(part, tolerance):
-        y0, y1 = _span(part.region, (low.real + high.real) / 2, tolerance)
-        found.append(rectangle(complex(low.imag, y0), complex(high.imag, y1)))
-    return found
+    across = _across(part, tolerance)
+    return found + [rectangle(complex(low.imag, y0), complex(high.imag, y1)) for low, high, y0, y1 in across]
 
 
 def plan_bores(part: Part, tolerance: float) -> list[Contour]:
     """Boxes of bores along y in the view along z: x + iy."""
-    found = []
-    for low, high in _across(part, tolerance):
-        y0, y1 = _span(part.region, (low.real + high.real) / 2, tolerance)
-        found.append(rectangle(complex(low.real, y0), complex(high.real, y1)))
-    return found
+    across = _across(part, tolerance)
+    return [rectangle(complex(low.real, y0), complex(high.real, y1)) for low, high, y0, y1 in across]
 
 
 def above_bores(part: Part, tolerance: float) -> list[Contour]:
@@ -117,9 +112,10 @@ def _holes(part: Part, tolerance: float) -> Iterator[tuple[Layer, complex, compl
             yield layer, low, high
 
 
-def _across(part: Part, tolerance: float) -> list[tuple[complex, complex]]:
-    """Corners of the boxes of bores along y: x + iz."""
-    return [extent([fit_arcs(hole, tolerance)]) for hole in part.crossed.holes] if part.crossed is not None else []
+def _across(part: Part, tolerance: float) -> list[tuple[complex, complex, float, float]]:
+    """Of bores along y the corners of their boxes, x + iz, and from where to where they go: y."""
+    boxes = [extent([fit_arcs(hole, tolerance)]) for hole in part.crossed.holes] if part.crossed is not None else []
+    return [(low, high, *_span(part.region, (low.real + high.real) / 2, tolerance)) for low, high in boxes]
 
 
 def _joined(spans: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:

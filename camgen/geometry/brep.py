@@ -17,6 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
+from camgen.geometry.mesh import components
 from camgen.geometry.rings import Floats, Ring, Shape, shape_of
 
 
@@ -103,19 +104,10 @@ class Brep:
     @property
     def bodies(self) -> int:
         """Number of bodies and cavities: faces that edges join, counted together."""
-        parent = list(range(len(self.faces)))
-
-        def root(face: int) -> int:
-            while parent[face] != face:
-                parent[face] = parent[parent[face]]
-                face = parent[face]
-            return face
-
-        owner: dict[int, int] = {}
-        for k, face in enumerate(self.faces):
-            for edge, _ in (step for loop in face.loops for step in loop):
-                parent[root(owner.setdefault(edge, k))] = root(k)
-        return len({root(k) for k in range(len(self.faces))})
+        owner: dict[int, int] = {}  # the first face on each edge
+        steps = ((edge, k) for k, face in enumerate(self.faces) for loop in face.loops for edge, _ in loop)
+        links = np.array([(owner.setdefault(edge, k), k) for edge, k in steps]).reshape(-1, 2)
+        return len(np.unique(components(len(self.faces), *links.T)))
 
     def section(self, z: float) -> list[Ring]:
         """Rings at a height between those of level faces, material on their left: each wall gives one edge.

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from camgen.numerics import Floats, Points
+
 if TYPE_CHECKING:
     import shapely
 
-Points = NDArray[np.complex128]
 
 
 def _polygon(ring: Points) -> shapely.Polygon:
@@ -20,7 +21,7 @@ def _polygon(ring: Points) -> shapely.Polygon:
     return shapely.Polygon(np.column_stack([ring.real, ring.imag]))
 
 
-def point_to_ring(points: Points, ring: Points) -> NDArray[np.float64]:
+def point_to_ring(points: Points, ring: Points) -> Floats:
     """Distance of each point from the nearest edge of the ring, (n,) mm, 0 on it and positive on both sides."""
     import shapely
 
@@ -56,7 +57,7 @@ def inside(points: Points, ring: Points) -> NDArray[np.bool_]:
     return np.asarray(shapely.contains_xy(_polygon(ring), points.real, points.imag))
 
 
-def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> NDArray[np.float64]:
+def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> Floats:
     """Distance of each straight way from a to b, (n,), from the material that rings enclose (even-odd), (n,) mm, 0 within it."""
     import shapely
 

@@ -20,13 +20,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from camgen.numerics import Floats as Floats
+from camgen.numerics import Points as Points
 from camgen.numerics import gauss_legendre
 from camgen.tolerances import SAME_POINT
-
-Floats = NDArray[np.float64]
-Points = NDArray[np.complex128]
 
 _CONGRUENT = 1e-12  # share of its size by which an image may differ from the curve and still have its facets
 _GAUSS_NODES, _GAUSS_WEIGHTS = gauss_legendre(16)

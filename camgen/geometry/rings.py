@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import counted
+from camgen.numerics import Floats as Floats
+from camgen.numerics import Points as Points
 from camgen.numerics import least_squares
 
-Floats = NDArray[np.float64]
-Points = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 
 _MOST_FACETS = 5_000_000  # of one ring: beyond it no memory serves
@@ -199,31 +199,33 @@ class Circle:
     clear_diameter: float
 
 
-def fit_circle(points: Points) -> tuple[complex, float, float]:
-    """Centre, radius and largest deviation, mm, of the circle of least squares through (n,) complex points.
+def fit_circle(points: Points, weights: Floats | None = None) -> tuple[complex, float, float]:
+    """Centre, radius and largest deviation, mm, of the circle of least squares through (n,) complex points; weights: (n,), how
+    much each counts, all the same unless given.
 
     Algebraic fit [Kasa 1976], then Gauss-Newton on the true distances. nan for fewer than three points.
     """
     if len(points) < 3:
         return complex(np.nan, np.nan), np.nan, np.nan
+    share = np.ones(len(points)) if weights is None else np.sqrt(weights / weights.max())
     origin = points.mean()
     z = points - origin
     table = np.column_stack([2 * z.real, 2 * z.imag, np.ones(len(z))])
-    x, y, c = least_squares(table, np.abs(z) ** 2)
+    x, y, c = least_squares(share[:, None] * table, share * np.abs(z) ** 2)
     centre, radius = complex(x, y), float(np.sqrt(max(c + x * x + y * y, 0.0)))
     for _ in range(8):
         spoke = z - centre
         distance = np.abs(spoke)
         table = np.column_stack([spoke.real / distance, spoke.imag / distance, np.ones(len(z))])
-        dx, dy, dr = least_squares(table, distance - radius)
+        dx, dy, dr = least_squares(share[:, None] * table, share * (distance - radius))
         centre, radius = centre + complex(dx, dy), radius + float(dr)
         if abs(complex(dx, dy)) + abs(dr) < 1e-15 * radius:
             break
     return complex(centre + origin), radius, float(np.max(np.abs(np.abs(z - centre) - radius)))
 
 
-def _circle(ring: Ring, points: Points) -> Circle:
-    centre, radius, deviation = fit_circle(points)
+def _circle(ring: Ring, points: Points, weights: Floats | None = None) -> Circle:
+    centre, radius, deviation = fit_circle(points, weights)
     a, b = ring.points - centre, ring.ends - centre
     u = np.clip(-np.real(np.conj(b - a) * a) / np.abs(b - a) ** 2, 0, 1)
     reach = np.where(ring.bulges == 0, np.abs(a + u * (b - a)), np.abs(a))
@@ -240,15 +242,18 @@ def bore_circle(ring: Ring, nominal_diameter: float) -> Circle:
     """Circle of a bore's round part; corners of a keyway, which lie off it, are left out.
 
     Starts from the nominal circle about the datum, which a sound bore is near, and draws the band of points that count
-    tighter with each fit.
+    tighter with each fit. A vertex counts as much as its edges are long, so that many on a corner which a nozzle rounds do not
+    draw the circle to it.
     """
     points = ring.samples()
+    edges = np.abs(ring.ends - ring.points)
+    weights = np.ones(len(points)) if ring.bulges.any() else edges + np.roll(edges, 1)
     centre, radius = 0j, nominal_diameter / 2
     for share in (0.1, 0.03, 0.01, 0.003, 0.001):
         misfit = np.abs(np.abs(points - centre) - radius)
-        core = points[misfit <= share * nominal_diameter]
+        core = np.flatnonzero(misfit <= share * nominal_diameter)
         if len(core) < 4:  # far from the nominal one: what lies best
-            core = points[np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]]
-        centre, radius, deviation = fit_circle(core)
+            core = np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]
+        centre, radius, deviation = fit_circle(points[core], weights[core])
     on_circle = np.abs(np.abs(points - centre) - radius) <= max(2 * deviation, 1e-6 * nominal_diameter)
-    return _circle(ring, points[on_circle])
+    return _circle(ring, points[on_circle], weights[on_circle])

@@ -20,6 +20,11 @@ def page(topic: str) -> str:
     return (_PAGES / f"{topic}.md").read_text(encoding="utf-8")
 
 
+def in_terminal(topic: str) -> str:
+    """The same where no picture can be seen: each says in words what it shows, and where its file is."""
+    return re.sub(r"!\[(.*?)\]\((.*?\.svg)\)", lambda found: f"Picture: {found[1]}\n`{_PAGES / found[2]}`", page(topic))
+
+
 def title(topic: str) -> str:
     """Its first line."""
     return page(topic).partition("\n")[0].lstrip("# ")

@@ -10,7 +10,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen import tolerances
 from camgen.findings import Finding, at_most
@@ -21,8 +20,7 @@ from camgen.judge.joints import Outline, Rolled, assembled
 from camgen.judge.measured import Sections, read
 from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
-
-Floats = NDArray[np.float64]
+from camgen.numerics import Floats
 
 
 def judged_angles() -> Floats:
@@ -128,18 +126,24 @@ class Followed:
 
 def _overlap(joint: Cam, drive: Outline, other: Outline, where: str, off: float) -> tuple[Finding, float]:
     """INTERFERENCE of a follower that two outlines hold, and its largest play, rad or mm; the limit is what outlines that are
-    off by so much, mm, may overlap."""
+    off by so much, mm, may overlap. Of a pair with preload it is the overlap of tips that are smaller by that."""
     theta, (unit, scale) = judged_angles(), s_unit(joint)
     play = drive.play(other, theta)
+    largest, beyond, air = float(np.max(play)), "", drive.feature.free
+    if air > 0:
+        beyond = f", each {air:g} mm off its tip where the motion is as wanted"
+    elif air < 0:
+        play = drive.feature.leaves * (other.law(theta) - drive.law(theta))
+        beyond = f" beyond the preload, {-air:g} mm at each tip"
     least = int(np.argmin(np.where(np.isnan(play), -np.inf, play)))
     there = theta[least : least + 1]
     borne = sum(off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0]) for law in (drive.tight, other.tight))
     finding = at_most(
         "INTERFERENCE", scale * max(0.0, -float(play[least])), scale * borne, unit,
         f"{where}, cam angle {math.degrees(theta[least] + joint.phase):.3f} deg",
-        "largest overlap of the follower with both outlines; the limit is the outline tolerance at both",
+        f"largest overlap of the follower with both outlines{beyond}; the limit is the outline tolerance at both",
     )  # fmt: skip
-    return finding, float(np.max(play))
+    return finding, largest
 
 
 @dataclass(frozen=True)
@@ -201,7 +205,7 @@ def judge_cams(
                 parts = {first[cam].feature.part, other.feature.part}
                 found, play = _overlap(joint, first[cam], other, named(where, parts), off)
                 findings.append(found)
-                numbers[f"lash_{name}{kind}_{unit}"] = scale * play
+                numbers[f"{'lash' if play >= 0 else 'preload'}_{name}{kind}_{unit}"] = scale * abs(play)
     return OnCams(findings, numbers, good)
 
 
@@ -228,7 +232,7 @@ def _own_tip(
     if outline.own is None:
         said = "the part has no such tip, or it does not fit the cam"
         return at_most("TIP_MOTION", math.inf, 2 * moved.limit, moved.unit, file, said), {}
-    radius = getattr(outline.own.contact.form, "tip_radius", 0.0)
+    radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
     finding = at_most("TIP_MOTION", moved.measured, 2 * moved.limit, moved.unit, file + moved.where, remark)

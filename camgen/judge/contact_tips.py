@@ -219,8 +219,34 @@ def _cut(e: _Elements, cuts: tuple[Ints, Floats]) -> _Elements:
     return e.take(plain).join(pieces.take(np.flatnonzero(pieces.start != pieces.end)))  # cuts beside each other may be one
 
 
+class _RoundTip:
+    """What a tip on an arm and one on a slide share."""
+
+    inside: bool
+
+    @property
+    def _sign(self) -> int:
+        return -1 if self.inside else 1
+
+    def _bearing(self, r: Floats) -> Floats:
+        """arg c of the tip centre at distance r from the origin."""
+        raise NotImplementedError
+
+    def _pieces(self, whole: _Elements, cuts: tuple[Ints, Floats]) -> tuple[_Elements, Floats, Floats, Floats]:
+        """The elements cut; of each piece least cam angle and width, rad, and how far its middle is from the origin, mm."""
+        pieces = _cut(whole, cuts)
+        first, last = (self._bearing(np.abs(p)) for p in (pieces.start, pieces.end))
+        turned = pieces.turned()
+        edge = first - np.angle(pieces.start) if self.inside else last - np.angle(pieces.start) - turned
+        return pieces, edge, self._sign * (first - last + turned), np.abs(pieces.at(0.5))
+
+    def place(self, u: Floats, progress: Floats, rows: Floats) -> Floats:
+        """None."""
+        return np.full(u.shape, np.nan)
+
+
 @dataclass(frozen=True)
-class ArmTip:
+class ArmTip(_RoundTip):
     """Tip centre = pivot + arm * exp(i s), s in rad; rows are k L, Re B, Im B, (C + k (L^2 + R^2)) / 2R."""
 
     pivot: complex
@@ -236,10 +262,6 @@ class ArmTip:
         if self.leaves not in (-1, 1) or rest * self.leaves > 0:
             raise ValueError(f"turning the arm in the sense {self.leaves} does not take the tip away from the origin")
 
-    @property
-    def _sign(self) -> int:
-        return -1 if self.inside else 1
-
     def cover(self, ring: Ring) -> Cover:
         """Pieces within the ring that the tip centre can reach, |L - R| to L + R from the origin.
 
@@ -250,12 +272,7 @@ class ArmTip:
         if self.leaves > 0:
             # Pivot on the real axis and arm above it, mirrored (and so run back); theta takes up the pivot's direction.
             e = _Elements(np.conj(e.end), np.conj(e.start), np.conj(e.normal * np.exp(1j * e.sweep)), e.sweep, e.source)
-        pieces = _cut(e, self._cuts(e))
-        first, last = (self._bearing(np.abs(p)) for p in (pieces.start, pieces.end))
-        turned = pieces.turned()
-        width = self._sign * (first - last + turned)
-        edge = first - np.angle(pieces.start) if self.inside else last - np.angle(pieces.start) - turned
-        middle = np.abs(pieces.at(0.5))
+        pieces, edge, width, middle = self._pieces(e, self._cuts(e))
         kept = np.flatnonzero((width > 0) & (middle > abs(L - R)))
         pieces = pieces.take(kept)
         k, p, n = pieces.curvature, pieces.start, pieces.normal
@@ -329,10 +346,6 @@ class ArmTip:
         found = self._sign * 1j * normal
         return np.asarray(np.conj(found) if self.leaves > 0 else found)
 
-    def place(self, u: Floats, progress: Floats, rows: Floats) -> Floats:
-        """None."""
-        return np.full(u.shape, np.nan)
-
 
 class OnSlide:
     """What tip and face on a slide share: through start + along * s, complex mm and unit vector; leaves: sense off the part."""
@@ -356,7 +369,7 @@ class OnSlide:
 
 
 @dataclass(frozen=True)
-class SlideTip(OnSlide):
+class SlideTip(OnSlide, _RoundTip):
     """Tip centre = start + along * s, along a unit vector, s in mm; rows are k, Re B, Im B, C + k e^2."""
 
     start: complex
@@ -371,10 +384,6 @@ class SlideTip(OnSlide):
         if self.leaves not in (-1, 1) or not abs(abs(self.along) - 1) < 1e-9:
             raise ValueError(f"no slide along {self.along} that leaves in the sense {self.leaves}")
 
-    @property
-    def _sign(self) -> int:
-        return -1 if self.inside else 1
-
     def cover(self, ring: Ring) -> Cover:
         """Pieces farther from the origin than the slide; on its way in the tip stops beside the origin."""
         aside, e = self._begin.imag, _offset(ring, self.tip_radius)
@@ -384,12 +393,8 @@ class SlideTip(OnSlide):
             with np.errstate(divide="ignore", invalid="ignore"):
                 squared = (c + 2 * way) / e.curvature
             found += _at_distance(e, np.where(squared > 0, squared, np.nan))
-        pieces = _cut(e, _shares(e, found))
-        first, last = (self._bearing(np.abs(p)) for p in (pieces.start, pieces.end))
-        turned = pieces.turned()
-        width = self._sign * (first - last + turned)
-        edge = first - np.angle(pieces.start) if self.inside else last - np.angle(pieces.start) - turned
-        kept = np.flatnonzero((width > 0) & (np.abs(pieces.at(0.5)) > abs(aside)))
+        pieces, edge, width, middle = self._pieces(e, _shares(e, found))
+        kept = np.flatnonzero((width > 0) & (middle > abs(aside)))
         pieces = pieces.take(kept)
         b, c = _level(pieces)
         k = pieces.curvature
@@ -424,7 +429,3 @@ class SlideTip(OnSlide):
         """k c - B exp(i theta), over the slide's way off the wall."""
         _, by, root = self._terms(u, rows)
         return np.asarray(self._sign * (root + 1j * (rows[:, 0] * self._begin.imag - by)))
-
-    def place(self, u: Floats, progress: Floats, rows: Floats) -> Floats:
-        """None."""
-        return np.full(u.shape, np.nan)

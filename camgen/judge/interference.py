@@ -25,7 +25,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +35,7 @@ from camgen.errors import counted
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.relative_motion import AT_REST, STRAIGHT, Motion
-from camgen.judge.slabs import PLANE, ROUND, Body, Section, sections_of, shadow_of
+from camgen.judge.slabs import PLANE, ROUND, Body, Section, covered, sections_of, shadow_of, shrunk
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -52,6 +52,7 @@ _LAYERS = 4  # pairs of sections, beyond which their shadows are compared first,
 _LONG = 1000  # stretches at once
 
 Pair = frozenset[str]
+Facing = tuple[Section, Section]  # of two bodies, at heights in common
 
 
 @dataclass(frozen=True)
@@ -304,6 +305,7 @@ def swept(
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
     sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
     seen = functools.cache(lambda home, guest: Motion(home, guest, theta))  # bodies on one course move as one
+    within = functools.cache(covered)
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
         level = [
@@ -312,6 +314,7 @@ def swept(
             if min(first.z1, second.z1) - max(first.z0, second.z0) > _SAME_HEIGHT
         ]
         if level:
+            level = _widest(level, within) if len(level) <= _LAYERS else level
             motions = seen(a.course, b.course), seen(b.course, a.course)
             allowed = contacts.get(frozenset((a.name, b.name)), mounted if motions[0].at_rest else None)
             try:
@@ -355,17 +358,26 @@ def _least(
     return best, best.gap - resolution
 
 
+def _widest(level: Sequence[Facing], within: Callable[[Section, Section], bool]) -> list[Facing]:
+    """Pairs less those of sections that lie within another pair's, and so are no nearer: those of a cam's mark."""
+    kept = list(level)
+    for first, second in level:
+        if any(within(first, a) and within(second, b) for a, b in kept if (a, b) != (first, second)):
+            kept.remove((first, second))
+    return kept
+
+
 def _facing(motions: tuple[Motion, Motion], first: Section, second: Section, allowed: float) -> _Approach:
     """Two sections for the search; the guest is the one that is looked at with less work."""
 
     def seen(motion: Motion, home: Section, guest: Section) -> _Approach:
         import shapely
 
-        shrunk, facets = home.area.buffer(-allowed / 2) if allowed else home.area, home.facets + guest.facets
+        body, facets = shrunk(home, allowed / 2), home.facets + guest.facets
         if guest.disc is None:
-            return _Approach(motion, shrunk, guest.area.buffer(-allowed / 2) if allowed else guest.area, 0.0, allowed, facets)
+            return _Approach(motion, body, shrunk(guest, allowed / 2), 0.0, allowed, facets)
         centre, radius = guest.disc
-        return _Approach(motion, shrunk, shapely.Point(centre.real, centre.imag), radius - allowed / 2, allowed, facets)
+        return _Approach(motion, body, shapely.Point(centre.real, centre.imag), radius - allowed / 2, allowed, facets)
 
     both = seen(motions[0], first, second), seen(motions[1], second, first)
     return min(both, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))

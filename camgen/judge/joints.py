@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
@@ -34,9 +33,8 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.machine.model import GROUND, Cam, Function, Gear, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
+from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
-
-Floats = NDArray[np.float64]
 
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
 _PRESSURE = math.radians(20)  # of gears' flanks
@@ -88,8 +86,8 @@ class Fit:
 
 @dataclass(frozen=True)
 class Outline:
-    """A cam's outline as measured: what its follower does on it, by itself (`law`, the tip as wide as is meant) and with its own
-    width (`tight`); own: with the tip that a part has, None where no tip was found."""
+    """A cam's outline as measured: what its follower does on it, by itself (`law`, the tip larger by what it is meant to stay
+    off) and as wide as it is (`tight`); own: with the tip that a part has, None where no tip was found."""
 
     feature: CamOutline
     law: Rolled
@@ -274,9 +272,9 @@ class _Builder:
     def _cam(self, feature: CamOutline, joint: Cam) -> Cam:
         try:
             tip, facing, radius = self._tip(feature, joint)
-            law = tight = self._rolled(feature, joint, tip, facing, radius + feature.free)
+            law = tight = self._rolled(feature, joint, tip, facing, radius, feature.free)
             if feature.free:
-                tight = self._rolled(feature, joint, tip, facing, radius)
+                tight = self._rolled(feature, joint, tip, facing, radius, 0.0)
         except ValueError as fault:
             raise ValueError(f"{joint.name}: {fault}") from None
         outlines = self.outlines.setdefault(joint.name, [])
@@ -316,12 +314,15 @@ class _Builder:
         tip = mount.place(eyes[own.tip].centre) - mount.place(eyes[own.bore].centre) + mount.place(own.bore.at)
         radius = eyes[own.tip].diameter / 2 if own.radius is None else own.radius
         try:
-            return self._rolled(feature, joint, tip, None, radius)
+            return self._rolled(feature, joint, tip, None, radius, feature.free)
         except ValueError:
             return None
 
-    def _rolled(self, feature: CamOutline, joint: Cam, tip: complex, facing: complex | None, radius: float) -> Rolled:
-        """What a follower with this tip rolls to on one outline."""
+    def _rolled(
+        self, feature: CamOutline, joint: Cam, tip: complex, facing: complex | None, radius: float, air: float
+    ) -> Rolled:  # fmt: skip
+        """What a follower with this tip, so much larger, mm, rolls to on one outline."""
+        radius += air
         own, centre = self._held(feature.turns, joint.cam)
         mounts = [mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)]
         if len(mounts) <= feature.copy:
@@ -342,7 +343,7 @@ class _Builder:
             else:
                 normal = -turned * facing
                 foot = normal.conjugate() * arm
-                form, middle = ArmFace(start, normal, foot.real, feature.leaves), foot.imag
+                form, middle = ArmFace(start, normal, foot.real - air, feature.leaves), foot.imag
             lever: float | None = abs(arm)
         else:
             assert joint.slide is not None
@@ -354,7 +355,7 @@ class _Builder:
             if facing is None:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
             else:
-                form = SlideFace(start, along, feature.leaves)
+                form = SlideFace(start - air * feature.leaves * along, along, feature.leaves)
         return Rolled(contact(ring, form), lever, feature.meant.lever, middle)
 
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:

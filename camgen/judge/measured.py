@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.geometry.rings import Circle, Ring, Shape, bore_circle, fit_circle, hole_circles
 from camgen.machine.features import (
@@ -27,7 +26,6 @@ from camgen.machine.features import (
     eyes,
 )  # fmt: skip
 
-Floats = NDArray[np.float64]
 Sections = Sequence[Sequence[Shape]]
 
 _PARALLEL = 0.01  # rad, leaning more is another face

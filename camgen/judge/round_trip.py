@@ -25,6 +25,8 @@ from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circ
 from camgen.judge.as_printed import printed
 from camgen.numerics import product
 
+Copies = Sequence[tuple[str, Floats]]  # names of parts, (3, 4) transforms
+
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
@@ -52,7 +54,8 @@ class Expected:
     the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
     place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
     is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
-    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, none where nobody asked for them.
+    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, and engraved contours: none where nobody
+    asked for them.
     """
 
     part: str
@@ -69,6 +72,7 @@ class Expected:
     stacked: bool = True
     undo: Undo | None = None
     marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
+    engraved: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,6 +112,7 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
+    faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
         "DXF_CLOSED", len(faults), 0, "contours", where,
         "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
@@ -131,11 +136,20 @@ def _misplaced(marks: Points, wanted: Points) -> list[str]:
     return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
 
 
+def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float) -> list[str]:
+    """What is wrong with engraved contours, in the order in which they are meant."""
+    if len(engraved) != len(wanted):
+        return [f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"]
+    pairs = zip(engraved, wanted, strict=True)
+    off = max((_contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
+    return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
+
+
 def judge_mesh(path: Path, expected: Expected) -> Judged:
     """Watertightness, volume, sections and walls of the one solid in a file."""
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
-        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", path.name, "; ".join(remarks)),), None)
+        return Judged((_strange(path, remarks),), None)
     return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
 
 
@@ -144,7 +158,7 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     body, remarks = read_exact(path, expected.part)
     where = path.name
     if remarks:
-        return Judged((at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks)),), None)
+        return Judged((_strange(path, remarks),), None)
     bodies = counted(body.bodies, "body", "bodies")
     said = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
     findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
@@ -196,7 +210,7 @@ def _level_error(heights: Floats, expected: Expected) -> float:
     return float(max(np.max(np.min(apart, axis=0)), np.max(np.min(apart, axis=1))))
 
 
-def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tuple[str, Floats]] | None = None) -> Finding:
+def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Copies | None = None) -> Finding:
     """ROUND_TRIP of a package that holds copies of parts: its solids are the originals, moved as bodies are and not deformed.
 
     places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
@@ -211,7 +225,7 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
     if places is not None and found != wanted:
         remarks.append(f"{found.total()} copies instead of {wanted.total()}")
     if remarks:
-        return at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks))
+        return _strange(path, remarks)
     off = max((_unlike(mesh, originals[name]) for name, mesh in package.meshes.items()), default=0.0)
     reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
     far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
@@ -219,15 +233,14 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Sequence[tup
         turn = item.transform[:, :3]
         bent = float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
         off = max(off, bent * reach)
-    laid = [(item.name, item.transform) for item in package.items]
-    for one, other in ((laid, places), (places, laid)) if places is not None else ():  # no copy astray, no place empty
-        off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
+    if places is not None:
+        off = max(off, _astray([(item.name, item.transform) for item in package.items], places))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
     remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
-def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[tuple[str, Floats]]) -> Finding:
+def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) -> Finding:
     """ROUND_TRIP of an assembly of exact solids: each is the one in its part's own file, every copy stands in its place.
 
     files: of each part; places: the wanted part and (3, 4) transform of each copy, in any order.
@@ -240,22 +253,30 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Sequence[t
         held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
         remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
     if remarks:
-        return at_most("ROUND_TRIP", len(remarks), 0, "warnings", where, "; ".join(remarks))
+        return _strange(path, remarks)
     off = 0.0
     for name, file in files.items():
         own, body = read_exact(file, name)[0], bodies[name]
         same = own.corners.shape == body.corners.shape and (own.edges, own.faces) == (body.edges, body.faces)
         off = max(off, float(np.max(np.abs(own.corners - body.corners))) if same else math.inf)
-    laid = [(copy.object, copy.transform) for copy in copies]
-    for one, other in ((laid, places), (places, laid)):
-        off = max(off, max((_astray(copy, other) for copy in one), default=0.0))
+    off = max(off, _astray([(copy.object, copy.transform) for copy in copies], places))
     said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
-def _astray(copy: tuple[str, Floats], others: Sequence[tuple[str, Floats]]) -> float:
-    """How far the nearest copy of the same part lies from this one, as the largest difference of their transforms."""
-    return min((float(np.max(np.abs(copy[1] - place))) for name, place in others if name == copy[0]), default=math.inf)
+def _strange(path: Path, remarks: Sequence[str]) -> Finding:
+    """ROUND_TRIP of a file that is not as it was written."""
+    return at_most("ROUND_TRIP", len(remarks), 0, "warnings", path.name, "; ".join(remarks))
+
+
+def _astray(laid: Copies, places: Copies) -> float:
+    """How far copies lie from the nearest place of their part, and places from their nearest copy, as the largest difference of
+    transforms: no copy astray, no place empty."""
+
+    def nearest(name: str, at: Floats, others: Copies) -> float:
+        return min((float(np.max(np.abs(at - place))) for other, place in others if other == name), default=math.inf)
+
+    return max((nearest(*each, others) for ones, others in ((laid, places), (places, laid)) for each in ones), default=0.0)
 
 
 def _unlike(mesh: Mesh, original: Mesh) -> float:
@@ -425,6 +446,8 @@ def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
 def _deviation(one: bytes, other: bytes) -> float:
     """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
     a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
+    if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= tolerances.SAME_POINT:
+        return off
     return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
 
 

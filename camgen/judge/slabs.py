@@ -133,7 +133,7 @@ class Body:
 # ---- sections as mounted ---------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Section:
     """A slab as mounted: heights in the assembly and shapely area in the course's frame.
 
@@ -155,6 +155,19 @@ def sections_of(body: Body) -> list[Section]:
         area, facets = area_of(rings), FACETS if any(ring.bulges.any() for ring in rings) else 0.0
         found.append(Section(body.z + slab.z0, body.z + slab.z1, area, disc_about(area), facets))
     return found
+
+
+@functools.lru_cache(maxsize=8)  # a section meets many others, one after the other
+def shrunk(section: Section, by: float) -> Any:
+    """The area less all that is nearer than this to its edge, mm."""
+    return section.area.buffer(-by) if by else section.area
+
+
+def covered(section: Section, other: Section) -> bool:
+    """Whether all of a section lies in another one."""
+    import shapely
+
+    return section is other or (section.facets <= other.facets and bool(shapely.covers(other.area, section.area)))
 
 
 def shadow_of(sections: Sequence[Section]) -> Section:

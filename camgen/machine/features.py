@@ -144,9 +144,10 @@ class CamOutline:
     turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
     one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
     the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
-    it comes from within to the part's largest hole, `free` mm off a tip that touches the drive's outline. copy: which of the
-    part's mounts on the cam's body it is. bore: the part's own hole on the shaft, where not a pin of the machine tells its
-    place. own: the tip as a part has it, judged by itself. roller: the part that runs there, where the tip is its seat.
+    it comes from within to the part's largest hole. free: mm, how far the outline lies off a tip that is where its s says: by
+    how much a groove is wider than the tip, the air of a pair on either side, below 0 its preload. copy: which of the part's
+    mounts on the cam's body it is. bore: the part's own hole on the shaft, where not a pin of the machine tells its place.
+    own: the tip as a part has it, judged by itself. roller: the part that runs there, where the tip is its seat.
     """
 
     joint: str

@@ -19,6 +19,7 @@ from pydantic import Field
 
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
+from camgen.geometry.convex import hull_corners
 from camgen.numerics import Floats, Points
 from camgen.spec import Record
 
@@ -125,17 +126,23 @@ class Through(Record):
             return [Fault(f"{path}.in_order", "true", "false, or no theta_deg: angles say the order already")]
         return []
 
-    def finding(self, course: Course, where: str) -> Finding:
-        """PATH_ERROR: the place that the path misses most."""
-        places = [complex(*place) for place in self.at]
+    @property
+    def places(self) -> list[complex]:
+        """Where the path shall pass, mm."""
+        return [complex(*place) for place in self.at]
+
+    def met(self, course: Course) -> list[tuple[float, float]]:
+        """theta and distance, mm, at which the path passes each place; none where it never passes them in their order."""
         if self.theta_deg is not None:
             t = np.radians(self.theta_deg)
-            met = list(zip(t.tolist(), np.abs(course.at(t) - places).tolist(), strict=True))
-            how = "at the angles given"
-        else:
-            ways = [course.nearest(place) for place in places]
-            met = _in_order(ways, course.whole) if self.in_order else [min(way, key=lambda pair: pair[1]) for way in ways]
-            how = "in their order" if self.in_order else "each at its nearest"
+            return list(zip(t.tolist(), np.abs(course.at(t) - self.places).tolist(), strict=True))
+        ways = [course.nearest(place) for place in self.places]
+        return _in_order(ways, course.whole) if self.in_order else [min(way, key=lambda pair: pair[1]) for way in ways]
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """PATH_ERROR: the place that the path misses most."""
+        met = self.met(course)
+        how = "in their order" if self.in_order else "each at its nearest" if self.theta_deg is None else "at the angles given"
         if not met:
             return at_most(self.code, math.nan, self.tolerance, "mm", where, "the path never passes them in this order")
         k = max(range(len(met)), key=lambda k: met[k][1])
@@ -143,6 +150,25 @@ class Through(Record):
         said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k} ({x:g}, {y:g}) is missed most, "
         said += f"theta {math.degrees(met[k][0]) % 360 if course.whole else math.degrees(met[k][0]):.2f} deg"
         return at_most(self.code, met[k][1], self.tolerance, "mm", where, said)
+
+
+class Function(Record):
+    """An angle or a place as a function of theta: pairs that go together, both counted from the first one."""
+
+    code: ClassVar[str] = "FUNCTION_ERROR"
+
+    at: tuple[tuple[Angle, Value], ...] = Field(min_length=2, max_length=1000, description="deg of theta, and deg or mm: pairs")
+    tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """FUNCTION_ERROR: the pair that is missed most."""
+        theta, wanted = np.array(self.at).T
+        made = course.at(np.radians(theta))
+        off = made - made[0] - (wanted - wanted[0])
+        k = int(np.argmax(np.abs(off)))
+        said = f"{len(off)} pairs, counted from the first: at theta {theta[k]:g} deg {made[k] - made[0]:.6g} {course.unit}, "
+        said += f"{wanted[k] - wanted[0]:g} wanted"
+        return at_most(self.code, abs(float(off[k])), self.tolerance, course.unit, where, said)
 
 
 class Straight(Record):
@@ -235,7 +261,7 @@ class Advance(Record):
         return at_most(self.code, abs(made - self.value), self.tolerance, "deg", where, said)
 
 
-Target = Stroke | Through | Straight | Dwell | TimeRatio
+Target = Stroke | Through | Function | Straight | Dwell | TimeRatio
 
 
 def advance(angle: Floats, lost: float) -> float:
@@ -276,7 +302,7 @@ def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> lis
 
 def strip(places: Points) -> float:
     """Width of the narrowest strip that holds all places, mm: one side of it lies along an edge of their convex hull."""
-    hull = _hull(places)
+    hull = places[hull_corners(places.tolist())]
     if len(hull) < 3:
         return 0.0
     widths = []
@@ -284,21 +310,6 @@ def strip(places: Points) -> float:
         away = ((hull - a) * np.conj((b - a) / abs(b - a))).imag
         widths.append(float(np.ptp(away)))
     return min(widths)
-
-
-def _hull(places: Points) -> Points:
-    """Corners of the convex hull, counter-clockwise.   [Andrew 1979]"""
-    ordered = sorted({(z.real, z.imag) for z in places.tolist()})
-    half: list[list[complex]] = []
-    for run in (ordered, ordered[::-1]):
-        chain: list[complex] = []
-        for x, y in run:
-            z = complex(x, y)
-            while len(chain) > 1 and ((chain[-1] - chain[-2]).conjugate() * (z - chain[-2])).imag <= 0:
-                chain.pop()
-            chain.append(z)
-        half.append(chain[:-1])
-    return np.array(half[0] + half[1])
 
 
 def straightest(course: Course, length: float) -> tuple[float, float, float]:

@@ -55,6 +55,7 @@ class Tip:
     radius: float | None
     closure: str
     at: str = "tip"
+    tip_clearance: float = 0.0
 
 
 @dataclass(frozen=True)

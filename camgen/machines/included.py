@@ -25,7 +25,7 @@ from camgen.machines.linkage.joined import Merged, Sleeve, Stand
 from camgen.machines.linkage.layout import SLEEVE, Layout
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.merged import Merging, merging
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
@@ -268,6 +268,10 @@ def stacked(
         if each.mounted and line is not None:
             _refuse_unfixed(f"include.{k}.mounted", mechanism, line.sizes.mount_diameter)
             z, sleeve, merged = _in_line(each, mechanism, line, gap) or (z, None, None)
+            least = line.ceiling + line.sizes.base_thickness + gap - low
+            if each.z is not None and (abs(each.z - z) > SAME_POINT or not (sleeve or merged or z >= least)):
+                right = f"{z:.6g}, or nothing: both shafts are one" if sleeve or merged else f"at least {least:.6g}, or nothing"
+                raise SpecError([Fault(f"include.{k}.z", f"{each.z:g}", f"{right}: its frame stands on the second plate")])
         top = max(top, z + high)
         module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
         module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))

@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from camgen.machines.chain_stitch_looper.stitch import SOURCE, thread_per_stitch
 from camgen.machines.chain_stitch_looper.threads import STITCHES, seam
 from camgen.machines.eccentric_drive.mechanism import EccentricDrive
 from camgen.machines.eccentric_drive.study import PAPER_SPEED, PUBLISHED
-from camgen.machines.row import Row
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.rocker import ANGLES, against
 from camgen.machines.thread_take_up.study import Masses, balance_numbers
@@ -35,6 +34,41 @@ from camgen.motion.program import uniform_swing
 
 _CUT = "cut off, not rounded"
 _NO_LENGTHS = "its lengths are not printed, this is of one of the same feed"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A published number beside ours: what it is, as published (a text: its last decimal says how exact it is), as computed here.
+
+    refuted: why the published value is wrong; undecided: why nobody can tell. Without either the two are to agree.
+    """
+
+    what: str
+    published: str
+    ours: float
+    refuted: str = ""
+    undecided: str = ""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether ours rounds to the published value, by half a unit of its last decimal and a hair."""
+        if self.published == "-":
+            return False
+        mantissa, _, exponent = self.published.partition("e")
+        unit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+        return bool(abs(self.ours - float(self.published)) <= 0.5001 * unit)
+
+    @property
+    def ok(self) -> bool:
+        """Whether it is as it is said to be: a value that is refuted may not agree."""
+        return bool(self.undecided) or self.agrees != bool(self.refuted)
+
+    @property
+    def verdict(self) -> str:
+        """In a few words."""
+        if not self.ok:
+            return "OFF"
+        return f"refuted: {self.refuted}" if self.refuted else f"not decidable: {self.undecided}" if self.undecided else "agrees"
 
 
 def rows() -> Iterator[Row]:

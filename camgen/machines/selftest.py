@@ -9,7 +9,7 @@ import numpy as np
 
 from camgen.machine.closed_form import four_bar, slider_travel, transmission_extremes
 from camgen.machines import papers
-from camgen.machines.row import Row as Row
+from camgen.machines.papers import Row as Row
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, UNIFORM, Law, end_speed, largest, modified_sine
 from camgen.motion.program import Program, Segment, uniform_swing
 

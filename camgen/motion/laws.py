@@ -15,17 +15,16 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, lru_cache, partial
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.errors import Fault, SpecError
+from camgen.numerics import Floats as Floats
 from camgen.numerics import greatest
 from camgen.tolerances import LAW_CLOSES
 
-Floats = NDArray[np.float64]
 Ends = tuple[tuple[float, ...], tuple[float, ...]]
 
 
@@ -37,6 +36,7 @@ class Formula(Protocol):
 
 
 DWELLS: Ends = ((0.0,), (1.0,))
+_BESIDE = 1e-12  # of a segment, from a break to the law on either side of it
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,26 @@ class Law:
         """Displacement (order 0) or its derivative to u, (n,)."""
         return self.formula(np.asarray(u, float), order)
 
+    # looked for once, for all segments of all programs with this law
 
+    @cached_property
+    def reached(self) -> Sequence[tuple[float, float]]:
+        """Displacement and derivatives of order 1..3 at u = 0 and u = 1, (4,)."""
+        return [(float(self(0.0, order)), float(self(1.0, order))) for order in range(4)]
+
+    @cached_property
+    def steps(self) -> Sequence[Floats]:
+        """By how much displacement and derivatives of order 1..3 jump at the breaks, (4, m)."""
+        u = np.array(self.breaks)
+        return [self(u + _BESIDE, order) - self(u - _BESIDE, order) for order in range(4)]
+
+    @cached_property
+    def extremes(self) -> tuple[float, float]:
+        """Least and greatest displacement."""
+        return -greatest(lambda u: -self(u), 0.0, 1.0, self.breaks)[1], greatest(self, 0.0, 1.0, self.breaks)[1]
+
+
+@lru_cache(maxsize=256)
 def reversed_law(law: Law) -> Law:
     """The law passed backwards: law(1) - law(1 - u), again from 0."""
     top, breaks = float(law(1.0)), tuple(1 - b for b in reversed(law.breaks))

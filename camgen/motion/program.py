@@ -19,8 +19,6 @@ from camgen.motion.laws import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, 
 from camgen.numerics import product, solve
 from camgen.tolerances import LAW_CLOSES
 
-_BESIDE = 1e-12  # of a segment, from a break to the law on either side of it
-
 
 @dataclass(frozen=True)
 class Segment:
@@ -36,6 +34,11 @@ class Segment:
         """Displacement or its derivative to theta at `angle` rad after the segment's beginning, (n,)."""
         value = self.scale / self.span**order * self.law(np.asarray(angle, float) / self.span, order)
         return value + self.start if order == 0 else value
+
+    def reached(self, order: int) -> tuple[float, float]:
+        """Displacement or its derivative at its beginning and end."""
+        rate, start = self.scale / self.span**order, 0.0 if order else self.start
+        return rate * self.law.reached[order][0] + start, rate * self.law.reached[order][1] + start
 
     @property
     def end(self) -> float:
@@ -83,9 +86,8 @@ class Program:
 
     def jumps(self, order: int) -> Floats:
         """Step of the derivative of this order at each joint, the first joint first, (n,)."""
-        before = [s.at(s.span, order) for s in self.segments]
-        after = [s.at(0.0, order) for s in self.segments]
-        return np.array(after) - np.roll(before, 1)
+        before, after = (np.array([s.reached(order)[end] for s in self.segments]) for end in (1, 0))
+        return np.asarray(after - np.roll(before, 1))
 
     def peak(self, order: int) -> float:
         """Largest size of the derivative of order 1..3, unit of s per rad^order; inf where a lower one jumps."""
@@ -114,16 +116,31 @@ class Program:
 
         A jump counts from LAW_CLOSES of the largest value that the order has in the program.
         """
-        starts, found = self.joints, []
-        for order in range(highest + 1):
+        found = [jump for order in range(highest + 1) for jump in self._jumps(order)]
+        return sorted(found, key=lambda jump: (jump.theta, jump.order))
+
+    def _jumps(self, order: int) -> Sequence[Jump]:
+        """Those of one order, looked for once."""
+        if order not in self._found:
+            starts = self.joints
             slack = LAW_CLOSES * max(_size(s, order) for s in self.segments)
             jumps = [(float(theta), float(size)) for theta, size in zip(starts, self.jumps(order), strict=False)]
             for begin, s in zip(starts, self.segments, strict=False):
                 u = np.array(s.law.breaks)
-                steps = s.scale / s.span**order * (s.law(u + _BESIDE, order) - s.law(u - _BESIDE, order))
+                steps = s.scale / s.span**order * s.law.steps[order]
                 jumps += [(float(theta), float(size)) for theta, size in zip(begin + u * s.span, steps, strict=True)]
-            found += [Jump(order, theta, size) for theta, size in jumps if abs(size) > slack]
-        return sorted(found, key=lambda jump: (jump.theta, jump.order))
+            self._found[order] = [Jump(order, theta, size) for theta, size in jumps if abs(size) > slack]
+        return self._found[order]
+
+    @cached_property
+    def _found(self) -> dict[int, Sequence[Jump]]:
+        return {}
+
+    @cached_property
+    def extremes(self) -> tuple[float, float]:
+        """Least and greatest displacement."""
+        ends = [s.start + s.scale * value for s in self.segments for value in (s.law.extremes if s.scale else (0.0,))]
+        return min(ends), max(ends)
 
 
 def _size(segment: Segment, order: int) -> float:

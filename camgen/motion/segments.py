@@ -13,10 +13,9 @@
 
 from __future__ import annotations
 
-import copy
 import math
-import re
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -24,10 +23,12 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from camgen.errors import Fault, FileError, SpecError
+from camgen.errors import Fault, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
-from camgen.spec import Data, Length, Record, read_bytes, unknown
+from camgen.motion.tables import read_points
+from camgen.numerics import Floats
+from camgen.spec import Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
 MATCHED = "matched"
@@ -46,7 +47,6 @@ ABOUT = {
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
 }
 NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
-_MOST_BYTES = 50_000_000  # of a table of points
 _NEEDED = {"fourier": ("sines", "cosines"), "polynomial": ("conditions",), "table": ("points", "file")}  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
 
@@ -128,6 +128,12 @@ def program(
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
+    made = _program if all(table.law is None or table.law.file is None for table in tables) else _program.__wrapped__
+    return made(tuple(tables), unit, path, turn, suffix)
+
+
+@lru_cache(maxsize=256)  # variants of a sweep mostly share their program, and with it all that is known of it
+def _program(tables: tuple[SegmentTable, ...], unit: float, path: str, turn: float, suffix: str) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
     laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
@@ -237,77 +243,19 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
     return [segment for segment in made if segment is not None]
 
 
+@lru_cache(maxsize=256)
+def _against(law: Law, forwards: bool) -> Floats:
+    """Places at which a law runs against the sense that it should have, (n,)."""
+    u = np.union1d(np.linspace(0, 1, 2001), law.breaks)
+    return np.asarray(u[law(u, 1) * (1 if forwards else -1) < -LAW_CLOSES * max(1.0, law.c_v)])
+
+
 def backwards(segment: Segment, path: str) -> Fault | None:
     """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
     if segment.kind == "dwell":
         return None
-    u = np.union1d(np.linspace(0, 1, 2001), segment.law.breaks)
-    speed = segment.law(u, 1) * math.copysign(1, segment.scale) * (1 if segment.kind == "rise" else -1)
-    wrong = u[speed < -LAW_CLOSES * max(1.0, segment.law.c_v)]
+    wrong = _against(segment.law, (segment.scale > 0) == (segment.kind == "rise"))
     if not len(wrong):
         return None
     where = f"{wrong[0]:.3g} to {wrong[-1]:.3g} of its span"
     return Fault(path, f"'{segment.law.name}' runs backwards within {where}", f"a law that only goes one way in a {segment.kind}")
-
-
-# ---- tables from files -----------------------------------------------------------------------------------------------
-
-
-def read_points(path: Path) -> tuple[tuple[float, float], ...]:
-    """Angle and displacement from the first two columns of a text file; rows before the first number are headings.
-
-    Columns part at commas, semicolons, tabs or spaces; with semicolons or tabs a comma in a number is its decimal point.
-    Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
-    """
-    try:
-        text = read_bytes(path, _MOST_BYTES, "a table of angle and displacement").decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(path, "is not text: a table of angle and displacement was expected") from None
-    points: list[tuple[float, float]] = []
-    faults = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        if ";" in line or "\t" in line:
-            cells = re.split(r"[;\t]", line.replace(",", "."))
-        else:
-            cells = re.split(r"\s*,\s*|\s+", line.strip())
-        try:
-            x, y = float(cells[0]), float(cells[1])
-            if not math.isfinite(x + y):
-                raise ValueError
-            points.append((x, y))
-        except (ValueError, IndexError):
-            if points:
-                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], "two numbers: angle and displacement"))
-    if faults or not points:
-        nothing = Fault(path.name, f"{len(text)} characters", "rows of two numbers: angle and displacement")
-        raise SpecError(faults or [nothing], str(path))
-    return tuple(points)
-
-
-def with_tables(data: Data, folder: Path) -> Data:
-    """Copy of a spec's tables in which each law's and each load's `file` is replaced by its points and its name.
-
-    Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
-    [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
-    """
-    data = copy.deepcopy(data)
-
-    def listed(holder: Any, key: str) -> list[Any]:
-        found = holder.get(key) if isinstance(holder, dict) else None
-        return found if isinstance(found, list) else []
-
-    holders = [data, data.get("drive"), *listed(data, "cam")]
-    for table in (data.get("geometry"), *(segment for holder in holders for segment in listed(holder, "segment"))):
-        law = table.get("law") if isinstance(table, dict) else None
-        if isinstance(law, dict) and isinstance(law.get("file"), str) and "points" not in law:
-            name = law.pop("file")
-            law["points"] = [list(point) for point in read_points(folder / name)]
-            law.setdefault("source", name)
-    for load in listed(data.get("load"), "on"):
-        if isinstance(load, dict) and isinstance(load.get("file"), str) and "points" not in load:
-            name = load.pop("file")
-            load["points"] = [list(point) for point in read_points(folder / name)]
-            load.setdefault("source", name)
-    return data

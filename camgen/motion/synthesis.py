@@ -11,11 +11,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.errors import DesignError
-
-Floats = NDArray[np.float64]
+from camgen.numerics import Floats
 
 # Weight of a unit of change against a wish missed by its whole tolerance: it only decides between designs that fulfil all.
 _NEAR = 1e-4

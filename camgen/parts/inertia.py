@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from camgen.geometry.facets import facet_contour
@@ -16,27 +18,27 @@ def inertia_of(part: Part, density: float) -> float:
 
     By polygons that follow the outlines within 0.01 mm, so right to about 1e-3.
     """
-    total = 0.0
-    for sign, layers in ((1, part.layers), (-1, part.engraved)):
-        for layer in layers:
-            holes = sum(_polar(hole.counter_clockwise()) for hole in layer.region.holes)
-            total += sign * (layer.z1 - layer.z0) * (_polar(layer.region.outer.counter_clockwise()) - holes)
-    return total * density * MM**5
+    return density * MM**5 * sum(height * _polar(contour) for height, contour in _contours(part))
 
 
 def centre_of(part: Part) -> complex:
     """Centre of a part's volume in the plane, complex mm in its frame; by the same polygons."""
     total, weight = 0j, 0.0
+    for height, contour in _contours(part):
+        z = facet_contour(contour, 0.01)
+        w = np.roll(z, -1)
+        cross = np.imag(np.conj(z) * w)
+        total += height * complex(np.sum(cross * (z + w))) / 6
+        weight += height * float(np.sum(cross)) / 2
+    return total / weight
+
+
+def _contours(part: Part) -> Iterator[tuple[float, Contour]]:
+    """Every contour, counter-clockwise, and how high it is extruded, mm, below 0 where that takes material away."""
     for sign, layers in ((1, part.layers), (-1, part.engraved)):
         for layer in layers:
             for side, contour in ((1, layer.region.outer), *((-1, hole) for hole in layer.region.holes)):
-                z = facet_contour(contour.counter_clockwise(), 0.01)
-                w = np.roll(z, -1)
-                cross = np.imag(np.conj(z) * w)
-                share = sign * side * (layer.z1 - layer.z0)
-                total += share * complex(np.sum(cross * (z + w))) / 6
-                weight += share * float(np.sum(cross)) / 2
-    return total / weight
+                yield sign * side * (layer.z1 - layer.z0), contour.counter_clockwise()
 
 
 def _polar(contour: Contour) -> float:

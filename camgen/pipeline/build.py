@@ -11,10 +11,10 @@ from camgen.errors import FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
 from camgen.files.formats import FORMATS, SOLID, USUAL
 from camgen.findings import at_most
-from camgen.pipeline.jobs import Case, Progress, Source, Workers, silent
+from camgen.pipeline.jobs import Case, Progress, Source, Workers, cores, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
-from camgen.pipeline.judging import cut_files, judge
-from camgen.pipeline.making import make
+from camgen.pipeline.judging import cut_files, judge, read_parts
+from camgen.pipeline.making import make_parts, put_together
 from camgen.report.report import Report, write_csv, write_html, write_json
 
 KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
@@ -22,13 +22,14 @@ _PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcu
 
 
 def build(
-    spec: Source, out: Path, only: frozenset[str], overrides: Sequence[str] = (), progress: Progress = silent, jobs: int = 1
-) -> Report:
+    spec: Source, out: Path, only: frozenset[str], overrides: Sequence[str] = (), progress: Progress = silent,
+    jobs: int | None = 1,
+) -> Report:  # fmt: skip
     """Make, read back and judge one mechanism; its folder out/<name>/ appears, whole, only when all is done.
 
     spec: a path, tables or a mechanism; only: the kinds of files to make, of ANY_KIND; where they are
-    all of KINDS, those that the spec asks for as well; jobs: cores to use, which changes nothing
-    in the files.
+    all of KINDS, those that the spec asks for as well; jobs: cores to use, None: as many as are worth it,
+    which changes nothing in the files.
     Raises SpecError, DesignError or FileError; failed findings do not raise.
     """
     wrong = sorted(map(str, only - set(ANY_KIND)))
@@ -42,16 +43,18 @@ def build(
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
     staged = Staged(out / mechanism.name)
-    with staged as folder, Workers(jobs) as workers:
+    with staged as folder, Workers(cores(jobs, mechanism, only)) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
-        case = Case(mechanism, folder)
-        plates, seen = make(case, only, workers, progress), None
+        case, kinds = Case(mechanism, folder), [kind for kind in ANY_KIND if kind in only]
+        made = make_parts(case, only, workers, progress)
+        reading = read_parts(case, kinds, workers)
+        plates, seen = put_together(case, only, made, progress), None
         if "report" in only and only & set(SOLID):
             from camgen.pipeline.shown import scene
 
             seen = scene(mechanism, plates)
             case.file("assembly", "glb").write_bytes(seen.glb)
-        report, columns = judge(case, [kind for kind in ANY_KIND if kind in only], workers, progress, "was made (--only)")
+        report, columns = judge(case, kinds, reading, workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
         if "report" in only:
@@ -72,7 +75,7 @@ def build(
     return replace(report, remarks=remarks, folder=staged.target)
 
 
-def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
+def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Report:
     """Judge the files of an earlier build again, from the files and the spec.toml beside them; writes nothing."""
     case = Case(read_mechanism(folder / "spec.toml"), folder)
     listed = manifest_files(folder)
@@ -81,8 +84,8 @@ def check(folder: Path, progress: Progress = silent, jobs: int = 1) -> Report:
         how = "no plain file" if (folder / lost).exists() else "not there"
         raise FileError(folder / lost, f"is listed in manifest.json and {how}")
     kinds = [kind for kind in ANY_KIND if any(path.name in listed or path.exists() for path in _files(case, kind))]
-    with Workers(jobs) as workers:
-        report = judge(case, kinds, workers, progress, "is in the folder")[0]
+    with Workers(cores(jobs, case.mechanism, kinds)) as workers:
+        report = judge(case, kinds, read_parts(case, kinds, workers), workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
     sheets = {path.name for path in cut_files(case)}
     judged |= {name for name in listed if name.endswith((".3mf", ".svg", ".step")) or name in sheets}

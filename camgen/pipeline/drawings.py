@@ -52,6 +52,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         date=sheet.date or "",
         fits=tuple(_fits(mechanism, part)),
         profile_step_deg=sheet.profile_step_deg,
+        position=sheet.position,
     )
 
 

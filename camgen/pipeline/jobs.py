@@ -6,7 +6,8 @@ another process; the results are the same, in the same order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
@@ -17,9 +18,10 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from camgen import spec as specs
 from camgen.errors import DesignError
+from camgen.files.formats import FORMATS
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.parts.part import Part
 from camgen.settings import override
 
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Future, ProcessPoolExecutor
 
 T = TypeVar("T")
+_FEW = 3  # parts that are made sooner than other processes have begun
+_MOST = 4  # cores that one machine's parts and the sweep of them keep busy
 
 
 class Progress(Protocol):
@@ -102,6 +106,20 @@ class Case:
 @lru_cache(maxsize=1)
 def _reopened(folder: Path) -> Case:
     return Case(read_mechanism(folder / "spec.toml"), folder)
+
+
+def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int:
+    """How many to use: as many as somebody says, else one unless there are several solids, which two make in less time."""
+    if jobs is not None:
+        return jobs
+    several = len(mechanism.parts()) > _FEW and any(kind in FORMATS and FORMATS[kind].solid for kind in kinds)
+    return min(all_cores(), _MOST) if several else 1
+
+
+def all_cores() -> int:
+    """How many this process may use."""
+    allowed = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
 
 
 class Workers:

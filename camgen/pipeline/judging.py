@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,7 +30,7 @@ from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
-from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, reading, unheard
+from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unheard
 from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
 
@@ -45,26 +45,35 @@ _CLOCKWISE = (
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 
 
+Reading = Iterator[tuple[Outcome, Read]]  # of each part, in their order
+
+
+def read_parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
+    """Begin to read back the parts' own files."""
+    names, files = list(case.parts), [kind for kind in kinds if kind != "report"]
+    return workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
+
+
 def judge(
-    case: Case, kinds: Sequence[str], workers: Workers, progress: Progress, lacks: str
+    case: Case, kinds: Sequence[str], reading: Reading, workers: Workers, progress: Progress, lacks: str
 ) -> tuple[Report, dict[str, Floats]]:
     """Judge the files of a case: the report, and the columns of motion.csv.
 
     kinds: of files that are there, of "dxf", "stl", "3mf" and "report"; the last asks for what only a reader wants.
+    reading: the parts' own files, as `read_parts` began to.
     lacks: why others are not there: "no STL ..." goes on with it.
     """
-    mechanism, names = case.mechanism, list(case.parts)
+    mechanism = case.mechanism
     files = [kind for kind in kinds if kind != "report"]
     asked = _stages(mechanism, files)
     waiting = [
         (stage.what, workers.start(stage.work, case, files)) for stage in asked if stage.work is not None and stage.runs(files)
     ]
-    reading = workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
     limits, study = mechanism.limits(), mechanism.study()
     parts: list[Outcome] = []
     read: dict[str, Read] = {}
-    for k, name in enumerate(names):
-        progress(f"reading back {name}", 0.45 + 0.2 * k / len(names))
+    for k, name in enumerate(case.parts):
+        progress(f"reading back {name}", 0.45 + 0.2 * k / len(case.parts))
         outcome, read[name] = next(reading)
         parts.append(outcome)
     progress("letting the parts touch", 0.65)
@@ -89,7 +98,8 @@ def judge(
         [_part_record(case, part, files) for part in case.parts.values()],
         [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
-        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes],
+        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes,
+         *(note for each in outcomes for note in each.notes)],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
         (*not_judged(asked, files, findings, lacks), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
         (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
@@ -140,7 +150,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if any(kind in EXACT for kind in kinds):
         stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
-    return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), Stage((), work=print_errors), *reading(mechanism)]
+    return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), Stage((), work=print_errors), *of_parts(mechanism)]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -295,8 +305,9 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
     found = assess(case.mechanism)
     study = found.study
     return Outcome(
-        found.findings, study.numbers, study.plots, study.tables, not_judged=found.not_judged, warnings=found.warnings
-    )
+        found.findings, study.numbers, study.plots, study.tables, not_judged=found.not_judged, warnings=found.warnings,
+        notes=study.notes,
+    )  # fmt: skip
 
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:

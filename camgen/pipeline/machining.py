@@ -20,7 +20,7 @@ from camgen.findings import Finding
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Points, Region, end_point, start_point
 from camgen.judge.sheets import judge_path, judge_points
-from camgen.machine.cams.machine import ProfileTouch
+from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import CamOutline, Mount
 from camgen.machine.model import Cam
@@ -44,7 +44,8 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[DiscCam[Any], Mount]]:
         mount = [mount for mount in mechanism.mounts() if mount.part == feature.part][feature.copy]
         assert isinstance(joint, Cam), f"{feature.joint} is no cam"
         touch = joint.touches[k] if k < len(joint.touches) else None
-        if isinstance(touch, ProfileTouch) and not mount.flipped and not feature.inside and feature.part not in found:
+        left_out = mount.flipped or feature.inside or feature.part in found
+        if isinstance(touch, CamTouch) and (touch.turn, touch.at) == (1, 0) and not left_out:  # in the cam's own frame
             found[feature.part] = touch.cam, mount
     return found
 

@@ -56,8 +56,8 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
             refused += _without(part, tolerance)
             continue
         solid = FORMATS[kind].solid
-        sent, marked = (fit, False) if solid else (None, mechanism.output.center_marks)
-        meant = expected(part, tolerance, features, sent, marked)
+        sent, drawn = (fit, None) if solid else (None, mechanism.output)
+        meant = expected(part, tolerance, features, sent, drawn)
         judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings
         if judged.shape is not None:
@@ -83,10 +83,11 @@ def _without(part: Part, tolerance: float) -> list[NotJudged]:
 
 
 def judge_motion(
-    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats, where: str = ""
+    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats, where: str = "", more: float = 0.0
 ) -> tuple[Verdict, Sequence[Feature]] | None:
     """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
-    is not there. Of cams those count whose parts are there; where: said in findings.
+    is not there. Of cams those count whose parts are there; where: said in findings; more: mm, by which outlines may be off
+    besides accuracy.chord_tolerance.
     """
     from camgen.judge.motion import judge_machine
 
@@ -99,7 +100,7 @@ def judge_motion(
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
         kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
-        mechanism.accuracy.chord_tolerance, slack, mechanism.asked(),
+        mechanism.accuracy.chord_tolerance + more, slack, mechanism.asked(),
     )  # fmt: skip
     return verdict, features
 

@@ -36,6 +36,7 @@ class Outcome:
     columns: Mapping[str, Floats] = field(default_factory=dict)
     not_judged: Sequence[NotJudged] = ()
     warnings: Sequence[str] = ()
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Stage:
         return not self.takes or any(kind in kinds for kind in self.takes)
 
 
-def reading(mechanism: Mechanism) -> list[Stage]:
+def of_parts(mechanism: Mechanism) -> list[Stage]:
     """The steps that are done as parts are read: each file by itself, and the motion that the files give."""
     holes = any(layer.region.holes for part in mechanism.parts() for layer in part.layers)
     stages = [
@@ -114,7 +115,10 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         kerf = mechanism.laser.kerf
         found.append(f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn")
         if all(why_not(part, mechanism.laser.thickness) for part in mechanism.parts()):
-            found.append(f"laser.thickness = {mechanism.laser.thickness:g}: no part is flat and as thick, so there is no sheet")
+            flat = {part.thickness: part.name for part in mechanism.parts() if not why_not(part, part.thickness)}
+            said = ", ".join(f"{name} is {thick:g}" for thick, name in sorted(flat.items()))
+            told = f"no part is flat and as thick ({said} mm)" if flat else "no part is flat"
+            found.append(f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
     idle = mechanism.idle()

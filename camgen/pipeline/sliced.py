@@ -7,10 +7,12 @@ not on the plates count as their files have them.
 
 from __future__ import annotations
 
+import filecmp
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +21,12 @@ from camgen.errors import FileError, counted
 from camgen.files.folder import manifest_files
 from camgen.files.formats import SOLID, read_solid
 from camgen.files.gcode import read_gcode, read_settings, with_width
-from camgen.files.threemf import read_3mf
+from camgen.files.threemf import Item, read_3mf
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.rings import Floats, Shape
 from camgen.judge.measured import Sections, measure
 from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
+from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
 from camgen.parts.fits import Compensation
 from camgen.parts.part import Part
@@ -57,13 +60,23 @@ _COSTS = {
 
 @dataclass
 class _Laid:
-    """What the G-code holds of one part: sections of its envelope, those of each layer by height, and rows for people."""
+    """What the G-code holds of one part: of each slab of it the section of its envelope, and those of its layers by height; and
+    rows for people."""
 
     sections: list[tuple[Shape, ...]] = field(default_factory=list)
-    layers: list[tuple[float, tuple[Shape, ...]]] = field(default_factory=list)
+    slabs: list[list[tuple[float, tuple[Shape, ...]]]] = field(default_factory=list)
     first: tuple[Shape, ...] = ()
     findings: list[Finding] = field(default_factory=list)
     rows: list[tuple[object, ...]] = field(default_factory=list)
+
+    def cam_layers(self, cam: CamOutline) -> list[tuple[float, tuple[Shape, ...]]]:
+        """Those of the slab that holds the outline on which a follower runs; a hub beside it has none."""
+
+        def size(shapes: Sequence[Shape]) -> float:
+            rings = [ring for shape in shapes for ring in (shape.holes if cam.inside else [shape.outer])]
+            return max((abs(ring.area) for ring in rings), default=0.0)
+
+        return self.slabs[int(np.argmax([size(shapes) for shapes in self.sections]))]
 
 
 def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None = None, progress: Progress = silent) -> Report:
@@ -74,12 +87,14 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     case = Case(read_mechanism(folder / "spec.toml"), folder)
     manifest_files(folder)  # a folder of camgen's
     mechanism, fit = case.mechanism, compensation(case.mechanism) or Compensation()
-    known = _known(case)
+    _each_once(plates)
+    packages = {path.name: read_3mf(path).items for path in sorted(case.folder.glob(f"{mechanism.name}-plate*.3mf"))}
+    known = _known(case, packages.values())
     laid: dict[str, _Laid] = {}
     findings: list[Finding] = []
-    not_judged: list[NotJudged] = []
+    on_side: list[NotJudged] = []
     settings: dict[str, str] = {}
-    absent = Counter({part.name: part.count for part in mechanism.printed()})
+    count = Counter[str]()
     for path in plates:
         progress(f"reading {path.name}")
         found = bodies(with_width(read_gcode(path), path, line_width))
@@ -92,18 +107,20 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
         for copy in (copy for copy in copies if copy is not None):
             name = copy.known.part
             findings += copy.complete(path.name)
-            absent[name] -= 1
+            count[name] += 1
             if copy.known.over is None:
-                not_judged.append(NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"))
+                on_side.append(NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"))
                 continue
             _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, path.name)
     for one in laid.values():
         findings += one.findings
-    if lacking := +absent:
-        said = ", ".join(f"{count} of {name}" for name, count in lacking.items())
-        not_judged.append(NotJudged("ROUND_TRIP", f"copies that lie on none of these plates: {said}", "the G-code of all plates"))
+    wanted = Counter({part.name: part.count for part in mechanism.printed()})
+    held = {name: Counter(item.name for item in items) for name, items in packages.items()} or {"all parts": wanted}
+    where = ", ".join(path.name for path in plates)
+    complete, absent = judge_sliced_copies(count, wanted, held, where)
+    findings.append(complete)
     progress("letting the parts touch")
-    moved, numbers, more = _moved(case, laid, ", ".join(path.name for path in plates))
+    moved, numbers, more = _moved(case, laid, where)
     columns = ("part", "layers", "height, mm", "meant, mm", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm",
                "spread, mm", "worst, mm", "at height, mm")  # fmt: skip
     tables = [
@@ -113,15 +130,26 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     ]
     return Report(
         mechanism.name, mechanism.mechanism, [*findings, *moved], numbers, tables=[table for table in tables if table.rows],
-        not_judged=(*not_judged, *more), remarks=_remarks(laid, numbers, settings),
+        not_judged=tuple(dict.fromkeys([*on_side, *absent, *more])), remarks=_remarks(laid, numbers, settings),
     )  # fmt: skip
 
 
-def _known(case: Case) -> list[Known]:
-    """The printed parts of a folder as they were sent, on the sides on which its plates lay them."""
+def _each_once(plates: Sequence[Path]) -> None:
+    """FileError where two plates are the same file, byte by byte, or one cannot be read."""
+    for path, other in combinations(plates, 2):
+        try:
+            same = filecmp.cmp(path, other, shallow=False)
+        except OSError as error:
+            raise FileError(Path(error.filename), f"cannot be read: {error.strerror or error}") from None
+        if same:
+            raise FileError(other, f"is {path} again, byte by byte: give the G-code of each plate once")
+
+
+def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
+    """The printed parts of a folder as they were sent, on the sides on which its plates, with these items, lay them."""
     lying: dict[str, list[tuple[Floats, float]]] = {}
-    for path in sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf")):
-        for item in read_3mf(path).items:
+    for items in packages:
+        for item in items:
             lying.setdefault(item.name, []).append(_tilt(item.transform[:, :3]))
     found = []
     for part in case.mechanism.printed():
@@ -169,7 +197,7 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> 
             worst = max(worst, off)
         if shapes:
             laid.sections.append(envelope(shapes))
-            laid.layers += [(copy.height(layer), one) for layer, one in zip(here, shapes, strict=True)]
+            laid.slabs.append([(copy.height(layer), one) for layer, one in zip(here, shapes, strict=True)])
     first = _first_layer(copy)
     if fit.foot:
         laid.findings.append(
@@ -220,13 +248,14 @@ def _moved(case: Case, laid: Mapping[str, _Laid], where: str) -> tuple[list[Find
         name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind) for name in case.parts
     }
     low, high = mechanism.range
-    verdict = judge_motion(mechanism, "gcode", read, low + judged_angles() * ((high - low) / math.tau), f"{where}, *")
+    theta = low + judged_angles() * ((high - low) / math.tau)
+    verdict = judge_motion(mechanism, "gcode", read, theta, f"{where}, *", mechanism.print.xy_step)
     if verdict is None:
         return [], {}, more
     numbers = dict(verdict[0].numbers)
-    cams = [feature.part for feature in features if isinstance(feature, CamOutline) and feature.part in held]
+    cams = {feature.part: feature for feature in features if isinstance(feature, CamOutline) and feature.part in held}
     if cams:
-        numbers |= _by_layer(case, laid, read, list(dict.fromkeys(cams)))
+        numbers |= _by_layer(case, laid, read, cams)
     return list(verdict[0].findings), numbers, more
 
 
@@ -236,7 +265,9 @@ def _as_filed(case: Case, name: str, kind: str) -> Read:
     return {"gcode": read[kind]} if kind in read else {}
 
 
-def _by_layer(case: Case, laid: Mapping[str, _Laid], read: Mapping[str, Read], cams: Sequence[str]) -> dict[str, float]:
+def _by_layer(
+    case: Case, laid: Mapping[str, _Laid], read: Mapping[str, Read], cams: Mapping[str, CamOutline]
+) -> dict[str, float]:  # fmt: skip
     """The greatest motion error of the machine with each layer of its cams alone: first, worst, mean and spread."""
     mechanism = case.mechanism
     theta = np.linspace(*mechanism.range, _ANGLES)
@@ -246,8 +277,9 @@ def _by_layer(case: Case, laid: Mapping[str, _Laid], read: Mapping[str, Read], c
         figures = found[0].numbers if found is not None else {}
         return {key: value for key, value in figures.items() if key.startswith("motion_error_") and math.isfinite(value)}
 
-    heights = sorted({round(z, 3) for name in cams for z, _ in laid[name].layers})
-    layers = [error({name: [min(laid[name].layers, key=lambda one: abs(one[0] - z))[1]] for name in cams}) for z in heights]
+    own = {name: laid[name].cam_layers(cam) for name, cam in cams.items()}
+    heights = sorted({round(z, 3) for each in own.values() for z, _ in each})
+    layers = [error({name: [min(each, key=lambda one: abs(one[0] - z))[1]] for name, each in own.items()}) for z in heights]
     first = error({name: [laid[name].first] for name in cams if laid[name].first})
     numbers: dict[str, float] = {key.replace("_gcode_", "_first_layer_"): value for key, value in first.items()}
     for key in layers[0] if layers else ():
@@ -263,7 +295,7 @@ def _eye_table(case: Case, laid: Mapping[str, _Laid]) -> Table:
     held = {eye: None for feature in case.mechanism.features() for eye in eyes(feature) if eye.part in laid and eye.diameter}
     for eye in held:
         one = laid[str(eye.part)]
-        sizes = [size for _, shapes in one.layers if (size := _diameter(eye, [shapes])) is not None]
+        sizes = [size for slab in one.slabs for _, shapes in slab if (size := _diameter(eye, [shapes])) is not None]
         if sizes:
             first = _diameter(eye, [one.first]) if one.first else None
             what = "pin" if eye.shaft else "hole"

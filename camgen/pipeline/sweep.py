@@ -27,17 +27,18 @@ import numpy as np
 from camgen import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
 from camgen.files.folder import locked
-from camgen.motion.segments import with_tables
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.tables import with_tables
 from camgen.pipeline.jobs import Progress, changed, read_tables, silent
+from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
 from camgen.spec import unknown
 
-Row = dict[str, Any]
-
 MOST = 10_000_000  # variants of a sweep; its memory is 8 bytes a variant, and a row of a few hundred in the journal
 _CHUNK = 0.5  # s of work in a chunk, so that handing it out costs little
 _LARGEST = 2_000  # variants in a chunk
+_CROWDS = (8, 64, 512)  # variants that are tried together, to see what each takes
 _TRIES = 3  # of a chunk whose worker dies
 
 HOLDS, FAILS, REFUSED, WRONG = "holds", "fails", "refused", "wrong"
@@ -70,20 +71,38 @@ class Task:
         return hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
 
 
-def judged(task: Task, number: int) -> Row:
-    """One variant's row: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
+def judged(task: Task, numbers: Sequence[int]) -> list[Row]:
+    """A row of each variant: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
+    made: list[Mechanism | CamgenError] = []
+    for number in numbers:
+        try:
+            made.append(changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(number)]))
+        except (SpecError, DesignError) as error:
+            made.append(error)
+    if not task.build:
+        alike: dict[type[Mechanism], list[Mechanism]] = {}
+        for each in made:
+            if isinstance(each, Mechanism):
+                alike.setdefault(type(each), []).append(each)
+        for kind, several in alike.items():
+            kind.prepare(several)
+    return [_row(task, number, each) for number, each in zip(numbers, made, strict=True)]
+
+
+def _row(task: Task, number: int, made: Mechanism | CamgenError) -> Row:
     row: Row = {"variant": number}
     for each, value in zip(task.variants.axes, task.variants.values(number), strict=True):
         row[each.key] = _plain(value)
     try:
-        mechanism = changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(number)])
+        if isinstance(made, CamgenError):
+            raise made
         if task.build:
             from camgen.pipeline.build import build
 
-            report = build(mechanism, task.out / f"{number:08d}", frozenset(task.build))
+            report = build(made, task.out / f"{number:08d}", frozenset(task.build))
             findings, numbers = report.findings, report.numbers
         else:
-            findings, numbers = mechanism.limits(), mechanism.study().numbers
+            findings, numbers = made.limits(), made.figures()
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
@@ -106,7 +125,8 @@ def _figure(value: float) -> float | None:
 
 
 def _judge_chunk(task: Task, numbers: range) -> list[Row]:
-    return [judged(task, number) for number in numbers]
+    """What a worker does."""
+    return judged(task, numbers)
 
 
 # ---- the journal -----------------------------------------------------------------------------------------------------
@@ -300,24 +320,22 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
     table: ends in .csv or .parquet. SpecError for a key that no spec has, too many variants (with the time they would take).
     """
     count = task.variants.count
-    write = _WRITERS.get(table.suffix.lower())
+    write = WRITERS.get(table.suffix.lower())
     if write is None:
-        raise SpecError([Fault("-o", table.name, f"a name that ends in {' or '.join(_WRITERS)}")], "command line")
+        raise SpecError([Fault("-o", table.name, f"a name that ends in {' or '.join(WRITERS)}")], "command line")
     if table.suffix == ".parquet":
-        _pyarrow(table)
+        pyarrow_at(table)
     began = time.perf_counter()
-    first = judged(task, 0)
-    each = time.perf_counter() - began
-    _refuse_unknown(task, first)
+    first, each = _pace(task)
     if count > MOST:
         cores = "one core" if jobs < 2 else f"{jobs} cores"
-        took = f"at {1e3 * each:.0f} ms each they would take {count * each / max(jobs, 1) / 3600:,.0f} h on {cores}"
+        took = f"at {1e3 * each:.2g} ms each they would take {count * each / max(jobs, 1) / 3600:,.0f} h on {cores}"
         most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
         raise SpecError([Fault("--vary", f"{count:,} variants", most)], "command line")
     journal = Journal(table.with_name(table.name + ".journal"), task)
     try:
         before = journal.done
-        journal.add([first])
+        journal.add(first)
         size = int(min(max(_CHUNK / max(each, 1e-6), 1), _LARGEST, max(count / (4 * max(jobs, 1)), 1)))
         done, told = journal.done, time.perf_counter()
         for rows in engine(task, _left(journal.places, size)):
@@ -343,6 +361,21 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
     return found
 
 
+def _pace(task: Task) -> tuple[list[Row], float]:
+    """The first rows, and what each one takes, s: where several at once are quicker, in such a crowd."""
+    rows, each = list[Row](), math.inf
+    for many in (1, *(() if task.build else _CROWDS)):
+        began = time.perf_counter()
+        rows = judged(task, range(min(many, task.variants.count)))
+        took = (time.perf_counter() - began) / len(rows)
+        if many == 1:
+            _refuse_unknown(task, rows[0])
+        quicker, each = took < each / 2, min(each, took)
+        if not quicker:
+            break
+    return rows, each
+
+
 def _refuse_unknown(task: Task, first: Row) -> None:
     """SpecError for keys that no spec has, and for figures that the first variant has not."""
     asked = dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(0)]
@@ -354,7 +387,7 @@ def _refuse_unknown(task: Task, first: Row) -> None:
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
-        known = changed(*asked).study().numbers
+        known = changed(*asked).figures()
         faults = [unknown("--keep", name, known) for name in task.keep if name not in known]
         if faults:
             raise SpecError(faults, "command line")
@@ -381,52 +414,6 @@ def _left(places: np.ndarray, size: int) -> Iterator[range]:
 
 def _span(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
-
-
-# ---- tables ----------------------------------------------------------------------------------------------------------
-
-
-def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
-    import csv
-
-    with file_errors():
-        part = path.with_name(path.name + ".part")
-        with open(part, "w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-        os.replace(part, path)
-
-
-def _pyarrow(path: Path) -> Any:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise FileError(path, "needs pyarrow: pip install 'camgen[table]'; a name that ends in .csv needs nothing") from None
-    return pyarrow
-
-
-def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
-    arrow = _pyarrow(path)
-    text = ("verdict", "fails", "reason")
-    batch = list(islice(rows, 10_000))
-    mixed = {name for name in columns if any(isinstance(row.get(name), str) for row in batch)}
-    kinds = {name: arrow.int64() if name == "variant" else arrow.string() if name in mixed or name in text else arrow.float64()
-             for name in columns}  # fmt: skip
-    schema = arrow.schema(list(kinds.items()))
-    with file_errors():
-        part = path.with_name(path.name + ".part")
-        with arrow.parquet.ParquetWriter(part, schema) as writer:
-            while batch:
-                found = [{name: str(row[name]) if name in mixed and row.get(name) is not None else row.get(name)
-                          for name in columns} for row in batch]  # fmt: skip
-                writer.write_table(arrow.Table.from_pylist(found, schema))
-                batch = list(islice(rows, 10_000))
-        os.replace(part, path)
-
-
-_WRITERS: dict[str, Callable[[Path, Sequence[str], Iterator[Row]], None]] = {".csv": _write_csv, ".parquet": _write_parquet}
 
 
 def prepared(

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,12 @@ class Spread:
     modes: Sequence[Mode]
     outputs: Sequence[Output]
     found: Mapping[str, Sensitivity]
+
+    @cached_property
+    def air(self) -> Mapping[str, float]:
+        """By cam that is touched on both sides, mm that each side is meant to stay off: a pair's own, half of a groove's."""
+        outlines = [each for each in self.mechanism.features() if isinstance(each, CamOutline)]
+        return {each.joint: each.free / (2 if each.inside else 1) for each in outlines}
 
     def budget(self) -> Table:
         """Largest error of each output by where it arises, at three standard deviations."""
@@ -157,8 +164,10 @@ def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
             for cam, (gap, air) in found.held.items():
                 loose, least, needed = held[output.name, cam]
                 between = drawn @ gap
+                moving = air > _NOTHING * air.max()  # elsewhere the output stands still, whatever the follower does
+                needed[block] = np.maximum(0.0, -(between[:, moving] / air[moving]).min(axis=1, initial=0.0))
+                between += spread.air.get(cam, 0.0) * air
                 loose[block], least[block] = between.max(axis=1), between.min(axis=1)
-                needed[block] = np.maximum(0.0, -(between / air).min(axis=1))
     return Copies(errors, held, play, tight)
 
 
@@ -204,10 +213,7 @@ def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
     shifted = _shifted(machine, spread, errors)
     laws = {}
     parts = {part.name: part for part in mechanism.parts()}
-    first: dict[str, CamOutline] = {}
-    for each in mechanism.features():
-        if isinstance(each, CamOutline):
-            first.setdefault(each.joint, each)
+    first = mechanism.outlines()
     for joint in machine.joints:
         own = given.get(f"{joint.name}, 1")
         if not isinstance(joint, Cam) or own is None:

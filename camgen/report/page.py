@@ -6,6 +6,7 @@ The page is page.html, page.css and page.js of this folder, filled in; where the
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import math
 import re
@@ -24,7 +25,7 @@ from camgen import __version__
 from camgen.findings import Finding, NotJudged, told_once
 from camgen.report.animation import frames, player
 from camgen.report.colours import SERIES, part_colour
-from camgen.report.figures import figure
+from camgen.report.figures import figure, turns
 from camgen.report.words import GROUPS, KINDS, NOISE, UNITS, Figure, figures, name, rounded
 
 if TYPE_CHECKING:
@@ -94,7 +95,8 @@ def _viewer(report: Report, scene: Scene) -> str:
         ],
         "steps": [[place[copy] for copy in step.copies] for step in scene.steps],
     }
-    data = {"three": packed, "glb": base64.b64encode(scene.glb).decode()}
+    machine = gzip.compress(scene.glb, mtime=0)
+    data = {"three": packed, "glb": base64.b64encode(machine).decode()}
     blocks = [f'<script type="text/plain" id="{key}">{text}</script>' for key, text in data.items()]
     blocks.append(f'<script type="application/json" id="lying">{json.dumps(lying, separators=(",", ":"))}</script>')
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"
@@ -307,7 +309,8 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
     over their marks."""
     kept: list[Plot] = []
     for plot in plots:
-        if re.search(r"\b(mm|deg)$", plot.y_label) and all(np.nanmax(np.abs(y), initial=0.0) < NOISE for _, _, y in plot.series):
+        known = re.search(r"\b(mm|deg|N|N m|W)$", plot.y_label)
+        if known and all(np.nanmax(np.abs(y), initial=0.0) < NOISE for _, _, y in plot.series):
             continue
         at = next((k for k, other in enumerate(kept) if _shows(other, plot)), None)
         if at is None:
@@ -319,7 +322,8 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
 
 def _shows(plot: Plot, other: Plot) -> bool:
     """Whether a plot shows all curves of another one, to what can be seen."""
-    if (plot.x_label, plot.y_label, plot.equal) != (other.x_label, other.y_label, other.equal) or plot.equal:
+    units = (plot.x_label.rpartition(", ")[2], plot.y_label), (other.x_label.rpartition(", ")[2], other.y_label)
+    if units[0] != units[1] or plot.equal or other.equal or turns(plot) != turns(other):
         return False
     for _, x, y in other.series:
         size = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0

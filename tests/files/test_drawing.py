@@ -16,7 +16,7 @@ from camgen.files.drawing import write_drawing
 from camgen.files.sheet import LAYERS, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
-from camgen.geometry.outlines import Region, circle, kidney, polygon
+from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, kidney, polygon
 from camgen.parts.part import Layer, Part, hull, keyed_bore
 from camgen.pipeline.jobs import read_mechanism
 
@@ -170,3 +170,42 @@ def test_notes_stay_beside_the_title_block(tmp_path):
     lines = [t for t in texts if t and t in words]
     assert len(lines) > 2 and " ".join(lines[::-1]) == words.strip()
     assert all(Text(0, line, 2.5).width <= 91 for line in lines)
+
+
+def test_a_shaft_is_told_by_its_diameter_and_how_deep_its_flats_are(tmp_path):
+    """A round bar of 6 mm, filed to 5.2 mm over one flat that faces up."""
+    half = math.sqrt(9 - 2.2**2)
+    arc = Arc(0j, 3.0, math.pi - math.atan2(2.2, half), math.pi + 2 * math.atan2(2.2, half))
+    bar = Contour((arc, Line(half + 2.2j, -half + 2.2j)))
+    assert edge_rows(bar) == [("0", "0", "Ø6, round"), ("0", "2.2", "flat, 0.8 deep, at 90°")]
+    texts = texts_of(write_drawing(tmp_path, "d", Part("bar", "Bar", (Layer(Region(bar), 0, 40),)), TOLERANCE, META)[0])
+    assert {"%%c6", "5.2", "40", "Length 40"} <= set(texts) and "6" not in texts
+
+
+def test_x_and_y_start_where_one_can_touch_and_holes_have_a_place(tmp_path):
+    """A link far from its machine's origin: from its first hole, and where that is in the files; a position of ISO 1101."""
+    link = Region(hull([(50 + 20j, 4.0), (80 + 20j, 4.0)]), (circle(50 + 20j, 2), circle(80 + 20j, 1.5)))
+    part = Part("link", "Link", (Layer(link, 0, 3),), points=(("P", 50 + 20j), ("Q", 80 + 20j)))
+    dxf, _ = write_drawing(tmp_path, "d", part, TOLERANCE, replace(META, position=0.1))
+    texts = texts_of(dxf)
+    assert texts[texts.index("Q") + 1 :][:3] != [] and ("30", "0", "%%c3") in list(zip(texts, texts[1:], texts[2:], strict=False))
+    assert " ".join(t for t in reversed(texts) if "X and Y from" in t or "files" in t) == (
+        "X and Y from the centre of hole P, which in the part's files is at 50, 20"
+    )
+    assert {"%%c0.1", "round holes; X and Y are exact"} <= set(texts) and texts[texts.index("%%c0.1") + 1] == "P"
+    z = [e for e in ezdxf.readfile(dxf).modelspace().query("CIRCLE[layer=='CUT']")]
+    assert sorted((e.dxf.center.x, e.dxf.center.y) for e in z) == [(50, 20), (80, 20)]  # the sheet is where the part's files are
+    plain = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, replace(META, position=0.0))[0])
+    assert "round holes; X and Y are exact" not in plain
+
+
+def test_what_is_measured_of_a_coupon_has_its_name_and_no_label_lies_on_an_edge(root, tmp_path):
+    """Letters of a word stand clear of gaps that are narrower than it; pins that stand on the plate are told as holes are."""
+    part = read_mechanism(root / "specs" / "coupon.toml").parts()[0]
+    space = ezdxf.readfile(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0]).modelspace()
+    texts = [e.dxf.text for e in space.query("TEXT")]
+    assert texts.count("pin 5") == 2 and texts[texts.index("pin 5", texts.index("pin 5") + 1) + 3] == "%%c5, z 4 to 12"
+    words = " ".join(reversed(texts))
+    assert "98 over the far walls of A and B" in words and "Height over all 12" in words
+    (gap,) = [e for e in space.query("TEXT[layer=='DIM']") if e.dxf.text == "gap 8"]
+    assert gap.dxf.align_point.y > 6 + 0.5  # the gap is from -6 to 6

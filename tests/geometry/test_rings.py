@@ -115,3 +115,13 @@ def test_bores(kind: str, facets: int) -> None:
         assert found.centre == pytest.approx(0.3 - 0.2j, abs=1e-9)
         assert found.diameter == pytest.approx(8, abs=1e-9)
         assert found.deviation < 1e-9
+
+
+def test_a_bore_whose_keyway_has_rounded_corners():
+    """A nozzle rounds the corners with a radius of 0.225 mm, in many short edges that touch the circle: they draw it nowhere."""
+    import shapely
+
+    bore = shapely.Point(0, 0).buffer(6.0, quad_segs=64).union(shapely.box(-2, 0, 2, 8))
+    edge = shapely.get_coordinates(bore.buffer(0.225).buffer(-0.225, quad_segs=64).exterior)[:-1] @ np.array([1, 1j])
+    found = bore_circle(Ring(edge, np.zeros(len(edge))), 12.0)
+    assert abs(found.centre) < 5e-4 and found.diameter == pytest.approx(12.0, abs=1e-3)

@@ -10,7 +10,7 @@ from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.build import check
 from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
-from camgen.pipeline.judging import judge
+from camgen.pipeline.judging import judge, read_parts
 from camgen.report.report import Report
 
 
@@ -31,7 +31,8 @@ def judged(folder: Path, *kinds: str) -> Report:
     if not kinds:
         return check(folder)
     with Workers() as workers:
-        return judge(Case(mechanism_of(folder), folder), kinds, workers, silent, "is in the folder")[0]
+        case = Case(mechanism_of(folder), folder)
+        return judge(case, kinds, read_parts(case, kinds, workers), workers, silent, "is in the folder")[0]
 
 
 def wrong(folder: Path, *kinds: str) -> list[Finding]:

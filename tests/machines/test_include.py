@@ -17,7 +17,7 @@ from camgen.machine.run import solve
 from camgen.machines.included import opened
 from camgen.pipeline.build import build, check
 from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
-from camgen.pipeline.making import make
+from camgen.pipeline.making import make_parts, put_together
 from camgen.spec import read
 
 THETA = np.linspace(0, math.tau, 97)
@@ -97,7 +97,7 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
     data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 0], "z": 0})
     case = Case(read_mechanism(data).resolved(), tmp_path)
     with Workers() as workers:
-        make(case, frozenset({"3mf"}), workers, silent)
+        put_together(case, frozenset({"3mf"}), make_parts(case, frozenset({"3mf"}), workers, silent), silent)
     failed = [finding for finding in sweep(case.file("assembly", "3mf"), case.mechanism.moved())[0] if not finding.ok]
     assert {finding.code for finding in failed} == {"INTERFERENCE"}
     assert any("coupler-1" in f.where and "thread-take-up-bell-crank-1" in f.where for f in failed)
@@ -296,6 +296,33 @@ def test_what_cannot_be_mounted_is_told(root: Path, host: dict[str, Any], change
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, {**STACKED, **host}, {**MOUNTED, **change})).parts()
     assert [fault.path for fault in told.value.faults] == ["include.0.mounted"] and said in told.value.faults[0].expected
+
+
+@pytest.mark.parametrize(
+    ("at", "z", "said"),
+    [((20, 0), -50, "at least "), ((20, 0), 20, "at least "), ((0, 0), 90, "or nothing: both shafts are one")],
+)
+def test_a_height_at_which_no_frame_can_stand_is_told(root: Path, at: tuple[float, float], z: float, said: str) -> None:
+    with pytest.raises(SpecError) as told:
+        read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": z})).parts()
+    (fault,) = told.value.faults
+    assert (fault.path, fault.value) == ("include.0.z", f"{z}") and said in fault.expected
+    right = float(fault.expected.removeprefix("at least ").partition(",")[0])
+    read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": right + 1e-3 * (at != (0, 0))})).parts()
+
+
+def test_a_linkage_on_another_ones_second_plate(root: Path) -> None:
+    """Posts pass by the collar that hangs under its frame; where a screw of it meets a pin of the plate, keys move it."""
+    starter = read(root / "specs" / "linkage.toml")
+    host, other = {**starter, "parts": {"plates": 2}}, {"spec": "linkage.toml", "name": "up", "mounted": True}
+    machine = read_mechanism(include(root, host, {**other, "at": [0, 90]}))
+    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    radius = {name: abs(parts[name].region.outer.pieces[0].at(0.0)) for name in ("post-up", "up-collar")}
+    (collar,) = poses["up-collar"]
+    apart = min(abs(complex(post.place[0] - collar.place[0])) for post in poses["post-up"])
+    assert apart - sum(radius.values()) >= machine.print.slide_clearance
+    with pytest.raises(DesignError, match=r"mm between hole C and stand 1, a screw of the frame of up,.*include.at"):
+        read_mechanism(include(root, host, other)).parts()
 
 
 def test_beside_the_line_a_belt_turns_it_and_a_short_shaft_leaves_no_room(root: Path) -> None:

@@ -149,3 +149,20 @@ def test_a_slot_that_is_made_longer_than_drawn_is_said() -> None:
     assert said() == []
     assert said(E=[20, 15]) == ["Slot of yoke: pin A passes its drawn end E by 5 mm; the slot is made longer."]
     assert said(D=[20, -8.5])[0].startswith("Slot of yoke: pin A passes its drawn end D by 11.5 mm")
+
+
+def test_the_places_that_a_path_shall_pass_stand_under_it(data: dict[str, Any]) -> None:
+    """The crank's pin goes round a circle of 20 mm: (30, 0) is missed by 10 mm, at (20, 0), and (0, 18) by 2, at (0, 20)."""
+    points = {"at": [[30, 0], [0, 18]], "tolerance": 4}
+    data["output"] = [{"name": "pin", "point": "A", "points": points}]
+    found = study(data)
+    (plot,) = [each for each in found.plots if each.title == "Path of pin"]
+    curves = {label: np.asarray(x) + 1j * np.asarray(y) for label, x, y in plot.series}
+    assert list(curves) == ["path", "every 15 deg", "wanted", "within 4 mm", "missed by"]
+    assert curves["wanted"].tolist() == [30, 18j]
+    ways = curves["missed by"].reshape(2, 3)
+    assert ways[:, :2] == pytest.approx(np.array([[30, 20], [18j, 20j]]), abs=1e-5) and np.isnan(ways[:, 2]).all()
+    away = np.abs(curves["within 4 mm"][:, None] - np.array([30, 18j])).min(axis=1)
+    assert np.nanmax(away) == pytest.approx(4) and np.nanmin(away) == pytest.approx(4, abs=1e-6)
+    drawn = {sketch.name: sketch for sketch in found.sketches}
+    assert [z for z, _ in drawn["pin: wanted"].circles] == [30, 18j] and len(drawn["pin: wanted"].strokes) == 2

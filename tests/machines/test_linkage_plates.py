@@ -68,7 +68,7 @@ def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:
     assert ends["shaft"][1] == pytest.approx(layout.top(layout.level["crank"]))
     assert ends["shaft-crank_web3"] == pytest.approx((layout.floor(layout.level["crank_web3"]), over))
     assert ends["second-plate"][1] == pytest.approx(over) and ends["post"] == pytest.approx((5, layout.ceiling))
-    pins = [mount for mount in machine.mounts() if mount.body == "crank" and mount.part.startswith("pin")]
+    pins = [mount for mount in machine.mounts() if mount.body == "crank" and mount.part.startswith("crank-pin")]
     assert [mount.at for mount in pins] == pytest.approx([15, -15])
     for mount, (low, high) in zip(pins, (("crank", "crank_web2"), ("crank_web2", "crank_web3")), strict=True):
         assert ends[mount.part] == pytest.approx((layout.floor(layout.level[low]), layout.top(layout.level[high])))

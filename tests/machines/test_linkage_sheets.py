@@ -31,7 +31,7 @@ def test_a_four_bar_of_one_sheet(report):
     with open(report.folder / "linkage-parts.csv", encoding="utf-8") as file:
         made = {row["part"]: row["how"] for row in csv.DictReader(file)}
     assert made == {
-        **dict.fromkeys(("ground", "crank", "coupler", "rocker", "collar", "cap-1"), "cut of sheet"), "shaft": "turned",
+        **dict.fromkeys(("ground", "crank", "coupler", "rocker", "collar", "cap-1"), "cut of sheet"), "shaft": "turned of steel",
         **dict.fromkeys(("pin-1", "drive", "screw of the plate, from behind", "glue"), "bought"),
     }  # fmt: skip
     assert report.numbers["mass_g"] == report.numbers["print_time_h"] == 0
@@ -49,7 +49,7 @@ def test_all_of_a_walker_is_of_the_sheet(thickness):
     """Rings fill the empty levels, one a level, and dowels reach through all."""
     machine = camgen.load(laser("two-leg-walker", sheet=thickness)).resolved()
     parts = {part.name: part for part in machine.parts()}
-    assert {part.made for part in parts.values()} == {"printed", "turned", "bought"} and not machine.printed()
+    assert {part.made for part in parts.values()} == {"printed", "turned of steel", "bought"} and not machine.printed()
     assert {part.thickness for part in parts.values() if part.made == "printed"} == {thickness}
     step = thickness + machine.print.slide_clearance
     levels = {round((mount.z - machine.print.slide_clearance) / step, 6) for mount in machine.mounts()

@@ -25,7 +25,7 @@ THETA = np.radians(np.arange(1.0, 360.0, 2.0))
 
 def machine(**tables: Any) -> IndexingCam:
     data = read(SPECS / "indexing-cam.toml")
-    data["parts"]["make"] = "machine"
+    data["parts"]["make"], data["bodies"]["pin_diameter"] = "machine", 5.0
     for name, table in tables.items():
         data[name] = {**data[name], **table}
     return validate(IndexingCam, data)

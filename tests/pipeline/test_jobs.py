@@ -13,7 +13,7 @@ import pytest
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.build import build, check
-from camgen.pipeline.jobs import Case, Workers, read_mechanism
+from camgen.pipeline.jobs import Case, Workers, all_cores, cores, read_mechanism
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 CAMS = ["parts.make='cams'", "parts.bore=8"]
@@ -68,6 +68,13 @@ def test_same_bytes_with_several_cores(built: Callable[..., Path], tmp_path: Pat
     assert told == sorted(told) and told[0] == 0 and told[-1] < 1, "the bar never runs back"
     one, other = ({path.name: path.read_bytes() for path in each.iterdir()} for each in (tmp_path / name, built(name, *changes)))
     assert one == other
+
+
+@pytest.mark.parametrize("changes, kinds, worth", [([], {"stl"}, True), ([], {"dxf"}, False), (CAMS, {"stl"}, False)])
+def test_more_cores_are_used_where_they_are_worth_it(changes: list[str], kinds: set[str], worth: bool) -> None:
+    mechanism = read_mechanism(SPECS / "uniform-swing.toml", changes)
+    assert cores(None, mechanism, kinds) == (min(all_cores(), 4) if worth else 1)
+    assert cores(3, mechanism, kinds) == 3
 
 
 def test_a_fault_in_a_part_leaves_nothing_behind(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from camgen.files.stl import read_stl
 from camgen.geometry.mesh import slice_mesh
 from camgen.judge.round_trip import pieces_of
 from camgen.judge.sliced import Known, bodies, copy_of, shapes_of
+from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.pipeline.sliced import check_gcode
 
 WIDTH, LAYER = 0.45, 0.8
@@ -197,6 +199,43 @@ def test_what_lies_there_besides(folder):
     report = check_gcode(folder, [laid(folder, ["collar"]), cube])
     (finding,) = (finding for finding in report.findings if not finding.ok)
     assert finding.code == "ROUND_TRIP" and finding.measured == 1 and "like no part" in finding.message
+
+
+def test_a_plate_is_given_once(folder):
+    """The same bytes are refused; the same parts sliced again lie there twice."""
+    plate = laid(folder, ["collar"])
+    again = plate.rename(plate.with_name("again.gcode"))
+    plate.write_bytes(again.read_bytes())
+    for twice in ([plate, plate], [plate, again]):
+        with pytest.raises(FileError, match="again, byte by byte"):
+            check_gcode(folder, twice)
+    again.write_text(again.read_text() + "\n; sliced an hour later")
+    (finding,) = (finding for finding in check_gcode(folder, [plate, again]).findings if not finding.ok)
+    assert finding.unit == "copies" and finding.measured == 1 and "1 of collar more than" in finding.message
+
+
+PARTS = Counter({"cam": 1, "pin": 4, "link": 3})
+PLATES = {"plate": Counter({"cam": 1, "pin": 2}), "plate-2": Counter({"pin": 2, "link": 3})}
+
+
+@pytest.mark.parametrize(
+    ("laid", "wrong", "said", "unknown"),
+    [
+        ({"cam": 1, "pin": 4, "link": 3}, 0, "8 copies", None),
+        ({"cam": 1, "pin": 3, "link": 3}, 1, "1 of pin of the list", None),  # the person prints one pin too few
+        ({"cam": 1, "pin": 5, "link": 3}, 1, "1 of pin more", None),
+        ({"cam": 1, "pin": 5, "link": 2}, 2, "1 of link of the list", None),
+        ({"pin": 4, "link": 3}, 1, "1 of cam of the list", None),  # forgotten on its own plate, of which two thirds are there
+        ({"cam": 1, "pin": 2}, 0, "", "plate-2"),  # one plate alone
+        ({"pin": 2, "link": 3}, 0, "", "plate"),
+        ({"pin": 1, "link": 3}, 1, "1 of pin of the list", "plate"),
+        ({"link": 1}, 0, "", "plate, plate-2"),  # one link is printed anew
+    ],
+)
+def test_copies_against_the_list_of_parts(laid, wrong, said, unknown):
+    finding, not_judged = judge_sliced_copies(Counter(laid), PARTS, PLATES, "x.gcode")
+    assert finding.measured == wrong and finding.ok is (wrong == 0) and said in finding.message
+    assert [each.needs for each in not_judged] == ([f"the G-code of {unknown}"] if unknown else [])
 
 
 def test_a_folder_without_solids(folder, tmp_path):

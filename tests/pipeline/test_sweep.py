@@ -168,7 +168,7 @@ def die_once(where: Task, numbers: range) -> list[sweeps.Row]:
     try:
         os.close(os.open(where.out / "dead", os.O_CREAT | os.O_EXCL))
     except FileExistsError:
-        return [sweeps.judged(where, number) for number in numbers]
+        return sweeps.judged(where, numbers)
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
@@ -180,6 +180,7 @@ def die_always(where: Task, numbers: range) -> list[sweeps.Row]:
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal on this system")
 def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweeps, "_CROWDS", ())
     monkeypatch.setattr(sweeps, "_judge_chunk", die_once)
     asked = prepared(SPEC, variants(VARY), (), ("stroke_mm",), (), tmp_path)
     assert sweep(asked, tmp_path / "t.csv", Processes(2), 2).count == 14
@@ -189,8 +190,10 @@ def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.Monke
         sweep(asked, tmp_path / "u.csv", Processes(2), 2)
 
 
-def test_a_cluster_writes_the_same_and_bears_a_killed_worker(tmp_path: Path) -> None:
+def test_a_cluster_writes_the_same_and_bears_a_killed_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import distributed
+
+    monkeypatch.setattr(sweeps, "_CROWDS", ())
 
     many = task("geometry.base_radius=8:32:40")
     sweep(many, tmp_path / "one.csv")
@@ -218,8 +221,9 @@ def test_no_scheduler_is_told() -> None:
 # ---- going on --------------------------------------------------------------------------------------------------------
 
 
-def test_a_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
+def test_a_sweep_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped after some rows, the last of them cut off: no variant is judged twice but that one."""
+    monkeypatch.setattr(sweeps, "_CROWDS", ())  # chunks of few
     table, seen = tmp_path / "t.csv", []
 
     def stopped(work: Task, chunks: object) -> object:
@@ -254,6 +258,7 @@ def test_another_sweep_s_journal_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweeps, "_CROWDS", ())
     add = sweeps.Journal.add
 
     def full(self: sweeps.Journal, found: object) -> None:
@@ -321,7 +326,7 @@ def test_a_damaged_journal_is_judged_anew(line: str, tmp_path: Path) -> None:
     two = task("geometry.base_radius=8,20")
     sweep(two, tmp_path / "whole.csv")
     journal = sweeps.Journal(tmp_path / "t.csv.journal", two)
-    journal.add([sweeps.judged(two, 1)])
+    journal.add(sweeps.judged(two, [1]))
     journal.close()
     with open(tmp_path / "t.csv.journal", "a", encoding="utf-8") as file:
         file.write(line + "\n")
@@ -332,7 +337,7 @@ def test_a_damaged_journal_is_judged_anew(line: str, tmp_path: Path) -> None:
 def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:
     """Locks hold between processes."""
     code = "import sys; from camgen.cli import main; main(sys.argv[1:])"
-    arguments = ["sweep", str(SPEC), "--vary", "geometry.base_radius=12:32:400", "-o", str(tmp_path / "t.csv")]
+    arguments = ["sweep", str(SPEC), "--vary", "geometry.base_radius=12:32:40000", "-o", str(tmp_path / "t.csv")]
     first = subprocess.Popen([sys.executable, "-c", code, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         while not (tmp_path / "t.csv.journal").exists() and first.poll() is None:

@@ -15,12 +15,11 @@ h + d2h/dphi2.   [Norton, Cam Design and Manufacturing Handbook, ch. 7; formulas
 
 from __future__ import annotations
 
-import cmath
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -41,6 +40,10 @@ class Follower(ABC):
     @abstractmethod
     def envelope(self, theta: Any, motion: Motion, order: int) -> Points:
         """Untrimmed profile in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
+
+    @abstractmethod
+    def grown(self, by: float) -> Self:
+        """The same with its surface so much nearer to the cam, mm."""
 
     @abstractmethod
     def room(self, theta: Any, motion: Motion) -> Floats:
@@ -101,7 +104,7 @@ class RoundTip(Follower):
     def envelope(self, theta: Any, motion: Motion, order: int) -> Points:
         """Parallel curve at the tip's radius to the right of the pitch curve; the right is the cam's inside."""
         rho = self.tip_radius
-        if rho == 0:
+        if not np.any(rho):
             return self.pitch(theta, motion, order)
         d0, d1, *more = self.pitches(theta, motion, order + 1)
         speed = np.abs(d1)
@@ -116,6 +119,10 @@ class RoundTip(Follower):
         dot = np.real(np.conj(d1) * d2)
         room_slope = rho * (np.imag(np.conj(d1) * d3) / speed**3 - 3 * cross * dot / speed**5)
         return np.asarray(d2 * room + d1 * room_slope)
+
+    def grown(self, by: float) -> Self:
+        """Its radius is larger."""
+        return replace(self, tip_radius=self.tip_radius + by)  # type: ignore[type-var]
 
     def bending(self, theta: Any, motion: Motion) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
@@ -299,6 +306,10 @@ class SlidingFace(FlatFace):
     along: complex
     leaves: int = 1
 
+    def grown(self, by: float) -> Self:
+        """It stands lower on its slide."""
+        return replace(self, start=self.start - by * self.leaves * self.along)
+
     def line(self, theta: Any, motion: Motion, order: int) -> tuple[Points, Floats, Floats]:
         """h = start along the normal + s; phi turns back with theta."""
         theta = np.asarray(theta, float)
@@ -306,7 +317,7 @@ class SlidingFace(FlatFace):
         h = self.leaves * np.array([motion(theta, k) for k in range(order + 1)])
         h[0] += (ahead.conjugate() * self.start).real
         phi = np.zeros_like(h)
-        phi[0] = cmath.phase(ahead) - theta
+        phi[0] = np.angle(ahead) - theta
         if order:
             phi[1] = -1
         return ahead * np.exp(-1j * theta), h, phi
@@ -333,10 +344,14 @@ class SwingingFace(FlatFace):
     facing: complex
     ahead: float
 
+    def grown(self, by: float) -> Self:
+        """It lies less far ahead."""
+        return replace(self, ahead=self.ahead - by)
+
     @property
     def leaves(self) -> int:
         """The sense of s in which the face goes off the axis at s = 0."""
-        return 1 if (self.facing.conjugate() * self.pivot).imag > 0 else -1
+        return 1 if np.all((self.facing.conjugate() * self.pivot).imag > 0) else -1
 
     def line(self, theta: Any, motion: Motion, order: int) -> tuple[Points, Floats, Floats]:
         """h = the pivot along the normal + ahead; phi = s - theta."""
@@ -346,7 +361,7 @@ class SwingingFace(FlatFace):
         lever = np.conj(turn) * self.pivot
         p, p1 = lever.real, lever.imag  # h - ahead and its derivative to s; the second is -p, the third -p1
         h = [p + self.ahead]
-        phi = [cmath.phase(self.facing) + s[0] - theta]
+        phi = [np.angle(self.facing) + s[0] - theta]
         if order > 0:
             h.append(p1 * s[1])
             phi.append(s[1] - 1)

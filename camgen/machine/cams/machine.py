@@ -46,76 +46,34 @@ ROUNDING = 1e-12  # share of the greatest effort below which a spring that is ne
 
 
 @dataclass(frozen=True)
-class ProfileTouch:
-    """Where a cam's own profile is touched, in its frame."""
+class CamTouch:
+    """Where a cam is touched, on a body on which it stands turned and shifted: body = at + turn * cam.
 
-    cam: DiscCam[Any]
-
-    def __call__(self, theta: Floats) -> tuple[Points, Points]:
-        """Place, complex mm, and unit normal into the follower at cam angles theta, (n,) rad."""
-        return self.cam.profile(theta), self.cam.follower.normal(theta, self.cam.program)
-
-    def radius(self, theta: Floats) -> Floats:
-        """Radius of curvature there, mm, above 0 where the cam is convex, (n,); below too."""
-        return self.cam.radius(theta)
-
-
-@dataclass(frozen=True)
-class MirroredTouch:
-    """A second follower, mirrored in the line of centres, on the same cam turned over: the first at pi - theta.
-
-    The program must have s(pi - theta) = -s(theta), as a uniform swing has.
+    outer: on the outer wall of its groove, on the far side of the round tip; mirrored: by a second follower, mirrored in the
+    line of centres, on the same cam turned over: the first at pi - theta. For that s(pi - theta) = -s(theta), as a uniform
+    swing has it.
     """
 
     cam: DiscCam[Any]
-
-    def __call__(self, theta: Floats) -> tuple[Points, Points]:
-        """Place and normal as in `ProfileTouch`."""
-        place, normal = ProfileTouch(self.cam)(math.pi - theta)
-        return -np.conj(place), -np.conj(normal)
-
-    def radius(self, theta: Floats) -> Floats:
-        """As of `ProfileTouch`."""
-        return self.cam.radius(math.pi - theta)
-
-
-@dataclass(frozen=True)
-class OuterWallTouch:
-    """The outer wall of a groove, on the far side of the round tip."""
-
-    cam: DiscCam[Any]
-
-    def __call__(self, theta: Floats) -> tuple[Points, Points]:
-        """Place and normal as in `ProfileTouch`."""
-        place, normal = ProfileTouch(self.cam)(theta)
-        return place + 2 * self.cam.tip.tip_radius * normal, -normal
-
-    def radius(self, theta: Floats) -> Floats:
-        """As of `ProfileTouch`: a hollow where the pitch curve is convex."""
-        return -(self.cam.radius(theta) + 2 * self.cam.tip.tip_radius)
-
-
-@dataclass(frozen=True)
-class PlacedTouch:
-    """A touch of a cam that stands turned and shifted on its body: body = at + turn * cam."""
-
-    touch: ProfileTouch | OuterWallTouch
-    turn: complex
+    outer: bool = False
+    mirrored: bool = False
+    turn: complex = 1 + 0j
     at: complex = 0j
 
-    @property
-    def cam(self) -> DiscCam[Any]:
-        """What is touched, in its own frame."""
-        return self.touch.cam
-
     def __call__(self, theta: Floats) -> tuple[Points, Points]:
-        """Place and normal as in `ProfileTouch`, in the body's frame."""
-        place, normal = self.touch(theta)
+        """Place, complex mm, and unit normal into the follower at cam angles theta, (n,) rad."""
+        theta = math.pi - theta if self.mirrored else theta
+        place, normal = self.cam.profile(theta), self.cam.follower.normal(theta, self.cam.program)
+        if self.outer:
+            place, normal = place + 2 * self.cam.tip.tip_radius * normal, -normal
+        if self.mirrored:
+            place, normal = -np.conj(place), -np.conj(normal)
         return self.at + self.turn * place, self.turn * normal
 
     def radius(self, theta: Floats) -> Floats:
-        """As of `ProfileTouch`."""
-        return self.touch.radius(theta)
+        """Radius of curvature there, mm, above 0 where it is convex, (n,): a groove's outer wall is a hollow then."""
+        radius = self.cam.radius(math.pi - theta if self.mirrored else theta)
+        return -(radius + 2 * self.cam.tip.tip_radius) if self.outer else radius
 
 
 @dataclass(frozen=True)
@@ -140,13 +98,11 @@ def cam_machine(
     closure: Literal["form", "force"] = "form",
     touches: Sequence[Any] = (),
     friction: float = 0.0,
-    clearance: float = 0.0,
 ) -> Machine:
     """Cam ("cam"), follower ("follower") and ground; joints "shaft", "pivot" or "guide", and "contact".
 
     cams: the one that drives outwards, then a second one that drives back. speed: rad/s. touches: how the cams are touched,
-    where it is not each by its own follower. clearance: lash of the follower in the unit of s. The output is "lift" of a
-    follower that slides, mm, "swing" of one on an arm, rad.
+    where it is not each by its own follower. The output is "lift" of a follower that slides, mm, "swing" of one on an arm, rad.
     """
     follower, program = cams[0].follower, cams[0].program
     load = load or FollowerLoad()
@@ -170,9 +126,9 @@ def cam_machine(
     borne = load.preload + load.resistance
     force = load.rate * lowest - follower.leaves * borne
     loads = (Resistance("load", of, force, load.rate, load.damping),) if load.damping or load.rate or borne else ()
-    touch = tuple(touches) or tuple(ProfileTouch(each) for each in cams)
-    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, leaves=follower.leaves, clearance=clearance,
-                  touches=touch, friction=friction)  # fmt: skip
+    touch = tuple(touches) or tuple(CamTouch(each) for each in cams)
+    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, leaves=follower.leaves, touches=touch,
+                  friction=friction)  # fmt: skip
     return Machine(
         (Body(GROUND), Body("cam"), body),
         (Pin("shaft", Place("cam"), Place(GROUND)), held, contact),
@@ -193,8 +149,8 @@ def cam_outline(
 
     bore: diameter of the part's own hole on the shaft, mm. pressure_angle: the largest, deg. ripple, undercut: as in CamMeant.
     face: between which places a flat one on an arm is touched, mm from the pivot's foot; width: its own, None without an end.
-    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm. copy: which of the
-    part's mounts it is.
+    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm; else the cam's own air.
+    copy: which of the part's mounts it is.
     """
     follower, cosine, middle = cam.follower, math.cos(math.radians(pressure_angle)), (face[0] + face[1]) / 2
     tip: Eye | Flat
@@ -213,7 +169,8 @@ def cam_outline(
             lever = cosine
     given = cam.reachable if cam.undercuts and free is None else None
     return CamOutline(
-        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None, free=free or 0.0, copy=copy,
+        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None,
+        free=cam.air if free is None else free, copy=copy,
         bore=None if bore is None else Eye(part, 0j, bore), own=own, meant=CamMeant(given, lever, ripple, undercut),
     )  # fmt: skip
 

@@ -54,6 +54,29 @@ class Undercut:
     depth: float
 
 
+# What a follower and a motion make, for one cam, (n,), or for many, (cams, n).
+
+
+def steepness(follower: Follower, theta: Any, motion: Motion) -> Floats:
+    """Pressure angle on the untrimmed profile, rad, 0 or more."""
+    turn = np.exp(1j * np.asarray(theta, float))
+    normal = follower.normal(theta, motion) * turn
+    return follower.pressure_angle(motion(theta, 0), follower.envelope(theta, motion, 0) * turn, normal)
+
+
+def sharpness(follower: Follower, theta: Any, motion: Motion) -> Floats:
+    """The radius of curvature of the untrimmed profile, mm, below 0, where it is to be convex; elsewhere -inf."""
+    radius = follower.radius(theta, motion)
+    # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
+    return np.where(radius + follower.tip_radius > 0, -radius, -np.inf) if isinstance(follower, RoundTip) else -radius
+
+
+def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
+    """Where on a face the profile touches it, mm, as `FlatFace.place`."""
+    point = follower.envelope(theta, motion, 0) * np.exp(1j * np.asarray(theta))
+    return follower.place(motion(theta, 0), point)
+
+
 F = TypeVar("F", bound=Follower, default=SwingingArm)
 
 
@@ -63,13 +86,19 @@ class DiscCam(Generic[F]):
 
     program: Program
     follower: F
+    air: float = 0.0  # mm, between the follower's tip and the profile; below 0 it presses on it
+
+    @cached_property
+    def cutter(self) -> F:
+        """What the profile is the envelope of: the follower, larger by the air."""
+        return self.follower.grown(self.air) if self.air else self.follower
 
     @property
     def tip(self) -> RoundTip:
-        """The follower, which must have a round tip; TypeError for a flat face, which has no pitch curve."""
-        if not isinstance(self.follower, RoundTip):
+        """The cutter, which must have a round tip; TypeError for a flat face, which has no pitch curve."""
+        if not isinstance(self.cutter, RoundTip):
             raise TypeError("a flat face has no pitch curve")
-        return self.follower
+        return self.cutter
 
     def pitch(self, theta: Any, order: int = 0) -> Points:
         """Pitch curve in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
@@ -85,23 +114,16 @@ class DiscCam(Generic[F]):
 
     def radius(self, theta: Any) -> Floats:
         """Radius of curvature of the untrimmed profile, mm, (n,), positive where convex (below 0: hollow, or undercut)."""
-        return self.follower.radius(theta, self.program)
+        return self.cutter.radius(theta, self.program)
 
     @cached_property
     def least_radius(self) -> float:
         """Least radius of curvature of the untrimmed profile where it is to be convex, mm; below 0: undercut; inf: none."""
-        tip = self.follower.tip_radius if isinstance(self.follower, RoundTip) else None
-
-        def sharpness(theta: Floats) -> Floats:
-            radius = self.radius(theta)
-            # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
-            return np.asarray(-radius if tip is None else np.where(radius + tip > 0, -radius, -np.inf))
-
-        return -self.greatest(sharpness)[1]
+        return -self.greatest(lambda theta: sharpness(self.cutter, theta, self.program))[1]
 
     def profile(self, theta: Any, order: int = 0) -> Points:
         """Untrimmed envelope of the follower in the cam's frame, or its derivative to theta of order 0..2, (n,) complex."""
-        return self.follower.envelope(theta, self.program, order)
+        return self.cutter.envelope(theta, self.program, order)
 
     def pressure_angle(self, theta: Any) -> Floats:
         """Angle between the contact normal and the follower's motion at the contact, rad, (n,), 0 or more.
@@ -113,15 +135,13 @@ class DiscCam(Generic[F]):
         for cut in self.undercuts:
             inside = _within(theta, cut)
             point = cut.corner_cam * np.exp(1j * theta[inside])
-            s = self.follower.resting_on(point)
-            angle[inside] = self.follower.pressure_angle(s, point, self.follower.normal_on(s, point))
+            s = self.cutter.resting_on(point)
+            angle[inside] = self.cutter.pressure_angle(s, point, self.cutter.normal_on(s, point))
         return angle
 
     def steepness(self, theta: Any) -> Floats:
         """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
-        turn = np.exp(1j * np.asarray(theta, float))
-        normal = self.follower.normal(theta, self.program) * turn
-        return self.follower.pressure_angle(self.program(theta), self.profile(theta) * turn, normal)
+        return steepness(self.cutter, theta, self.program)
 
     def groove(self, clearance: float = 0.0) -> Contour:
         """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.
@@ -173,10 +193,10 @@ class DiscCam(Generic[F]):
         for cut in self.undercuts:
             inside = _within(theta, cut)
             point = cut.corner_cam * np.exp(1j * theta[inside])
-            rides = self.follower.resting_on(point)
+            rides = self.cutter.resting_on(point)
             if order:
-                across = np.conj(self.follower.normal_on(rides, point))
-                slope = np.real(across * 1j * point) / np.real(across * self.follower.velocity(rides, point))
+                across = np.conj(self.cutter.normal_on(rides, point))
+                slope = np.real(across * 1j * point) / np.real(across * self.cutter.velocity(rides, point))
                 rides = slope if order == 1 else np.full(slope.shape, math.nan)
             s[inside] = rides
         return s
@@ -185,10 +205,20 @@ class DiscCam(Generic[F]):
         """Whether the follower rides on an undercut's corner at theta."""
         return any(_within(np.asarray(theta), cut) for cut in self.undercuts)
 
-    @property
+    @cached_property
     def undercuts(self) -> tuple[Undercut, ...]:
         """Where the follower cannot follow the program."""
         return self._made[1]
+
+    @cached_property
+    def length(self) -> float:
+        """Of the outline, mm."""
+        return self.outline.length
+
+    @cached_property
+    def area(self) -> float:
+        """In the outline, mm^2."""
+        return self.outline.area
 
     @property
     def outline(self) -> Contour:
@@ -213,7 +243,7 @@ class DiscCam(Generic[F]):
             for piece in self._forward(whole, motion):
                 raw.append(piece)
                 places.append((piece.t0, 1.0) if isinstance(piece, Smooth) else (begin, -1.0))
-        trims = not isinstance(self.follower, RoundTip) or self.follower.tip_radius > 0
+        trims = not isinstance(self.cutter, RoundTip) or self.cutter.tip_radius > 0
         kept, cuts = trim(raw) if trims else (raw, [])
         outline = Contour(tuple(kept)).reversed()
         if not outline.area > 0:
@@ -235,11 +265,11 @@ class DiscCam(Generic[F]):
     def _check_axis(self) -> None:
         """DesignError where the follower reaches the shaft's axis, so that no cam is left there."""
         ends = [float(j) for j in self.program.joints]
-        place, near = greatest(lambda theta: -self.follower.clear(theta, self.program), ends[0], ends[-1], ends)
+        place, near = greatest(lambda theta: -self.cutter.clear(theta, self.program), ends[0], ends[-1], ends)
         if near < 0:
             return
         where = f"cam angle {math.degrees(place):.3f} deg"
-        if isinstance(self.follower, FlatFace):
+        if isinstance(self.cutter, FlatFace):
             raise DesignError(
                 "distance of the face from the axis", -near, 0.0, "mm", where,
                 "the face reaches the shaft's axis there: use a larger base_radius",
@@ -257,7 +287,7 @@ class DiscCam(Generic[F]):
             segment, begin = self._segment(a, b)
             motion = _continued(segment, begin, a, b)
             knots = tuple(float(t) for t in self.program.knots(a, b))
-            whole: Piece = Smooth(partial(_envelope, self.follower, motion), a, b, knots)
+            whole: Piece = Smooth(partial(_envelope, self.cutter, motion), a, b, knots)
             if segment.scale == 0:
                 first = complex(whole.at(a))
                 whole = Arc(0j, abs(first), cmath.phase(first), a - b)
@@ -266,12 +296,12 @@ class DiscCam(Generic[F]):
 
     def _forward(self, whole: Piece, motion: Motion) -> list[Piece]:
         """Stretches of a raw piece that run forwards: where the follower fits into the curve's bend."""
-        knife = isinstance(self.follower, RoundTip) and self.follower.tip_radius == 0
+        knife = isinstance(self.cutter, RoundTip) and self.cutter.tip_radius == 0
         if knife or not isinstance(whole, Smooth):
             return [whole]
 
         def room(theta: Any) -> Floats:
-            return self.follower.room(theta, motion)
+            return self.cutter.room(theta, motion)
 
         marks = [whole.t0, *_roots(room, whole), whole.t1]
         return [replace(whole, t0=p, t1=q) for p, q in pairwise(marks) if room(np.asarray((p + q) / 2)) > 0]
@@ -279,8 +309,8 @@ class DiscCam(Generic[F]):
     def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
         """Where the speed jumps so that the follower's own surface is the profile: an arc of the tip, a line of the face."""
         a, b = end_point(before), start_point(after)
-        if isinstance(self.follower, FlatFace):
-            ahead = -1j * complex(self.follower.normal(np.asarray(theta), self.program))
+        if isinstance(self.cutter, FlatFace):
+            ahead = -1j * complex(self.cutter.normal(np.asarray(theta), self.program))
             return Line(a, b) if (ahead.conjugate() * (b - a)).real > SAME_POINT else None
         rho = self.tip.tip_radius
         if rho == 0:
@@ -295,13 +325,13 @@ class DiscCam(Generic[F]):
         stop += 2 * math.pi if stop < begin else 0.0
 
         def missing(theta: Any) -> Floats:
-            rides = self.follower.resting_on(at * np.exp(1j * np.asarray(theta)))
-            return np.asarray(self.follower.leaves * (self.program(theta) - rides))
+            rides = self.cutter.resting_on(at * np.exp(1j * np.asarray(theta)))
+            return np.asarray(self.cutter.leaves * (self.program(theta) - rides))
 
         corners = np.concatenate((self.program.joints, self.program.joints + 2 * math.pi))
         worst, shortfall = greatest(missing, begin, stop, corners[(begin <= corners) & (corners <= stop)])
         there = at * np.exp(1j * worst)
-        travel = np.abs(self.follower.velocity(self.follower.resting_on(there), there))
+        travel = np.abs(self.cutter.velocity(self.cutter.resting_on(there), there))
         return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
 
 

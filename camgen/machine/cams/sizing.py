@@ -61,7 +61,7 @@ def survey(cam: DiscCam[Follower]) -> Survey:
     def motion(_: Any, order: int) -> Floats:
         return orders[order]
 
-    follower = cam.follower
+    follower = cam.cutter
     profile, normal = follower.envelope(theta, motion, 0), follower.normal(theta, motion)
     turn = np.exp(1j * theta)
     steep = follower.pressure_angle(orders[0], profile * turn, normal * turn)
@@ -96,7 +96,7 @@ def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float
     must stay off the shaft's axis.
     """
     steep = cam.greatest(cam.steepness)[1]
-    if not cam.greatest(lambda theta: -cam.follower.clear(theta, cam.program))[1] < 0:
+    if not cam.greatest(lambda theta: -cam.cutter.clear(theta, cam.program))[1] < 0:
         return -1.0
     return min(pressure - steep, (cam.least_radius - least_radius) / (abs(least_radius) or 1.0))
 

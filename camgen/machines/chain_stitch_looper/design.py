@@ -15,13 +15,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.errors import DesignError
 from camgen.machines.chain_stitch_looper.ratio import fronts
 from camgen.machines.chain_stitch_looper.stitch import Pair, Stitch
-
-Floats = NDArray[np.float64]
+from camgen.numerics import Floats
 
 _DIGITS = 4  # of the figures that go into the spec
 _SPARE = 2e-3  # mm and deg, kept from bounds so that rounding breaks none

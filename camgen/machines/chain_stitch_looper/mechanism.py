@@ -204,67 +204,36 @@ class ChainStitchLooper(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Ranges of the source, loops, needles out of the fabric while it moves, blade, velocity ratio."""
-        d, g = self.design, self.geometry
-        found = [self._range(key) for key in ALLOWED]
-        found.append(
-            at_least(
-                "MIN_WALL",
-                self.making.nose_width,
-                self.allowed.min_wall,
-                "mm",
-                "parts.nose_width",
-                "width of the nose at the thread's seat, from where it runs to a point",
-            )
-        )
-        found.append(
-            at_least(
-                "SIDE_GAP",
-                self.making.side_gap,
-                2 * self.accuracy.chord_tolerance,
-                "mm",
-                "parts.side_gap",
-                "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be off by "
-                "the limit",
-            )
-        )
-        for k, margin in enumerate(d.margins):
-            said = (
-                f"the tip of needle {2 - k} never comes down to nose level {k + 1}: use less protrusion, or raise its loop_rise"
-                if math.isnan(margin) else
-                "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
-                f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-d.held[k]:.3f} mm short of that axis"
-            )  # fmt: skip
-            where = f"spreader {k + 1} and needle {2 - k}"
-            found.append(Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", where, said, True))
+        d, g, p = self.design, self.geometry, self.making
         one, two = (math.degrees(angle) for angle in d.pierce_angles)
-        found.append(
-            at_most(
-                "LOOP_ANGLE", abs(one - two), self.allowed.loop_angle_deg, "deg", "both loops at the pierce",
-                f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
-                "protrusion half the difference of the point_lengths",
-            )
+        found = [
+            *(self._range(key) for key in ALLOWED),
+            at_least("MIN_WALL", p.nose_width, self.allowed.min_wall, "mm", "parts.nose_width",
+                     "width of the nose at the thread's seat, from where it runs to a point"),
+            at_least("SIDE_GAP", p.side_gap, 2 * self.accuracy.chord_tolerance, "mm", "parts.side_gap",
+                     "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be "
+                     "off by the limit"),
+            *(self._loop(k, margin) for k, margin in enumerate(d.margins)),
+            at_most("LOOP_ANGLE", abs(one - two), self.allowed.loop_angle_deg, "deg", "both loops at the pierce",
+                    f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
+                    "protrusion half the difference of the point_lengths"),
+            *(at_least("FEED", math.degrees(angle), g.feed_deg, "deg", f"needle {k}",
+                       "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer "
+                       "needle_stroke or a smaller plate_to_spreader gives more")
+              for k, angle in enumerate(d.out_of_fabric, 1)),
+            at_least("BLADE_LENGTH", g.blade_length, d.spreader_stroke - min(d.before), "mm", "spreaders",
+                     "the blade reaches under its own needle until the end of the stroke"),
+        ]  # fmt: skip
+        return [*found, self._ratio()] if g.mode == "corrected" and self._in_step else found
+
+    def _loop(self, k: int, margin: float) -> Finding:
+        said = (
+            f"the tip of needle {2 - k} never comes down to nose level {k + 1}: use less protrusion, or raise its loop_rise"
+            if math.isnan(margin) else
+            "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
+            f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-self.design.held[k]:.3f} mm short of that axis"
         )  # fmt: skip
-        for k, angle in enumerate(d.out_of_fabric):
-            found.append(
-                at_least(
-                    "FEED", math.degrees(angle), g.feed_deg, "deg", f"needle {k + 1}",
-                    "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer needle_stroke "
-                    "or a smaller plate_to_spreader gives more",
-                )
-            )  # fmt: skip
-        found.append(
-            at_least(
-                "BLADE_LENGTH",
-                g.blade_length,
-                d.spreader_stroke - min(d.before),
-                "mm",
-                "spreaders",
-                "the blade reaches under its own needle until the end of the stroke",
-            )
-        )
-        if g.mode == "corrected" and self._in_step:
-            found.append(self._ratio())
-        return found
+        return Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", f"spreader {k + 1} and needle {2 - k}", said, True)
 
     def _ratio(self) -> Finding:
         ratio, works = self.geometry.velocity_ratio, self.ratio_range
@@ -274,8 +243,7 @@ class ChainStitchLooper(Mechanism):
             return at_most("VELOCITY_RATIO", ratio, math.nan, "", "spec", remark)
         (low, why_low), (high, why_high) = works
         remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
-        check, limit = (at_least, low) if ratio - low < high - ratio else (at_most, high)
-        return check("VELOCITY_RATIO", ratio, limit, "", "spec", remark)
+        return _between("VELOCITY_RATIO", ratio, low, high, "", "spec", remark)
 
     def _range(self, key: str) -> Finding:
         low, high, unit = ALLOWED[key]
@@ -283,8 +251,7 @@ class ChainStitchLooper(Mechanism):
         values = value if isinstance(value, tuple) else (value,)
         worst = min(values, key=lambda v: min(v - low, high - v))
         remark = f"{', '.join(f'{v:g}' for v in values)} {unit}; the source allows {low:g} to {high:g} {unit}"
-        check, limit = (at_least, low) if worst - low < high - worst else (at_most, high)
-        return check("ALLOWED_RANGE", worst, limit, unit, f"geometry.{key}", remark)
+        return _between("ALLOWED_RANGE", worst, low, high, unit, f"geometry.{key}", remark)
 
     @property
     def _in_step(self) -> bool:
@@ -366,10 +333,13 @@ class ChainStitchLooper(Mechanism):
         }  # fmt: skip
         result = validate(type(self), data, "design")
         result.parts()
-        failed = next((finding for finding in result.limits() if not finding.ok), None)
-        if failed is not None:
-            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
-        return result
+        return result.proven()
+
+
+def _between(code: str, value: float, low: float, high: float, unit: str, where: str, remark: str) -> Finding:
+    """Against the nearer of two limits."""
+    check, limit = (at_least, low) if value - low < high - value else (at_most, high)
+    return check(code, value, limit, unit, where, remark)
 
 
 def _law_faults(choice: str | LawChoice, path: str) -> list[Fault]:

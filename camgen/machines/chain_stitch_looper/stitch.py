@@ -19,14 +19,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camgen.errors import DesignError
 from camgen.motion.laws import LAWS, Law, reversed_law, slider_crank
 from camgen.motion.program import Program, Segment
-from camgen.numerics import roots
+from camgen.numerics import Floats, roots
 
-Floats = NDArray[np.float64]
 Pair = tuple[float, float]
 
 HOLDS = (0.4, 0.8)  # rad, up to which a loop stays where it is on a cylinder, by thread and surface

@@ -218,9 +218,12 @@ class Coupon(Mechanism):
         region = plate("coupon", outer, {name: contour for name, (_, contour) in holes.items()}, least)
         stand = (Layer(Region(circle(z, d / 2)), p.thickness, p.thickness + p.pin_height) for _, z, d in pins)
         named = tuple((name, z) for name, (z, _) in holes.items())
+        over = [f"{axis}: {way + 2 * datum:g} over the far walls of A and {to}, {way - 2 * datum:g} between the near ones"
+                for axis, way, to in (("x", g.length, "B"), ("y", g.width, "C"))]  # fmt: skip
         body = Part(
             "gauge", "Plate with holes and pins", (Layer(region, 0.0, p.thickness), *stand),
-            centres=tuple(z for _, z in named), min_wall=least, points=named,
+            centres=tuple(z for _, z in named), min_wall=least,
+            points=(*named, *((name, z) for name, z, _ in pins)), notes=tuple(over),
         )  # fmt: skip
         pin = headed("pin", "Loose pin", g.fit_pin, p.thickness + p.pin_height, g.fit_pin + 2 * p.wall, p.wall)
         round_ = plate("disc", circle(0j, g.disc / 2), {"bore": circle(0j, datum)}, least)

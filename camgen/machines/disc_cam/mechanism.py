@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -26,8 +26,8 @@ from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import FollowerLoad, Loaded, OuterWallTouch, ProfileTouch, cam_machine, cam_outline, loaded
-from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline, loaded
+from camgen.machine.cams.profile import DiscCam, SwingingArm, touched
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
@@ -35,11 +35,11 @@ from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_o
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.loads.weights import gravity, pulled
+from camgen.machines.pairs import air_faults
 from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
-from camgen.numerics import greatest
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.parts.springs import Mounted, wound
@@ -97,6 +97,7 @@ class DiscCamDrive(StandingCams):
             found += [] if fine else [Fault(path, shown, expected)]
         found += [*p.misfits(), *program_faults(self.segment)]
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
+        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0)
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
             found += polydyne_faults(self.load, program(self.segment, 1 / self._unit[1]))
@@ -121,9 +122,7 @@ class DiscCamDrive(StandingCams):
     @cached_property
     def _highest(self) -> tuple[float, float]:
         """Least and greatest displacement, mm or rad."""
-        joints = [float(b) for b in self.program.breaks]
-        highest = greatest(self.program, joints[0], joints[-1], joints)[1]
-        return -greatest(partial(_negative, self.program), joints[0], joints[-1], joints)[1], highest
+        return self.program.extremes
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted displacement s (mm or rad) or its derivative to theta, (n,)."""
@@ -146,7 +145,7 @@ class DiscCamDrive(StandingCams):
         def make(size: float) -> DiscCam[Follower]:
             """size: distance of the trace point, or of the face, from the axis at s = 0; in line with it where it slides."""
             base = math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
-            return DiscCam(self.program, standing_on(base, self.geometry, self._highest[1])[0])
+            return self._cam(standing_on(base, self.geometry, self._highest[1])[0])
 
         stroke = self._highest[1] - self._highest[0]
         low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
@@ -167,7 +166,10 @@ class DiscCamDrive(StandingCams):
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
         """The cam; with conjugate closure also the second one."""
-        return [DiscCam(self.program, follower) for follower in standing_on(self.base_radius, self.geometry, self._highest[1])]
+        return [self._cam(follower) for follower in standing_on(self.base_radius, self.geometry, self._highest[1])]
+
+    def _cam(self, follower: Follower) -> DiscCam[Follower]:
+        return DiscCam(self.program, follower, self.geometry.tip_clearance)
 
     @property
     def cam(self) -> DiscCam[Follower]:
@@ -186,16 +188,17 @@ class DiscCamDrive(StandingCams):
     def _stood(self) -> Bench:
         from camgen.machines.bench import Bench, Tip
 
-        f, load = self.geometry.follower, self._load or FollowerLoad()
+        g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
+        tip = Tip(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
         return Bench(
-            self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, Tip(f.shape, f.radius, self.geometry.closure),
+            self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, tip,
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
             gravity=gravity(self.load),
         )  # fmt: skip
 
     def _drawn(self, load: FollowerLoad | None) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        groove = (ProfileTouch(self.cam), OuterWallTouch(self.cam)) if self.geometry.closure == "groove" else ()
+        groove = (CamTouch(self.cam), CamTouch(self.cam, outer=True)) if self.geometry.closure == "groove" else ()
         return cam_machine(self.cams, self.speed, load, closed, groove)
 
     @cached_property
@@ -265,15 +268,22 @@ class DiscCamDrive(StandingCams):
         """Between which places each cam touches its face, mm from the stem's line or the pivot's foot."""
         found = []
         for cam in self.cams:
-            follower = cam.follower
-            assert isinstance(follower, FlatFace)
-
-            def place(theta: Any, cam: DiscCam[Follower] = cam, follower: FlatFace = follower) -> Floats:
-                return follower.place(self.program(theta), cam.profile(theta) * np.exp(1j * np.asarray(theta)))
-
-            mirrored = cam.greatest(partial(_negative, place))
-            found.append((-mirrored[1], cam.greatest(place)[1]))
+            assert isinstance(cam.cutter, FlatFace)
+            place = partial(touched, cam.cutter, motion=self.program)
+            found.append((-cam.greatest(partial(_negative, place))[1], cam.greatest(place)[1]))
         return found
+
+    @cached_property
+    def _clears_axle(self) -> bool:
+        """Whether the cams are known to clear the follower's axle; else their facets are looked at."""
+        return False
+
+    @classmethod
+    def prepare(cls, many: Sequence[Self]) -> None:
+        """Figures of all their cams at once."""
+        from camgen.machines.disc_cam.variants import prepare
+
+        prepare(many)
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
@@ -283,9 +293,9 @@ class DiscCamDrive(StandingCams):
             "a larger base_radius, a longer span or an offset towards the rise",
             "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
         )  # fmt: skip
-        findings = []
+        findings, facets = [], None if self._clears_axle else self.accuracy.chord_tolerance
         for cam, pressure, name in zip(self.cams, self._pressure, self._names, strict=True):
-            findings += cam_limits(f"exact profile{name}", cam, pressure, allowed, self.accuracy.chord_tolerance)
+            findings += cam_limits(f"exact profile{name}", cam, pressure, allowed, facets)
         if f.face_width is not None:
             needed = max(high - low if f.motion == "oscillating" else 2 * max(-low, high) for low, high in self._face)
             findings.append(
@@ -314,14 +324,24 @@ class DiscCamDrive(StandingCams):
     def _names(self) -> list[str]:
         if len(self.cams) == 1:
             return [""]
+        if not self.standing:
+            return [" of cam-1", " of cam-2"]
         return [f" of {each.part}" for each in self.features() if isinstance(each, CamOutline)]
 
     def study(self) -> Study:
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
+        forces = self._forces
+        return Study(
+            self.figures(), (*self._plots(self.speed), *forces.plots), (self._table(),),
+            () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
+            (*self._notes(), *forces.notes),
+        )  # fmt: skip
+
+    def figures(self) -> Mapping[str, float]:
+        """Sizes of the cam, peaks of its motion, and of its forces."""
         unit, scale = self._unit
         f, cam, low, high = self.geometry.follower, self.cam, *self._highest
-        speed = self.speed
-        peaks = [scale * abs(speed) ** k * self.program.peak(k) for k in (1, 2)]
+        peaks = [scale * abs(self.speed) ** k * self.program.peak(k) for k in (1, 2)]
         numbers = {
             "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
             "base_radius_mm": self.base_radius,
@@ -330,24 +350,22 @@ class DiscCamDrive(StandingCams):
             "curvature_radius_min_mm": min(each.least_radius for each in self.cams),
             f"peak_speed_{unit}_s": peaks[0],
             f"peak_acceleration_{unit}_s2": peaks[1],
-            "profile_length_mm": cam.outline.length,
-            "profile_area_mm2": cam.outline.area,
+            "profile_length_mm": cam.length,
+            "profile_area_mm2": cam.area,
             **lost(self.cams),
         }
         if f.shape == "flat":
             numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
         else:
             numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
-        forces = Study()
-        if self._loaded:
-            pushed = self.geometry.closure == "force"
-            load, slides, weighs = self._load or FollowerLoad(), f.motion == "translating", bool(gravity(self.load))
-            forces = force_study(self._loaded, load, slides, pushed, weighs)
-        return Study(
-            numbers | dict(forces.numbers), (*self._plots(speed), *forces.plots), (self._table(),),
-            () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
-            (*self._notes(), *forces.notes),
-        )  # fmt: skip
+        return numbers | dict(self._forces.numbers)
+
+    @cached_property
+    def _forces(self) -> Study:
+        if not self._loaded:
+            return Study()
+        pushed, slides = self.geometry.closure == "force", self.geometry.follower.motion == "translating"
+        return force_study(self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load)))
 
     def _notes(self) -> list[str]:
         notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
@@ -415,5 +433,5 @@ class DiscCamDrive(StandingCams):
         return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")
 
 
-def _negative(f: Callable[[Any], Floats], theta: Any) -> Floats:
+def _negative(f: Callable[..., Floats], theta: Any) -> Floats:
     return -f(theta)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.pairs import Air
 from camgen.spec import Length, Record, Rpm, turning
 
 
@@ -29,6 +30,7 @@ class Geometry(Record):
     follower: FollowerTable
     base_radius: Length | None = None
     closure: Literal["force", "conjugate", "groove"] = "force"
+    tip_clearance: Air = 0.0
 
 
 class Motor(Drives):

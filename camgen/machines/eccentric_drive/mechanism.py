@@ -28,14 +28,11 @@ from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, r
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
 from camgen.machine.features import Asked, Balance, Feature, Mount, StandIn
-from camgen.machines.eccentric_drive.body import body_plate
-from camgen.machines.eccentric_drive.joints import features_of, mounts_of
-from camgen.machines.eccentric_drive.shopping import bought
+from camgen.machines.eccentric_drive.assembly import body_plate, bought, features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
-from camgen.machines.eccentric_drive.weight import DiscWeight
-from camgen.machines.loads.counterweights import Counterweight, found_moment
+from camgen.machines.loads.counterweights import Counterweight, ShaftWeight, found_moment
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw
 from camgen.parts.hardware import headed, plate
@@ -169,9 +166,16 @@ class EccentricDrive(Mechanism):
         return (*self.own_parts, *(self.weight.parts if self.weight else ()))
 
     @cached_property
-    def weight(self) -> DiscWeight | None:
-        """The counterweight on the motor's shaft, over the keeper washer."""
-        return DiscWeight(self, self.counterweight) if self.counterweight else None
+    def weight(self) -> ShaftWeight | None:
+        """The counterweight on the motor's shaft, over the keeper washer, against disc, rod and slider."""
+        if self.counterweight is None:
+            return None
+        hub = self.bore / 2 + max(self.making.strap_wall, self.allowed.min_wall)
+        note = "press and glue on the motor's shaft above the keeper washer, across from the disc's thick side as drawn"
+        return ShaftWeight(
+            self, self.counterweight, "disc", self.own_parts, self.own_mounts, hub, circle(0j, self.bore / 2),
+            self.making.rod_thickness, self.allowed.min_wall, note,
+        )  # fmt: skip
 
     @property
     def balance(self) -> Balance | None:
@@ -180,7 +184,7 @@ class EccentricDrive(Mechanism):
 
     def found(self) -> Mapping[str, object]:
         """The moment of a counterweight, and what every mechanism fills in."""
-        return {**super().found(), **(found_moment(self.weight.whole) if self.weight else {})}
+        return {**super().found(), **(found_moment(self.weight.moment) if self.weight else {})}
 
     @cached_property
     def own_parts(self) -> tuple[Part, ...]:
@@ -363,7 +367,8 @@ class EccentricDrive(Mechanism):
 
     def mounts(self) -> Sequence[Mount]:
         """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
-        return (*self.own_mounts, *(self.weight.mounts if self.weight else ()))
+        weight = self.weight
+        return (*self.own_mounts, *(weight.mounts(self.shaft_length - weight.part.thickness) if weight else ()))
 
     @property
     def own_mounts(self) -> Sequence[Mount]:

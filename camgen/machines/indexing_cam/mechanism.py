@@ -47,6 +47,7 @@ from camgen.machines.indexing_cam.unloader import (
     law_torque,
     peak,
 )
+from camgen.machines.pairs import air_faults
 from camgen.machines.standing import Sizes, StandingCams
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
@@ -110,6 +111,7 @@ class IndexingCam(StandingCams):
             if self.standing and between < wall:
                 right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
                 found.append(Fault("driver.offset", f"{self.driver.offset:g}", right + "; or a longer driver.crank"))
+        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, g.follower.roller_radius)
         return [*found, *p.misfits(), *self.size_faults("follower", LINK), *g.law_faults()]
 
     def designed(self) -> Self:
@@ -205,13 +207,13 @@ class IndexingCam(StandingCams):
     @cached_property
     def cams(self) -> Mapping[str, DiscCam]:
         """The cam engine for each cam by its part's name; DesignError where there is no such follower."""
-        f = self.geometry.follower
+        f, air = self.geometry.follower, self.geometry.tip_clearance
         first = self.arm(self.geometry.base_radius)
         if self.geometry.closure == "force":
             return {"cam": DiscCam(self.cam_program, first)}
         back = first.arm.conjugate() * cmath.exp(-1j * self.swing)
         second = SwingingArm(first.pivot, back, f.roller_radius, leaves=-1)
-        return {"cam": DiscCam(self.cam_program, first), "return-cam": DiscCam(self.cam_program, second)}
+        return {"cam": DiscCam(self.cam_program, first, air), "return-cam": DiscCam(self.cam_program, second, air)}
 
     def arm(self, base: float) -> SwingingArm:
         """The follower on a base circle; DesignError where it cannot stand or swing there."""

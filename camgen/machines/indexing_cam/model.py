@@ -105,8 +105,10 @@ def stood(spec: IndexingCam) -> Bench:
         points[GROUND] |= {"crank": made.axle, "anchor": made.post}
         points[CRANK] = {"crank": 0j, "hook": made.hook(machine.start_of(CRANK).angle)}
         strung = {"unloader_spring": made.strung()}
+    g = spec.geometry
+    tip = Tip("roller", f.roller_radius, g.closure, tip_clearance=g.tip_clearance)
     return Bench(
-        machine, spec.cams["cam"], Tip("roller", f.roller_radius, spec.geometry.closure), sizes, spec.print,
+        machine, spec.cams["cam"], tip, sizes, spec.print,
         spec.allowed.min_wall, spec.density, FollowerLoad(preload=load.closing_n_m),
         [LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])], gears, points, strung, freewheels=freewheels,
         driven=driven, beneath=beneath, marks={} if spec.freewheel is None else {LINK: complex(_MARK * f.arm / 2)},

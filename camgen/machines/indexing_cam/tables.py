@@ -9,6 +9,7 @@ from pydantic import Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.pairs import Air
 from camgen.motion.program import Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
 from camgen.motion.spring_law import characteristic
@@ -40,6 +41,7 @@ class Geometry(Record):
     index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
     gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
     closure: Literal["conjugate", "force"] = "conjugate"
+    tip_clearance: Air = 0.0
 
     def law_faults(self) -> Sequence[Fault]:
         """What is wrong with the law, which runs between dwells there and back."""

@@ -10,6 +10,7 @@ from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.links import CLOSED, shape, too_long
+from camgen.machines.pairs import air_faults
 from camgen.spec import unknown
 
 MOST_LINKS = 60  # they close together: the time grows with the cube of their number, 40 take a third of a minute
@@ -82,7 +83,8 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         if name not in links:
             faults.append(unknown(path, name, links))
         elif name == GROUND and not ground:
-            faults.append(Fault(path, repr(name), "a link that moves"))
+            still = "; no wheel is made that stands still while another runs round it" if path.startswith("gear") else ""
+            faults.append(Fault(path, repr(name), f"a link that moves{still}"))
         else:
             return True
         return False
@@ -153,6 +155,7 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
     if (cam.shape == "roller") != (cam.radius is not None):
         fits = "the roller's radius" if cam.shape == "roller" else f"nothing here: a {cam.shape} has none"
         faults.append(Fault(f"{path}.radius", "", fits))
+    faults += air_faults(f"{path}.tip_clearance", cam.tip_clearance, cam.closure, cam.radius)
     wrong, right = (("lift_deg", "to_deg"), ("lift", "to")) if slide else (("lift", "to"), ("lift_deg", "to_deg"))
     way = "slides" if slide else "swings"
     for k, segment in enumerate(cam.segment):
@@ -187,7 +190,7 @@ def _output_faults(drawing: Drawing) -> Iterable[Fault]:
 
 def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fault]:
     of_a_link = [key for key in ("points", "straightness") if output.link is not None and getattr(output, key)]
-    of_a_point = [key for key in ("dwell", "time_ratio") if output.point is not None and getattr(output, key)]
+    of_a_point = [key for key in ("dwell", "time_ratio", "function") if output.point is not None and getattr(output, key)]
     yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link") for key in of_a_link)
     yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path") for key in of_a_point)
     if output.points is not None:
@@ -200,6 +203,7 @@ def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fa
         yield Fault(f"{path}.time_ratio", "", "nothing here: it is asked of a drive that turns all round, without range_deg")
     low, high = drawing.drive.range_deg
     asked = {"points.theta_deg": output.points and output.points.theta_deg,
+             "function.at": output.function and [pair[0] for pair in output.function.at],
              "straightness.range_deg": output.straightness and output.straightness.range_deg}  # fmt: skip
     for key, angles in asked.items():
         if angles and not low <= min(angles) <= max(angles) <= high:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen.findings import Finding
-from camgen.geometry.outlines import Floats
+from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import FourBar, four_bar
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import Course, time_ratio
+from camgen.machine.targets import Course, Through, time_ratio
 from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
@@ -58,7 +59,9 @@ def study(linkage: Linkage) -> Study:
             path = np.asarray(run[output.name], complex)
             marks = path[::60]  # of equal time where the drive turns evenly
             series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
-            plots.append(Plot(f"Path of {output.name}", "x, mm", "y, mm", series, equal=True, dots=("every 15 deg",)))
+            series += _wanted_places(linkage, output.name)
+            dots = ("every 15 deg", "wanted")
+            plots.append(Plot(_path_of(output.name, "P"), "x, mm", "y, mm", series, equal=True, dots=dots))
     plots += _centrodes(linkage, run)
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
@@ -89,11 +92,50 @@ def study(linkage: Linkage) -> Study:
         notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
                      "pins; they are not in the sweep.")  # fmt: skip
     if linkage.lacking() is None:
-        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *steps(linkage.bodies.layout)]
+        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *_bows(linkage), *steps(linkage.bodies.layout)]
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def _bows(linkage: Linkage) -> list[str]:
+    """What to say of links that are bent."""
+    bows = {link: shape.bow for link, shape in linkage.bodies.layout.sizes.shapes.items() if shape.bow}
+    return [f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} from its first point, to pass "
+            f"what is in its way (parts.{link}.bow)." for link, bow in bows.items()]  # fmt: skip
+
+
+def _path_of(name: str, first: str = "p") -> str:
+    """What the path of an output is called, which may be called a path itself; first: its first letter."""
+    return f"{first}ath" if name == "path" else f"{first}ath of {name}"
+
+
+def _wanted_places(linkage: Linkage, name: str) -> list[tuple[str, Floats, Floats]]:
+    """Of a path the places that it shall pass, how far off each it may be, and from each the way to where it passes it."""
+    through = next((each.points for each in linkage.wanted if each.name == name), None)
+    if through is None:
+        return []
+    course = dict(zip((each.name for each in linkage.wanted), courses(linkage), strict=True))[name]
+    places, met = np.array(through.places), through.met(course)
+    passed = course.at(np.array([theta for theta, _ in met])) if met else places
+    found = [("wanted", places), (f"within {through.tolerance:g} mm", _one_line(_within(through))),
+             ("missed by", _one_line(np.column_stack([places, passed])))]  # fmt: skip
+    return [(label, z.real, z.imag) for label, z in found]
+
+
+def _within(through: Through) -> list[Points]:
+    """Outlines of all that is no farther from the places than the path may be, (n,) complex mm each."""
+    import shapely
+
+    z = np.array(through.places)
+    near = shapely.union_all(shapely.buffer(shapely.points(z.real, z.imag), through.tolerance, quad_segs=6))
+    return [shapely.get_coordinates(ring) @ np.array([1, 1j]) for ring in shapely.get_parts(shapely.boundary(near))]
+
+
+def _one_line(pieces: Iterable[Points]) -> Points:
+    """Polylines as one with gaps, (n,) complex."""
+    return np.concatenate([np.append(piece, complex(math.nan, math.nan)) for piece in pieces])
 
 
 def _longer_slots(linkage: Linkage) -> list[str]:
@@ -188,10 +230,15 @@ def _centrodes(linkage: Linkage, run: Run) -> list[Plot]:
 
 
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:
-    """Paths of points, on the ground."""
+    """Paths of points, on the ground, and the places that they shall pass, with the room that they have."""
     run = linkage.run(np.linspace(*linkage.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
-    return tuple(Sketch(f"path of {each.name}", (np.asarray(run[each.name], complex),)) for each in outputs)
+    found = [Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs]
+    asked = [(each.name, each.points) for each in linkage.wanted if each.points is not None]
+    for name, through in asked:
+        dot = float(np.ptp(np.array(through.places).real) + np.ptp(np.array(through.places).imag)) / 250
+        found.append(Sketch(f"{name}: wanted", _within(through), [(z, max(dot, SAME_POINT)) for z in through.places]))
+    return tuple(found)
 
 
 def four_bar_of(machine: m.Machine, driven: str) -> FourBar | None:

@@ -99,7 +99,8 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
 def _pin_of(layout: Layout, mounts: Sequence[Mount], point: str, link: str, beside: str) -> str:
     """The part that is the pin or shaft of a point, fixed in a link, on which another one turns."""
     body, at = layout.carrier(link), layout.at(link, point)
-    named = [each for each in mounts if each.part.startswith(("pin-", "shaft")) and (each.body, each.at) == (body, at)]
+    here = (each for each in mounts if (each.body, each.at) == (body, at))
+    named = [each for each in here if each.part.startswith(("pin-", "crank-pin-", "shaft"))]
     floor = layout.floor(layout.level[beside])
     return max((each for each in named if each.z <= floor), key=lambda each: each.z, default=named[0]).part
 
@@ -151,7 +152,8 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
     driving = CamOutline(
         joint.name, f"{name}-inner" if tip.grooved else name, pivot_of(layout, joint.cam),
         pivot_of(layout, joint.follower) if joint.slide is None else None,
-        _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, roller=f"roller-{tip.name}" if tip.rolls else None,
+        _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, free=tip.cam.air,
+        roller=f"roller-{tip.name}" if tip.rolls else None,
     )  # fmt: skip
     yield driving
     if tip.grooved:

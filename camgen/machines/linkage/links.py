@@ -9,10 +9,8 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Points = NDArray[np.complex128]
+from camgen.numerics import Floats, Points
 
 STEPS = 200  # of the search for a shape; three or four suffice unless the points lie on one line
 CLOSED = 1e-13  # of its size: lengths that are met

@@ -81,8 +81,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
             else:
                 between = stub.held[-1][0] - stub.held[0][1]
             head = s.pin_diameter / 2 + s.head, s.head
-            made = keyed_pin(s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head)
-            yield made, Mount("pin", body, at, z=bottom)
+            made = keyed_pin(s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head, s.shafts_made)
+            yield made, Mount(made.name, body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
             yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)

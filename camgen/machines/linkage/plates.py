@@ -140,7 +140,10 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
     if not below:
         heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
-    layers = tuple(Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends) for *ends, heads in heights)
+    try:
+        layers = tuple(Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends) for *ends, heads in heights)
+    except DesignError as error:
+        raise _moved(error, layout) from None
     raised = (layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above)
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = [point for point in points if point not in layout.shafts and layout.cut(point) is not None]
@@ -156,10 +159,21 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         if stand.merged is not None:
             continue
         name, foot = f"post-{stand.name}", ceiling + floor
-        post = spacer(name, f"Post of {stand.name}", s.mount_diameter, 2 * post_radius(s), stand.high - foot, layout.min_wall)
+        wide = s.mount_diameter + 2 * s.wall  # no head: it stands beside what hangs under the frame
+        post = spacer(name, f"Post of {stand.name}", s.mount_diameter, wide, stand.high - foot, layout.min_wall)
         yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
         if stand.sleeve is not None:
             yield _sleeve(layout, stand.name, stand.sleeve)
+
+
+def _moved(error: DesignError, layout: Layout) -> DesignError:
+    """An error of the second plate's walls, with what moves the frame that stands there, if one does."""
+    names = ", ".join(stand.name for stand in layout.stands)
+    if "stand" not in error.where:
+        return error
+    where = f"{error.where}, a screw of the frame of {names}"
+    remedy = "move that machine (include.at), or make parts.wall or parts.head there larger, so that its screws lie elsewhere"
+    return DesignError(error.quantity, error.value, error.limit, error.unit, where, remedy)
 
 
 def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:

@@ -29,7 +29,7 @@ def filled(data: Any, table: str) -> Any:
     if not isinstance(thick, int | float):
         return data
     sold = [diameter for diameter, (shortest, _) in DOWELS.items() if diameter <= _PIN and shortest <= 3 * thick]
-    own = {"thickness": thick, "base_thickness": thick, "pin": "dowel", "head": min(_HEAD, thick)}
+    own = {"thickness": thick, "base_thickness": thick, "pin": "dowel", "shaft_made": "steel", "head": min(_HEAD, thick)}
     own["pin_diameter"] = max(sold, default=_PIN)  # through two sheets and a cap
     return {**data, table: own | data[table]}
 
@@ -48,6 +48,8 @@ def faults(sizes: Parts, laser: Laser | None, table: str, slides: int = 0, groov
     kinds = {f"{table}.pin": sizes.pin, **{f"{table}.pins.{point}": kind for point, kind in sizes.pins.items()}}
     steel = '"dowel" or "shoulder": with make = "laser" pins are bought'
     found += [Fault(key, repr(kind), steel) for key, kind in kinds.items() if kind not in _STEEL]
+    if sizes.shaft_made != "steel":
+        found.append(Fault(f"{table}.shaft_made", repr(sizes.shaft_made), '"steel": no sheet is a shaft'))
     if sizes.motor != "none":
         right = '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none'
         found.append(Fault(f"{table}.motor", repr(sizes.motor), right))

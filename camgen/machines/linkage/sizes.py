@@ -8,7 +8,17 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, ConfigDict, Field
 
 from camgen.errors import Fault
-from camgen.parts.catalogue import CORE_HOLES, DOWELS, MOTOR_FACES, SCREWS, SHOULDER_SCREWS, MotorFace, Screw, ShoulderScrew
+from camgen.parts.catalogue import (
+    CORE_HOLES,
+    DOWELS,
+    MOTOR_FACES,
+    SCREWS,
+    SHOULDER_SCREWS,
+    TURNED,
+    MotorFace,
+    Screw,
+    ShoulderScrew,
+)
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, unknown
 
@@ -29,9 +39,10 @@ class Shape(Record):
 
     hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
     width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
-    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] = Field(
-        0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
-    )
+    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] | None = Field(
+        None, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point; "
+        "0: not; left out: where it finds no level as it is, and bent it does"
+    )  # fmt: skip
     thickness: Length | None = Field(None, description="mm; that of all links unless given")
 
 
@@ -60,6 +71,9 @@ class Parts(Record):
         "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
     )
     plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
+    shaft_made: Literal["printed", "steel"] = Field(
+        "printed", description="steel: turned, with the flat, as are crank pins that join the webs of an interrupted shaft"
+    )
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
@@ -85,6 +99,11 @@ class Parts(Record):
     def shape(self, link: str) -> Shape:
         """What is special to a link."""
         return self.shapes.get(link, Shape.model_validate({}))
+
+    @property
+    def shafts_made(self) -> str:
+        """How shafts are made, for the list of parts."""
+        return TURNED if self.shaft_made == "steel" else "printed"
 
     @property
     def of_sheet(self) -> bool:

@@ -12,9 +12,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
+from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio
 from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import Bears
+from camgen.machines.pairs import Air
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
 from camgen.spec import Length, Record, Rpm, turning
@@ -118,6 +119,7 @@ class Cam(Record):
     at: Name = Field(description="point of the follower: the roller's centre, the edge, or a point of the face")
     radius: Length | None = Field(None, description="mm, of the roller")
     closure: Literal["force", "groove", "conjugate"] = Field("force", description="what holds the follower on the cam")
+    tip_clearance: Air = Field(0.0, description="mm, air at each tip of a pair; below 0: preload")
     name: Name | None = Field(None, description="of the joint; both links unless given")
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(description="the program")
 
@@ -145,11 +147,12 @@ class Wanted(Record):
     straightness: Straight | None = None
     dwell: Dwell | None = None
     time_ratio: TimeRatio | None = None
+    function: Function | None = None
 
     @property
     def targets(self) -> tuple[Target, ...]:
         """What is wanted of it by value."""
-        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio)
+        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio, self.function)
         return tuple(target for target in every if target is not None)
 
 
@@ -162,7 +165,7 @@ class Include(Record):
     name: Name | None = Field(None, description="put before its names; unless given that of its spec")
     at: Place = Field((0.0, 0.0), description="mm, where its origin is on the ground")
     phase_deg: Degrees = Field(0.0, description="deg, how far its shaft is ahead of this one's")
-    z: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
+    z: Annotated[float, Field(ge=-1e4, le=1e4)] | None = Field(
         None, description="mm, how far it is raised; unless given it stands above all before it"
     )
     mounted: bool = Field(

@@ -72,7 +72,9 @@ def faults(
     return found
 
 
-def keyed_pin(diameter: float, ends: tuple[float, float], between: float, flat: float, head: tuple[float, float]) -> Part:
+def keyed_pin(
+    diameter: float, ends: tuple[float, float], between: float, flat: float, head: tuple[float, float], made: str = "printed"
+) -> Part:
     """A crank pin from its lower end up, mm: a flat as long as its web, round between them, a flat; or, where the upper end is
     0, a head (radius, height) over what turns on it."""
     keyed: Contour = d_bore(diameter, flat)
@@ -83,4 +85,4 @@ def keyed_pin(diameter: float, ends: tuple[float, float], between: float, flat: 
     else:
         layers.append(Layer(Region(circle(0j, head[0])), low + between, low + between + head[1]))
     said = "its flats turn the webs: pressed and glued in"
-    return Part("pin", "Pin", tuple(layers), centres=(0j,), notes=(said,), cut=1)
+    return Part("crank-pin", "Crank pin", tuple(layers), centres=(0j,), notes=(said,), cut=1, made=made)

@@ -22,7 +22,7 @@ from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, steepest
-from camgen.machine.cams.machine import OuterWallTouch, PlacedTouch, ProfileTouch
+from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
@@ -55,6 +55,10 @@ class Ridden(Protocol):
     @property
     def closure(self) -> str:
         """"force", "groove" or "conjugate"."""
+
+    @property
+    def tip_clearance(self) -> float:
+        """Of a pair, mm at each tip."""
 
 
 @dataclass(frozen=True)
@@ -251,7 +255,7 @@ def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance
                 raise DesignError(
                     "side of the face", follower.leaves, leaves, "", f"cam {name}", "draw `at` on the cam's side of the hinge"
                 )
-            cam, rim = DiscCam(_signed(joint.law), follower), groove_rim(sizes) + clearance
+            cam, rim = DiscCam(_signed(joint.law), follower, spec.tip_clearance), groove_rim(sizes) + clearance
             level = key if spec.shape == "roller" else joint.follower
             found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, key, spec.shape, rim))
     return found
@@ -262,8 +266,8 @@ def touched(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
     mine = [tip for tip in tips if tip.joint.name == joint.name]
     if joint.touches or not mine:
         return joint
-    touches = [PlacedTouch(ProfileTouch(tip.cam), tip.turn, at) for tip in mine]
-    touches += [PlacedTouch(OuterWallTouch(tip.cam), tip.turn, at) for tip in mine if tip.grooved]
+    touches = [CamTouch(tip.cam, turn=tip.turn, at=at) for tip in mine]
+    touches += [CamTouch(tip.cam, outer=True, turn=tip.turn, at=at) for tip in mine if tip.grooved]
     return replace(joint, touches=tuple(touches), leaves=mine[0].leaves)
 
 
@@ -274,8 +278,9 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
         joint, where = machine.joint(name), name if name.startswith("gear") else f"gear {name}"
         assert isinstance(joint, m.Gear)
         if joint.carrier != m.GROUND:
-            remedy = "wheels are made of links that turn on the ground: make this gear of such"
-            raise DesignError("carriers that move", 1, 0, "", where, remedy)
+            remedy = "let both links of this [[gear]] turn on the ground"
+            said = f"the axes of {where} lie on link {joint.carrier}, which moves, and no wheels are made on such"
+            raise DesignError("carriers that move", 1, 0, "", where, remedy, said)
         a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
         first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, where)
         line = cmath.phase(b - a)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.findings import Finding, NotJudged
-from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
+from camgen.machines import pairs
 from camgen.machines.loads import bearing, counterweights, drive, follower
+from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
@@ -58,10 +59,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     smooth = solve(machine, theta).forces().reactions  # friction may spare a pin, and may be less than its table says
     worse = {name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load) for name, load in forces.reactions.items()}
     borne_by_pins = replace(forces, reactions=worse)
-    outlines: dict[str, CamOutline] = {}
-    for each in mechanism.features():
-        if isinstance(each, CamOutline):
-            outlines.setdefault(each.joint, each)
+    outlines = mechanism.outlines()
     parts = {part.name: part for part in mechanism.parts()}
     plain = bearing.plain_bearings(run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
@@ -76,6 +74,8 @@ def assess(mechanism: Mechanism) -> Assessment:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
     posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
+    paired = pairs.told(forces, machine, outlines)
+    left += paired.left
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
@@ -87,7 +87,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
     balanced = counterweights.study(mechanism, machine)
-    study = together([Study(kept, plots, tables), balanced])
+    study = together([Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)]), balanced])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 

@@ -25,7 +25,7 @@ from camgen.machine.balancing import crank_weight, with_weight
 from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
-from camgen.machines.loads.weights import solid
+from camgen.machines.loads.weights import solid, weighed
 from camgen.parts.catalogue import STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
@@ -125,6 +125,40 @@ class Counterweight(Record):
                         STEEL * 1e-3, max(min_wall, fits.nozzle) + 2 * FACETS)  # fmt: skip
         made = "printed" if self.made == "printed" else "cut of steel"
         return counterweight(sector, bore, asked - own - heavy * disc.volume * centre_of(disc), made, min_wall, note)
+
+
+class ShaftWeight:
+    """A counterweight pressed on the shaft of a crank that turns about its frame's origin, at joint "O"; mm.
+
+    parts, mounts: all else that moves; hub: radius, bore: of what is pressed on the shaft; thickness: unless the spec says it;
+    note: how it is held. moment: of all that turns with the crank, complex g mm in its axes.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, spec: Counterweight, body: str, parts: Sequence[Part], mounts: Sequence[Mount], hub: float,
+        bore: Contour, thickness: float, min_wall: float, note: str,
+    ) -> None:  # fmt: skip
+        self.mechanism, self.spec, self.body = mechanism, spec, body
+        self.moment = spec.whole(weighed(mechanism, parts, mounts).machine, body, "O")
+        own = first_moment(body, 0j, parts, mounts, mechanism.density)
+        self.part, self.pins, self.radius = spec.fitted(
+            self.moment - spec.other, own, hub, bore, thickness, mechanism.density, mechanism.print, min_wall, note
+        )
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """The sector, and its pins."""
+        return (self.part, *(pin for pin, _ in self.pins[:1]))
+
+    def mounts(self, z: float) -> Sequence[Mount]:
+        """Its underside at a height."""
+        return (Mount(self.part.name, self.body, z=z), *(Mount(pin.name, self.body, at, z=z) for pin, at in self.pins))
+
+    @property
+    def balance(self) -> Balance:
+        """What the written solids are held to."""
+        made = self.mechanism
+        return balance_of(self.body, "O", 0j, self.moment - self.spec.other, made.parts(), made.mounts(), made.density)
 
 
 def first_moment(body: str, about: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float) -> complex:

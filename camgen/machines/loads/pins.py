@@ -16,6 +16,9 @@ from camgen.parts import materials
 
 _STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa
+_STEEL_BY = {  # keys that make them of steel, and their value there
+    "pin": {"pin": "dowel", "pins": "steel"}, "shaft": {"shaft_made": "steel"}, "crank-pin": {"shaft_made": "steel"},
+}  # fmt: skip
 
 Stronger = Callable[[Journal], str]  # what makes a pin bear more
 
@@ -87,13 +90,11 @@ def unsaid(pin: Journal) -> str:
 def stronger(table: str, sizes: BaseModel | None, pin: Journal) -> str:
     """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
     fields = {} if sizes is None else type(sizes).model_fields
-    kind = next((kind for kind in ("shaft", "pin") if kind in pin.part), "")
-    wide = f" ({table}.{kind}_diameter)" if f"{kind}_diameter" in fields else ""
+    kind = next((kind for kind in ("shaft", "crank-pin", "pin") if kind in pin.part), "")
+    diameter = f"{kind.removeprefix('crank-')}_diameter"
+    wide = f" ({table}.{diameter})" if diameter in fields else ""
     if pin.shaft == materials.STEEL.name:
         return f"make it thicker{wide} or shorter"
-    say = f"or of steel and say so (limits.pin_stress_mpa = {_STEEL})"
-    if kind == "pin" and "pin" in fields:
-        say = f'or of steel ({table}.pin = "dowel")'
-    elif kind == "pin" and "pins" in fields:
-        say = f'or of steel ({table}.pins = "steel")'
+    key, value = next(((key, value) for key, value in _STEEL_BY.get(kind, {}).items() if key in fields), ("", ""))
+    say = f'or of steel ({table}.{key} = "{value}")' if key else f"or of steel and say so (limits.pin_stress_mpa = {_STEEL})"
     return f"make it thicker{wide} or shorter, {say}"

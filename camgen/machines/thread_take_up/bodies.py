@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
-from camgen.machine.features import Balance, Mount, Strand
-from camgen.machines.loads.counterweights import balance_of, first_moment
-from camgen.machines.loads.weights import weighed
-from camgen.machines.thread_take_up.joints import mounts_of
+from camgen.machine.features import Eye, Feature, Mark, Mount, PinEyes, Strand
+from camgen.machine.model import GROUND
+from camgen.machines.loads.counterweights import ShaftWeight
 from camgen.parts.catalogue import TURNED
 from camgen.parts.hardware import grooved, headed
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
 
 Disc = tuple[complex, float]
 HEAD = 1.0  # mm, height of a head, and how far it and a groove's shoulder stand out all round
+LINKS = {"input-crank": "crank", "bell-crank": "coupler", "output-crank": "output"}  # part -> body
 _GLUED = "pressed and glued in"
 
 
@@ -109,7 +109,6 @@ class Bodies:
         """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides."""
         p, level, slide = self.sizes, self.level, self.fits.slide_clearance
         crank, shaft, collar, pin_a = self._turning
-        weight = () if self._weight is None else (self._weight[0], *(pin for pin, _ in self._weight[1][:1]))
         output, bell, pin_b, finger = self._carried
         return (
             self._flat("frame", "Frame with the guides", p.thickness, (
@@ -120,7 +119,7 @@ class Bodies:
             crank,
             bell,
             shaft,
-            *(weight or (collar,)),
+            *(self.weight.parts if self.weight else (collar,)),
             pin_a,
             pin_b,
             rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,), self._thin),
@@ -223,46 +222,68 @@ class Bodies:
     # ---- counterweight -----------------------------------------------------------------------------------------------
 
     @cached_property
-    def whole_moment(self) -> complex:
-        """Of all that turns with the input crank, other things on its shaft too, complex g mm."""
+    def weight(self) -> ShaftWeight | None:
+        """The counterweight of the input crank, in place of the collar."""
         weight = self.spec.counterweight
-        assert weight is not None
-        return weight.whole(weighed(self.spec, self._carried, mounts_of(self.spec)).machine, "crank", "O")
-
-    @cached_property
-    def _weight(self) -> tuple[Part, list[tuple[Part, complex]], float] | None:
-        """The counterweight, its pins with their places, and its radius, mm."""
-        weight, density = self.spec.counterweight, self.spec.density
         if weight is None:
             return None
-        on = [part for part in self._turning if part.name != "collar"]
-        own = first_moment("crank", 0j, on, mounts_of(self.spec), density)
-        asked, note = self.whole_moment - weight.other, "pressed and glued on the shaft below the frame"
-        return weight.fitted(
-            asked, own, self._collar, self._bore, self.sizes.thickness, density, self.fits, self.min_wall, note
+        rest = [part for part in (*self._turning, *self._carried) if part.name != "collar"]
+        return ShaftWeight(
+            self.spec, weight, "crank", rest, mounts_of(self.spec), self._collar, self._bore, self.sizes.thickness, self.min_wall,
+            "pressed and glued on the shaft below the frame",
         )  # fmt: skip
 
     @property
     def weight_radius(self) -> float:
         """How far a counterweight reaches from the shaft, mm; 0 without one."""
-        return 0.0 if self._weight is None else self._weight[2]
+        return self.weight.radius if self.weight else 0.0
 
     @property
     def mounts(self) -> Sequence[Mount]:
         """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
-        found = mounts_of(self.spec)
-        if self._weight is None:
+        found, weight = mounts_of(self.spec), self.weight
+        if weight is None:
             return found
-        part, pins, _ = self._weight
-        z = -self.fits.slide_clearance - part.thickness
-        made = [Mount(part.name, "crank", z=z), *(Mount(pin.name, "crank", at, z=z) for pin, at in pins)]
+        made = weight.mounts(-self.fits.slide_clearance - weight.part.thickness)
         return [new for old in found for new in (made if old.part == "collar" else [old])]
 
-    @property
-    def balance(self) -> Balance | None:
-        """That of the input crank with its counterweight."""
-        weight = self.spec.counterweight
-        if weight is None:
-            return None
-        asked = self.whole_moment - weight.other
-        return balance_of("crank", "O", 0j, asked, self.parts, self.mounts, self.spec.density)
+
+# ---- assembly --------------------------------------------------------------------------------------------------------
+
+
+def features_of(spec: ThreadTakeUp) -> Sequence[Feature]:
+    """Pins O, A, B and C; the eye and the guides, between which the thread is the output."""
+    g, p, slide, press = spec.geometry, spec.making, spec.print.slide_clearance, spec.print.press_clearance
+    shaft, turning, pressed, ring = p.shaft_diameter, p.pin_diameter + slide, p.pin_diameter + press, 2 * spec.bodies.bearing
+    return (
+        PinEyes(
+            "O", Eye("pivot", complex(-g.frame), shaft + slide), Eye("input-crank", 0j, shaft + press),
+            Eye("shaft", 0j, shaft, True),
+        ),
+        PinEyes(
+            "A", Eye("input-crank", complex(g.input_crank), pressed), Eye("bell-crank", 0j, turning),
+            Eye("pin-a", 0j, p.pin_diameter, True),
+        ),
+        PinEyes(
+            "B", Eye("output-crank", complex(g.output_crank), pressed), Eye("bell-crank", complex(g.coupler), turning),
+            Eye("pin-b", 0j, p.pin_diameter, True),
+        ),
+        PinEyes("C", Eye("pivot", 0j, ring, True), Eye("output-crank", 0j, ring + slide)),
+        Mark(Eye("bell-crank", spec.take_up.eye, p.finger_diameter + press)),
+        *(Mark(Eye("frame", guide, p.guide_diameter + press)) for guide in spec.take_up.guides),
+    )  # fmt: skip
+
+
+def mounts_of(spec: ThreadTakeUp) -> Sequence[Mount]:
+    """Every part on its body, a level for each layer, without a counterweight."""
+    t, p, level = spec.take_up, spec.making, spec.bodies.level
+    dowels = [t.pivot + cmath.exp(1j * t.tilt) * place for place in spec.bodies.dowels]
+    return (
+        Mount("frame", GROUND), Mount("pivot", GROUND, t.pivot, t.tilt, z=p.thickness), Mount("output-crank", "output", z=level),
+        Mount("input-crank", "crank", z=2 * level), Mount("bell-crank", "coupler", z=3 * level),
+        Mount("shaft", "crank", z=-p.shaft_length), Mount("collar", "crank", z=-level),
+        Mount("pin-a", "crank", complex(t.crank), flipped=True, z=2 * level),
+        Mount("pin-b", "output", complex(t.output), flipped=True, z=level), *(Mount("dowel", GROUND, z) for z in dowels),
+        Mount("finger", "coupler", t.eye, flipped=True, z=3 * level),
+        *(Mount("guide", GROUND, z, flipped=True) for z in t.guides),
+    )  # fmt: skip

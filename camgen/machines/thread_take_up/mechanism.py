@@ -31,9 +31,8 @@ from camgen.machine.features import Asked, Balance, Feature, Mount, Strand
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
-from camgen.machines.thread_take_up.bodies import HEAD, Bodies
+from camgen.machines.thread_take_up.bodies import HEAD, LINKS, Bodies, features_of
 from camgen.machines.thread_take_up.feed import TakeUp
-from camgen.machines.thread_take_up.joints import LINKS, features_of
 from camgen.machines.thread_take_up.study import Consumption, Masses, force_numbers, shaft_stress, study
 from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
@@ -115,7 +114,7 @@ class ThreadTakeUp(Mechanism):
 
     def found(self) -> Mapping[str, object]:
         """Centres of mass, the moment of a counterweight, and what every mechanism fills in."""
-        weight = {} if self.counterweight is None else found_moment(self.bodies.whole_moment)
+        weight = found_moment(self.bodies.weight.moment) if self.bodies.weight else {}
         return {**super().found(), **(self.masses.centres(self.take_up) if self.masses else {}), **weight}
 
     def machine(self) -> Machine:
@@ -148,7 +147,7 @@ class ThreadTakeUp(Mechanism):
     @property
     def balance(self) -> Balance | None:
         """That of the input crank with its counterweight."""
-        return self.bodies.balance
+        return self.bodies.weight.balance if self.bodies.weight else None
 
     def strands(self) -> Sequence[Strand]:
         """The thread over guides and finger."""
@@ -307,8 +306,4 @@ class ThreadTakeUp(Mechanism):
         data["geometry"] |= {
             "eye_distance": x[0], "eye_angle_deg": x[1], "frame_angle_deg": x[2], "guides": [[x[3], x[4]], [x[5], x[6]]],
         }  # fmt: skip
-        found = validate(type(self), data, "design")
-        failed = next((finding for finding in found.limits() if not finding.ok), None)
-        if failed is not None:
-            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
-        return found
+        return validate(type(self), data, "design").proven()

@@ -200,18 +200,18 @@ def motion_numbers(t: TakeUp) -> dict[str, float]:
     lengths = (t.frame, t.crank, t.coupler, t.output)
     feed, stop = t.diagram, t.near_stop
     least, most = transmission_extremes(*lengths)
-    (w2_low, w2_low_at), (w2_high, w2_high_at) = t.rate_extremes(False)
-    (w3_low, w3_low_at), (w3_high, w3_high_at) = t.rate_extremes(True)
     cusp = min(t.cusps(), key=lambda each: abs(each[0] - t.eye_distance), default=(math.nan, math.nan))
     loop = stop.crossings > 0
+
+    def placed(name: str, value: float, angle: float, unit: str = "") -> dict[str, float]:
+        return {name + unit: value, f"{name}_at_deg": math.degrees(angle)}
+
     figures = {
         "grashof_margin_mm": four_bar(*lengths).margin,
         "transmission_angle_min_deg": math.degrees(least),
         "transmission_angle_max_deg": math.degrees(most),
-        "feed_max_mm": feed.longest[0],
-        "feed_max_at_deg": math.degrees(feed.longest[1]),
-        "feed_min_mm": feed.shortest[0],
-        "feed_min_at_deg": math.degrees(feed.shortest[1]),
+        **placed("feed_max", *feed.longest, "_mm"),
+        **placed("feed_min", *feed.shortest, "_mm"),
         "feed_range_mm": feed.range,
         "let_down_deg": math.degrees(feed.let_down),
         "let_down_ratio": feed.ratio,
@@ -225,15 +225,10 @@ def motion_numbers(t: TakeUp) -> dict[str, float]:
         **{f"dwell_within_{radius:g}_mm_deg".replace(".", "_"): math.degrees(t.lingers(radius)) for radius in _STOPS},
         "cusp_eye_distance_mm": cusp[0],
         "cusp_at_deg": math.degrees(cusp[1]),
-        "coupler_rate_min": w2_low,
-        "coupler_rate_min_at_deg": math.degrees(w2_low_at),
-        "coupler_rate_max": w2_high,
-        "coupler_rate_max_at_deg": math.degrees(w2_high_at),
-        "output_rate_min": w3_low,
-        "output_rate_min_at_deg": math.degrees(w3_low_at),
-        "output_rate_max": w3_high,
-        "output_rate_max_at_deg": math.degrees(w3_high_at),
     }
+    for link, output in (("coupler", False), ("output", True)):
+        slow, fast = t.rate_extremes(output)
+        figures |= {**placed(f"{link}_rate_min", *slow), **placed(f"{link}_rate_max", *fast)}
     return {name: value for name, value in figures.items() if not math.isnan(value)}
 
 

@@ -28,7 +28,7 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region, circle
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
-from camgen.machine.cams.machine import FollowerLoad, Loaded, MirroredTouch, ProfileTouch, cam_machine, cam_outline
+from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
@@ -36,9 +36,10 @@ from camgen.machines.cam_loads import unweighed
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.printed import SwingMachine
-from camgen.machines.uniform_swing.room import LAYOUT, Room, place_pins
+from camgen.machines.uniform_swing.room import LAYOUT, Room, machine_checks, place_pins
 from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
 from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact, source_figures
 from camgen.machines.uniform_swing.tables import (
@@ -51,11 +52,10 @@ from camgen.machines.uniform_swing.tables import (
     NozzleTable,
     Parts,
     SpringTable,
-    machine_faults,
 )
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import TURNED, Bearing, Bought
+from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.parts.springs import Mounted, wound
@@ -81,24 +81,19 @@ class UniformSwing(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
         checks = [
-            # a stretch of less would be rounding
-            (
-                blend in (0, 180) or 0.01 <= blend <= 179.99,
-                "geometry.reversal_blend_deg",
-                blend,
-                "0 (sharp), 0.01 to 179.99, or 180",
-            ),
+            (blend in (0, 180) or 0.01 <= blend <= 179.99, "geometry.reversal_blend_deg", blend,
+             "0 (sharp), 0.01 to 179.99, or 180"),  # a stretch of less would be rounding
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
             (p.mark_depth < p.thickness, "parts.mark_depth", p.mark_depth, f"less than the thickness, {p.thickness:g} mm"),
         ]
         if p.make == "machine":
-            sizes = self.geometry.tip_radius, self.print.slide_clearance, self.print.press_clearance, p.pin_diameter
-            joined = p.shaft == "plain" and self.geometry.closure == "conjugate"
-            checks += machine_faults(*sizes, self.allowed.min_wall, nozzle, joined, self.base, self.frame, self.collet)
+            checks += machine_checks(self)
         deg = None if self.load is None else self.load.gravity_deg
         weight = None if deg is None else unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
         found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        g = self.geometry
+        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, g.tip_radius)
         return [*found, *p.misfits(), *([] if weight is None else [weight])]
 
     @cached_property
@@ -114,12 +109,12 @@ class UniformSwing(Mechanism):
                 f"{g.pivot_distance * math.tan(math.radians(g.swing_deg / 2)):.4g} mm",
             )  # fmt: skip
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
-        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1))
+        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1), g.tip_clearance)
 
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
-        touches = (ProfileTouch(self.cam), MirroredTouch(self.cam))[: 1 + pair]
+        touches = (CamTouch(self.cam), CamTouch(self.cam, mirrored=True))[: 1 + pair]
         return cam_machine([self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -137,20 +132,13 @@ class UniformSwing(Mechanism):
 
         Pin holes lie on Ox at equal distances and keyway or flat on Oy, so the turned part fits the other one.
         """
-        return self._machine.parts() if self.making.make == "machine" else (self._cam_part,)
+        return self._machine.parts() if self.making.make == "machine" else (self.cam_part,)
 
     @cached_property
     def _machine(self) -> SwingMachine:
-        p, fits, g = self.making, self.print, self.geometry
-        cam = self.cam
-        self._room.check()
-        flat = p.flat_depth if p.shaft == "d-flat" else 0.0
-        return SwingMachine(
-            cam, self._cam_part, p.bore, p.pin_diameter, math.radians(g.swing_deg), g.closure == "conjugate",
-            p.shaft == "plain", flat, p.wall, self._pins[1], fits.slide_clearance, fits.press_clearance, self.allowed.min_wall,
-            self.accuracy.chord_tolerance, self.base, self.frame, self.collet, self.nozzle, self._room,
-            TURNED if p.pins == "steel" else "printed",
-        )  # fmt: skip
+        self.cam  # noqa: B018  refuses a swing that is too large, before there is room for it
+        self.room.check()
+        return SwingMachine(self)
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is bought for the whole machine, if that is to be made; else the tips."""
@@ -166,23 +154,18 @@ class UniformSwing(Mechanism):
         return facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
 
     @cached_property
-    def _cam_part(self) -> Part:
+    def cam_part(self) -> Part:
+        """The cam as made."""
         p, outline = self.making, self.cam.outline
         rim = self._rim
         bore, reach = p.hole()
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
-            raise DesignError(
-                "parts.bore",
-                p.bore,
-                2 * room,
-                "mm",
-                "the cam's nearest side",
-                "the bore leaves the cam: use a smaller one",
-            )
+            said = "the bore leaves the cam: use a smaller one"
+            raise DesignError("parts.bore", p.bore, 2 * room, "mm", "the cam's nearest side", said)
         holes, keep_clear = [bore], []
         if p.pin_diameter:
-            place = self._pins[0]
+            place = self.pins[0]
             keep_clear += [(z, p.pin_diameter / 2) for z in (place, -place.conjugate())]
             holes += [circle(*pin) for pin in keep_clear]
         mark = self._mark(rim, reach, keep_clear) if p.mark_depth else None
@@ -206,21 +189,17 @@ class UniformSwing(Mechanism):
         )  # fmt: skip
 
     @cached_property
-    def _pins(self) -> tuple[complex, float]:
+    def pins(self) -> tuple[complex, float]:
         """Place of one pin hole, the other being its mirror image in Oy, and the wall that they keep, mm."""
         p = self.making
         if p.make == "machine" and p.pin_diameter:
-            return self._room.pins(self._rim, p.pin_diameter, p.wall)
+            return self.room.pins(self._rim, p.pin_diameter, p.wall)
         return place_pins(self._rim, self.making.hole()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
 
     @cached_property
-    def _room(self) -> Room:
-        g, p, fits = self.geometry, self.making, self.print
-        return Room(
-            g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius, p.bore, p.hole()[1],
-            p.shaft == "plain", g.closure == "conjugate", self.base.face.half, fits.slide_clearance, fits.press_clearance,
-            self.allowed.min_wall, self.frame, self.collet,
-        )  # fmt: skip
+    def room(self) -> Room:
+        """Room that the geometry leaves to the whole machine."""
+        return Room(self)
 
     def _mark(self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]) -> tuple[complex, float, complex] | None:
         """Place, size and direction of the engraved arrow beside the bore, below it if there is room; None without any."""
@@ -273,7 +252,7 @@ class UniformSwing(Mechanism):
         if self.making.make == "machine":
             return self._machine.mounts
         above = self.making.thickness + self.print.slide_clearance
-        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self._cam_part.count]
+        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self.cam_part.count]
 
     def asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne."""

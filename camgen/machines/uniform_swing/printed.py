@@ -10,59 +10,40 @@ The frame's own origin is the follower's pivot; the second plate is the first tu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
-from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
 from camgen.machines.loads.journals import Journal
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
-from camgen.machines.uniform_swing.room import LAYOUT, LEAST_AXLE, Room, washer_wall
-from camgen.machines.uniform_swing.tables import BaseTable, ColletTable, FrameTable, NozzleTable
-from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, dowel
+from camgen.machines.uniform_swing.room import LAYOUT, LEAST_AXLE, washer_wall
+from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, TURNED, dowel
 from camgen.parts.hardware import Collet, headed, spacer
 from camgen.parts.part import Part, hull, rod
+
+if TYPE_CHECKING:
+    from camgen.machines.uniform_swing.mechanism import UniformSwing
 
 _TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
 
 
-@dataclass(frozen=True)
 class SwingMachine:
-    """All parts of the machine round a cam, and their mounting; lengths mm.
+    """All parts of the machine round a cam, and their mounting; lengths mm, pin_wall: kept round the cams' pins."""
 
-    cam_part: the cam as made; pins: places of its pin holes; swing: peak to peak, rad; reachable: follower angle over
-    the cam angle; pair: two cams and two frames; plain: the shaft is clamped by a collet; flat: depth of its flat, 0:
-    none; wall, pin_wall: wanted, and kept round the pins; slide, press: diametral fits; room: that the geometry leaves;
-    pins_made: how.
-    """
-
-    cam: DiscCam
-    cam_part: Part
-    bore: float
-    pin: float
-    swing: float
-    pair: bool
-    plain: bool
-    flat: float
-    wall: float
-    pin_wall: float
-    slide: float
-    press: float
-    min_wall: float
-    chord_tolerance: float
-    base: BaseTable
-    frame: FrameTable
-    collet: ColletTable
-    nozzle: NozzleTable
-    room: Room
-    pins_made: str = "printed"
+    def __init__(self, spec: UniformSwing) -> None:
+        p = spec.making
+        self.spec, self.cam, self.cam_part, self.room, self.pin_wall = spec, spec.cam, spec.cam_part, spec.room, spec.pins[1]
+        self.base, self.frame, self.collet, self.nozzle = spec.base, spec.frame, spec.collet, spec.nozzle
+        self.bore, self.pin, self.wall, self.plain, self.pair = p.bore, p.pin_diameter, p.wall, self.room.plain, self.room.pair
+        self.slide, self.press, self.min_wall = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
 
@@ -148,7 +129,7 @@ class SwingMachine:
         """The base as a shape."""
         b, f = self.base, self.frame
         return Base(
-            b.face, self.cam.follower.pivot.real, self.axle, f.axle_flange, f.slide_at, self.swing, b.thickness, b.wall,
+            b.face, self.cam.follower.pivot.real, self.axle, f.axle_flange, f.slide_at, self.room.swing, b.thickness, b.wall,
             self.slide, b.slot_room, b.window, SCREWS.get(b.mount),
         )  # fmt: skip
 
@@ -291,13 +272,13 @@ class SwingMachine:
             made.append(self._spacer())
         if self.plain:
             made += [self._collet.sleeve(self.min_wall), self._collet.ring()]
-        glued = ("pressed and glued",)
+        glued, pins_made = ("pressed and glued",), TURNED if self.spec.making.pins == "steel" else "printed"
         if self.pins and self.cam_pin_length > self.thickness:
             diameter = self.pin - self.press
-            made.append(rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length, len(self.pins), glued, self.pins_made))
+            made.append(rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length, len(self.pins), glued, pins_made))
         if self.pair and self.pin:
             length = 2 * self.thickness
-            made.append(rod("frame-pin", "Pin of the frames", self.pin - self.press, length, 2, glued, self.pins_made))
+            made.append(rod("frame-pin", "Pin of the frames", self.pin - self.press, length, 2, glued, pins_made))
         return tuple(made)
 
     @property
@@ -372,7 +353,9 @@ class SwingMachine:
         boss = min(face.boss_height, self.base.thickness)
         if boss:
             bought.append(StandIn("motor boss", GROUND, ((0j, face.boss / 2, 0.0, boss),)))
-        round_part = (-0.5j * self.flat, (self.bore - self.flat) / 2)  # the largest disc beside a flat
+        p = self.spec.making
+        flat = p.flat_depth if p.shaft == "d-flat" else 0.0
+        round_part = (-0.5j * flat, (self.bore - flat) / 2)  # the largest disc beside a flat
         bought.append(StandIn("shaft", "cam", ((*round_part, boss, self.shaft_length),)))
         return (*bought, *(StandIn(f"tip-{k + 1}", "follower", discs, rolls=True) for k, discs in enumerate(self._tips())))
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,9 +18,12 @@ from camgen.errors import DesignError
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
-from camgen.machines.uniform_swing.tables import ColletTable, FrameTable
+from camgen.parts.catalogue import DOWELS
 from camgen.parts.hardware import Collet
 from camgen.parts.part import hull
+
+if TYPE_CHECKING:
+    from camgen.machines.uniform_swing.mechanism import UniformSwing
 
 LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 LEAST_AXLE = 3.0  # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
@@ -90,28 +92,18 @@ def near_far(pivot: Any, offset: Any, swing: Any, tip: float) -> tuple[Floats, F
     return np.where(lean > swing / 2, inner, 0.0) - tip, outer - tip
 
 
-@dataclass(frozen=True)
 class Room:
     """Room that the geometry leaves to a machine; lengths mm, swing rad, peak to peak.
 
-    bore: the shaft's; reach: of its hole from the axis; plain: a collet clamps the shaft; pair: two cams, a washer between
-    them; motor: half its width; slide, press: diametral fits.
+    reach: of the shaft's hole from the axis; plain: a collet clamps the shaft; pair: two cams, a washer between them.
     """
 
-    pivot: float
-    offset: float
-    swing: float
-    tip: float
-    bore: float
-    reach: float
-    plain: bool
-    pair: bool
-    motor: float
-    slide: float
-    press: float
-    min_wall: float
-    frame: FrameTable
-    collet: ColletTable
+    def __init__(self, spec: UniformSwing) -> None:
+        g, p = spec.geometry, spec.making
+        self.pivot, self.offset, self.swing, self.tip = g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius
+        self.bore, self.reach, self.plain, self.pair = p.bore, p.hole()[1], p.shaft == "plain", g.closure == "conjugate"
+        self.slide, self.press, self.min_wall = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall
+        self.motor, self.frame, self.collet = spec.base.face.half, spec.frame, spec.collet
 
     @property
     def washer(self) -> tuple[float, float] | None:
@@ -193,3 +185,32 @@ class Room:
                 nearest = values[fine][np.argmin(np.abs(values[fine] - now))]
                 said.append(f"geometry.{key} = {nearest:g}")
         return f"there is room with {', or '.join(said)}" if said else "use other lengths, or a smaller geometry.swing_deg"
+
+
+# ---- what a spec may not say ----------------------------------------------------------------------------------------
+
+
+def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]:
+    """Checks between keys of the machine: (holds, path, value, what would be right)."""
+    base, frame, tip_radius, pin = spec.base, spec.frame, spec.geometry.tip_radius, spec.making.pin_diameter
+    slide, press, min_wall, slit = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall, spec.collet.slit
+    joined = spec.making.shaft == "plain" and spec.geometry.closure == "conjugate"  # pins must join its cams
+    rollers = [d / 2 for d in DOWELS] if frame.tip == "pin" else [b.outside / 2 for b in (frame.bearing,) if b]
+    thin = {
+        "parts.pin_diameter": pin or min_wall, "frame.arm": frame.arm, "frame.axle": frame.axle,
+        "frame.flange_thickness": frame.flange_thickness, "collet.flange": spec.collet.flange,
+    }  # fmt: skip
+    return (
+        *((size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm") for path, size in thin.items()),
+        (pin > 0 or not joined, "parts.pin_diameter", pin, "more than 0: pins join the two cams on a plain shaft"),
+        (slit >= spec.print.nozzle, "collet.slit", slit, f"at least the nozzle, {spec.print.nozzle:g} mm, or it closes in print"),
+        (frame.tip == "plate" or tip_radius in rollers, "geometry.tip_radius", tip_radius,
+         f"that of frame.tip = \"{frame.tip}\": {', '.join(f'{radius:g}' for radius in rollers)} mm"),
+        (slide > 0, "print.slide_clearance", slide, "more than 0: the cams and frames of a machine turn past each other"),
+        (base.gap > slide, "base.gap", base.gap, f"more than print.slide_clearance, {slide:g} mm"),
+        (press < pin or not pin, "print.press_clearance", press, f"less than parts.pin_diameter, {pin:g} mm"),
+        (frame.axle_flange > frame.axle + slide, "frame.axle_flange", frame.axle_flange,
+         f"more than the axle and its clearance, {frame.axle + slide:g} mm"),
+        (base.motor != "flange" or base.screw_circle > base.boss, "base.screw_circle", base.screw_circle,
+         f"more than base.boss, {base.boss:g} mm"),
+    )  # fmt: skip

@@ -1,14 +1,14 @@
-"""The tables of a uniform-swing spec: the cam's, and those of the machine round it, from base to spring; their faults."""
+"""The tables of a uniform-swing spec: the cam's, and those of the machine round it, from base to spring."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from camgen.machines.loads.tables import Bears, Drives
-from camgen.parts.catalogue import BEARINGS, DOWELS, MOTOR_FACES, Bearing, MotorFace, flange
+from camgen.machines.pairs import Air
+from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import ShaftHole
 from camgen.spec import Length, Record, Rpm, turning
 
@@ -24,6 +24,7 @@ class Geometry(Record):
     swing_deg: Annotated[float, Field(gt=0, lt=180)]
     tip_radius: Annotated[float, Field(ge=0, le=1e6)]
     closure: Literal["conjugate", "force"] = "conjugate"
+    tip_clearance: Air = 0.0
     reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
 
 
@@ -133,36 +134,3 @@ class SpringTable(Record):
     rate: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     preload: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     lever: Length = 24.0
-
-
-def machine_faults(
-    tip_radius: float, slide: float, press: float, pin: float, min_wall: float, nozzle: float, joined: bool, base: BaseTable,
-    frame: FrameTable, collet: ColletTable,
-) -> Sequence[tuple[bool, str, float, str]]:
-    """Checks between keys of the machine: (holds, path, value, what would be right); joined: pins must join its cams."""
-    rollers = [d / 2 for d in DOWELS] if frame.tip == "pin" else [b.outside / 2 for b in (frame.bearing,) if b]
-    thin = {
-        "parts.pin_diameter": pin or min_wall, "frame.arm": frame.arm, "frame.axle": frame.axle,
-        "frame.flange_thickness": frame.flange_thickness, "collet.flange": collet.flange,
-    }  # fmt: skip
-    return (
-        *((size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm") for path, size in thin.items()),
-        (pin > 0 or not joined, "parts.pin_diameter", pin, "more than 0: pins join the two cams on a plain shaft"),
-        (collet.slit >= nozzle, "collet.slit", collet.slit, f"at least the nozzle, {nozzle:g} mm, or it closes in print"),
-        (
-            frame.tip == "plate" or tip_radius in rollers,
-            "geometry.tip_radius", tip_radius,
-            f"that of frame.tip = \"{frame.tip}\": {', '.join(f'{radius:g}' for radius in rollers)} mm",
-        ),
-        (slide > 0, "print.slide_clearance", slide, "more than 0: the cams and frames of a machine turn past each other"),
-        (base.gap > slide, "base.gap", base.gap, f"more than print.slide_clearance, {slide:g} mm"),
-        (press < pin or not pin, "print.press_clearance", press, f"less than parts.pin_diameter, {pin:g} mm"),
-        (
-            frame.axle_flange > frame.axle + slide,
-            "frame.axle_flange", frame.axle_flange, f"more than the axle and its clearance, {frame.axle + slide:g} mm",
-        ),
-        (
-            base.motor != "flange" or base.screw_circle > base.boss,
-            "base.screw_circle", base.screw_circle, f"more than base.boss, {base.boss:g} mm",
-        ),
-    )  # fmt: skip

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine import Forces, solve
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingFace
-from camgen.machine.cams.machine import FollowerLoad, MirroredTouch, OuterWallTouch, ProfileTouch, cam_machine, loaded
+from camgen.machine.cams.machine import CamTouch, FollowerLoad, cam_machine, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.motion.laws import POLYNOMIAL_345
@@ -54,7 +54,7 @@ def lifted() -> Program:
 
 
 def swing(load: FollowerLoad, friction: float = 0.0, speed: float = W, pair: bool = False, theta: np.ndarray = THETA) -> Forces:
-    touches = (ProfileTouch(CAM), MirroredTouch(CAM))[: 1 + pair]
+    touches = (CamTouch(CAM), CamTouch(CAM, mirrored=True))[: 1 + pair]
     return solve(cam_machine([CAM], speed, load, "form", touches, friction), theta).forces()
 
 
@@ -155,10 +155,10 @@ def test_conjugate_pair_shares_the_effort() -> None:
 def test_either_wall_of_a_groove_bears() -> None:
     cam = DiscCam(lifted(), SlidingTip(6 + 40j, 1j, 5.0))
     for sign in (1.0, -1.0):
-        touches = (ProfileTouch(cam), OuterWallTouch(cam))
+        touches = (CamTouch(cam), CamTouch(cam, outer=True))
         forces = solve(cam_machine([cam], W, FollowerLoad(preload=sign), touches=touches), THETA).forces()
         np.testing.assert_allclose(forces.pressing["contact"] * np.cos(cam.steepness(THETA)), 1.0, rtol=1e-9)
-    one, other = ProfileTouch(cam)(THETA)[0], OuterWallTouch(cam)(THETA)[0]
+    one, other = CamTouch(cam)(THETA)[0], CamTouch(cam, outer=True)(THETA)[0]
     np.testing.assert_allclose((one + other) / 2, cam.pitch(THETA), atol=1e-12)
 
 

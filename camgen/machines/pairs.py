@@ -1,0 +1,60 @@
+"""A conjugate pair's air or preload, on purpose: both cams are cut for a tip that is larger by it, or smaller.
+
+The follower moves as wanted in the middle between both cams; from there it has the same way to either, or presses on both. Of a
+tip on an arm of length l at pressure angles a and b the play is air (1 / cos a + 1 / cos b) / l, rad; on a slide without the l.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import Fault
+from camgen.findings import NotJudged
+from camgen.machine.features import CamOutline
+from camgen.machine.forces import Forces
+from camgen.machine.model import Cam, Machine
+
+Air = Annotated[float, Field(ge=-1, le=10)]  # mm, at each tip
+
+
+def air_faults(path: str, air: float, closure: str, radius: float | None) -> list[Fault]:
+    """What is wrong with the air at the tips, mm; radius: of a round tip, 0 of a knife, None of a face."""
+    if air and closure != "conjugate":
+        return [Fault(path, f"{air:g}", 'nothing here: only closure "conjugate" has two tips')]
+    if radius is not None and air < -radius:
+        return [Fault(path, f"{air:g}", f"at least {-radius:g}: a preload that the tip's radius can give way by")]
+    return []
+
+
+@dataclass(frozen=True)
+class Told:
+    """What to know of pairs with air or preload, and what of them is not judged."""
+
+    notes: list[str] = field(default_factory=list)
+    left: list[NotJudged] = field(default_factory=list)
+
+
+def told(forces: Forces, machine: Machine, outlines: Mapping[str, CamOutline]) -> Told:
+    """Which cam of a pair leads for how much of the turn by the forces, or that it is pressed; outlines: by joint, the first."""
+    found = Told()
+    for joint in machine.joints:
+        outline = outlines.get(joint.name)
+        if not isinstance(joint, Cam) or outline is None or not outline.free:
+            continue
+        if outline.free < 0:
+            why = f"how hard the preload at {joint.name} presses follows from the stiffness of its parts, which is not known"
+            found.left.append(NotJudged("HERTZ", f"{why}: it is in no force here", "a torque measured on the machine"))
+            continue
+        effort = forces.contacts[joint.name] * joint.leaves
+        if np.any(effort):
+            leads = f"by its forces on the first one for {100 * float(np.mean(effort > 0)):.0f} % of the turn, else on the second"
+        else:
+            leads = "on which is not known: it bears no load"
+        middle = "MOTION_ERROR is that of the middle between both cams"
+        found.notes.append(f"{joint.name}: {middle}; the follower lies half of LASH beside it, {leads}.")
+    return found

@@ -1,0 +1,57 @@
+"""A sweep's rows as a table: CSV, or Parquet; written beside the target, then renamed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from camgen.errors import FileError, file_errors
+
+Row = dict[str, Any]
+
+
+def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
+    import csv
+
+    with file_errors():
+        part = path.with_name(path.name + ".part")
+        with open(part, "w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+        os.replace(part, path)
+
+
+def pyarrow_at(path: Path) -> Any:
+    """The package that writes Parquet; FileError where there is none."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise FileError(path, "needs pyarrow: pip install 'camgen[table]'; a name that ends in .csv needs nothing") from None
+    return pyarrow
+
+
+def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
+    arrow = pyarrow_at(path)
+    text = ("verdict", "fails", "reason")
+    batch = list(islice(rows, 10_000))
+    mixed = {name for name in columns if any(isinstance(row.get(name), str) for row in batch)}
+    kinds = {name: arrow.int64() if name == "variant" else arrow.string() if name in mixed or name in text else arrow.float64()
+             for name in columns}  # fmt: skip
+    schema = arrow.schema(list(kinds.items()))
+    with file_errors():
+        part = path.with_name(path.name + ".part")
+        with arrow.parquet.ParquetWriter(part, schema) as writer:
+            while batch:
+                found = [{name: str(row[name]) if name in mixed and row.get(name) is not None else row.get(name)
+                          for name in columns} for row in batch]  # fmt: skip
+                writer.write_table(arrow.Table.from_pylist(found, schema))
+                batch = list(islice(rows, 10_000))
+        os.replace(part, path)
+
+
+WRITERS: dict[str, Callable[[Path, Sequence[str], Iterator[Row]], None]] = {".csv": _write_csv, ".parquet": _write_parquet}

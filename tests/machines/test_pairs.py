@@ -1,0 +1,85 @@
+"""Air and preload of conjugate pairs, from their files: play of a known size, no false overlap, and wrong cams by name."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_linkage_bodies import cam_rocker
+
+from camgen import build, check
+from camgen.errors import SpecError
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.tolerance_report import tolerance
+
+SPECS = Path(__file__).parents[2] / "specs"
+FLAT = ('geometry.follower={motion="translating",shape="flat"}', "limits.least_radius=1")
+PAIR = ('geometry.closure="conjugate"', "name='c'", "accuracy.chord_tolerance=0.002")
+
+
+def made(folder: Path, *settings: str) -> Any:
+    return pipeline.build(SPECS / "disc-cam.toml", folder, frozenset({"dxf"}), settings)
+
+
+def lash(report: Any) -> float:
+    (found,) = [finding.measured for finding in report.findings if finding.code == "LASH"]
+    return float(found)
+
+
+def test_air_is_play_of_twice_its_size(tmp_path: Path) -> None:
+    """A face moves along its normal: 0.1 mm on either side is 0.2 mm of way, and the motion is that of the middle."""
+    report = made(tmp_path, *PAIR, *FLAT, "geometry.tip_clearance=0.1")
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    assert lash(report) == pytest.approx(0.2, abs=0.004)
+    assert [f.measured < 0.0021 for f in report.findings if f.code == "MOTION_ERROR"] == [True, True]
+
+
+def test_preload_is_no_play_and_no_fault(tmp_path: Path) -> None:
+    """Of a roller straight above its shaft the pressure angle is 0 in the dwells: there both tips give way by 0.05 mm each."""
+    report = made(tmp_path, *PAIR, "geometry.tip_clearance=-0.05")
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    assert lash(report) == 0 and report.numbers["preload_dxf_mm"] == pytest.approx(0.1, abs=0.004)
+    assert any(left.code == "HERTZ" and "preload" in left.why for left in report.not_judged)
+    loose = tmp_path / "loose"
+    made(loose, *PAIR, "geometry.tip_clearance=0.05")
+    shutil.copy(loose / "c" / "c-cam-2.dxf", tmp_path / "c" / "c-cam-2.dxf")
+    wrong = [f for f in check(tmp_path / "c").findings if not f.ok]
+    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in wrong)
+
+
+def test_air_of_a_pair_in_a_linkage(tmp_path: Path) -> None:
+    """On an arm of hypot(30, 25) mm the play is 2 x 0.05 mm over it at least, over its share across the outline at most."""
+    spec = {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60},
+            **cam_rocker(closure="conjugate", tip_clearance=0.05)}  # fmt: skip
+    report = build(spec, tmp_path, "dxf")
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    least = math.degrees(0.1 / math.hypot(30, 25))
+    steep = math.radians(max(f.measured for f in report.findings if f.code == "PRESSURE_ANGLE"))
+    assert least < report.numbers["lash_dxf_deg"] < least / math.cos(steep) + 0.01
+
+
+@pytest.mark.parametrize(("settings", "said"), [
+    (("geometry.closure='force'", "geometry.tip_clearance=0.1"), "two tips"),
+    (("geometry.closure='conjugate'", "geometry.tip_clearance=-0.5", "geometry.follower.radius=0.4"), "at least -0.4"),
+])  # fmt: skip
+def test_air_that_cannot_be(settings: tuple[str, ...], said: str, tmp_path: Path) -> None:
+    with pytest.raises(SpecError, match=said):
+        made(tmp_path, *settings)
+
+
+def test_the_air_that_copies_ask_for_frees_them() -> None:
+    """What 99 of 100 copies of the pair without air ask for, typed as its air, is what 99 of 100 hold with."""
+    few = ("print.size_error=0.05",)
+    needed = tolerance(SPECS / "uniform-swing.toml", few, 20_000, 1, 0).numbers["tip_clearance_99_percent_contact_mm"]
+
+    def holds(air: float, code: str) -> float:
+        found = tolerance(SPECS / "uniform-swing.toml", (*few, f"geometry.tip_clearance={air}"), 20_000, 2, 0)
+        (table,) = [each for each in found.tables if each.title == "Yield"]
+        (row,) = [row for row in table.rows if row[0] == code and "contact" in str(row[1])]
+        return float(str(row[-1]))
+
+    assert holds(needed, "INTERFERENCE") == pytest.approx(99, abs=0.4)
+    assert holds(-needed, "LASH") == pytest.approx(99, abs=0.8)  # as much preload is left in as many, nearly: errors have no sign
