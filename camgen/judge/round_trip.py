@@ -54,7 +54,8 @@ class Expected:
     the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
     place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
     is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
-    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, none where nobody asked for them.
+    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, and engraved contours: none where nobody
+    asked for them.
     """
 
     part: str
@@ -71,6 +72,7 @@ class Expected:
     stacked: bool = True
     undo: Undo | None = None
     marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
+    engraved: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,7 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
+    faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
         "DXF_CLOSED", len(faults), 0, "contours", where,
         "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
@@ -131,6 +134,15 @@ def _misplaced(marks: Points, wanted: Points) -> list[str]:
         return [f"{len(marks)} strokes of centre marks instead of {len(wanted)} (output.center_marks)"]
     off = float(np.max(np.abs(marks - wanted), initial=0.0))
     return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
+
+
+def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float) -> list[str]:
+    """What is wrong with engraved contours, in the order in which they are meant."""
+    if len(engraved) != len(wanted):
+        return [f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"]
+    pairs = zip(engraved, wanted, strict=True)
+    off = max((_contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
+    return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
 
 
 def judge_mesh(path: Path, expected: Expected) -> Judged:
@@ -434,6 +446,8 @@ def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
 def _deviation(one: bytes, other: bytes) -> float:
     """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
     a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
+    if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= tolerances.SAME_POINT:
+        return off
     return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
 
 

@@ -104,9 +104,10 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         fit = compensation(mechanism)
         mesh = solid(part, tolerance)
         sent = solid(compensated(part, fit), tolerance) if fit else mesh
-    centres = part.centres if mechanism.output.center_marks else ()
+    output = mechanism.output
+    centres, engraved = part.centres if output.center_marks else (), part.engraving if output.engrave else ()
     title, key = f"{mechanism.name}-{name}", _key(mechanism)
-    job = Job(name, title, key, part.region, centres, tolerance, mechanism.output.curves, sent, part)
+    job = Job(name, title, key, part.region, centres, tolerance, output.curves, sent, part, engraved)
     for kind in wanted:
         with suppress(DesignError) if kind in EXACT else nullcontext():  # a part that has none is told as files are judged
             write_part(case.file(name, kind), job)
