@@ -30,7 +30,10 @@ TOP = {"__init__", "__main__", "cli", "commands", "guide", "starters"}
 # Of a machine the judge sees what it is, what of it is measured and wanted, and the conditions of its joints: never what made
 # a curve, nor the route by which the maker closes it. Of a format it takes the reading, and what is said of it in the list.
 SEEN = {"model", "features", "targets", "constraints", "closing"}
-FACTS = {("formats", "FORMATS"), ("formats", "READABLE"), ("formats", "DRAWN"), ("formats", "SOLID")}
+FACTS = {
+    ("formats", "FORMATS"), ("formats", "READABLE"), ("formats", "DRAWN"), ("formats", "SOLID"),
+    ("threemf", "Item"), ("threemf", "Package"),  # what reading a 3MF gives
+}  # fmt: skip
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "scipy", "rich"}
 LIGHT = {
     "__init__", "__main__", "cli", "guide.__init__", "errors", "findings", "tolerances", "report.terminal",
