@@ -80,6 +80,19 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     return pairs, point(t1, 0)
 
 
+def smallest_loop(point: Curve, n: int = 3600) -> tuple[float, float, complex, int] | None:
+    """Of a closed curve's loops the one that takes the least angle: where it begins and ends, rad, its double point, complex mm,
+    and how many there are; None where the curve does not cross itself. n as in `double_points`."""
+    pairs, points = double_points(point, n)
+    if not len(pairs):
+        return None
+    spans = (pairs[:, 1] - pairs[:, 0]) % TURN
+    inner = np.minimum(spans, TURN - spans)
+    k = int(np.argmin(inner))
+    begins = float(pairs[k, 0] if spans[k] <= math.pi else pairs[k, 1])
+    return begins, begins + float(inner[k]), complex(points[k]), len(pairs)
+
+
 def moving_centrode(a: Points, b: Points) -> Points:
     """The place on the link a-b that stands still, as its share of the way from a to b, (order, n) with derivatives.
 

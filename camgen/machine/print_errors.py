@@ -169,11 +169,5 @@ def _contact(cam: Cam, side: int, system: Constraints, q: Floats) -> _Contact:
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     place, normal = cam.touches[side](angle - cam.phase)
     turn = np.exp(1j * angle)
-    where, push = q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn
-    way = np.zeros(q.shape)
-    for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
-        c = system.column[body]
-        way[:, c] += sign * push.real
-        way[:, c + 1] += sign * push.imag
-        way[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+    way = system.pressed(cam, q, q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn)
     return _Contact(cam, side, way, waviness(place, normal))

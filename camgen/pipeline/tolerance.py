@@ -214,10 +214,7 @@ def laws_of(spread: Spread, errors: Floats, shifted: Machine) -> dict[str, tuple
         given.setdefault(mode.where, {}).setdefault(mode.kind, []).append(float(error))
     laws = {}
     parts = {part.name: part for part in mechanism.parts()}
-    first: dict[str, CamOutline] = {}
-    for each in mechanism.features():
-        if isinstance(each, CamOutline):
-            first.setdefault(each.joint, each)
+    first = mechanism.outlines()
     for joint in shifted.joints:
         own = given.get(f"{joint.name}, 1")
         if not isinstance(joint, Cam) or own is None:
