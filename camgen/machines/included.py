@@ -16,7 +16,7 @@ from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Arc
-from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn, Strand
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
@@ -130,6 +130,17 @@ class Included:
                 drawn={m.part(name): (m.part(other), mirrored) for name, (other, mirrored) in each.drawn.items()},
             )
             for each in self.mechanism.contacts()
+        ]  # fmt: skip
+
+    def balances(self) -> Sequence[Balance]:
+        """Its cranks with counterweights."""
+        m = self.module
+        return [
+            replace(
+                each, body=m.body(each.body), joint=m.name(each.joint),
+                density={m.part(name): heavy for name, heavy in each.density.items()},
+            )
+            for each in self.mechanism.balances()
         ]  # fmt: skip
 
     def bought(self) -> Sequence[Bought]:
