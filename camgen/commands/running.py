@@ -51,7 +51,7 @@ def hand_over(text: str, file: Path | None) -> None:
         click.echo(printable(text, keep="\n"), nl=False)
         return
     try:
-        with open(file, "x", encoding="utf-8") as stream:
+        with open(file, "x", encoding="utf-8", newline="") as stream:
             stream.write(text)
     except FileExistsError:
         raise _taken(file) from None

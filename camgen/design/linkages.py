@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,8 +11,9 @@ import numpy as np
 
 from camgen.design.chains import Chain
 from camgen.design.paths import Found
-from camgen.errors import CamgenError
+from camgen.design.weighed import Weighed, rounded_up
 from camgen.numerics import Points
+from camgen.report.sketches import Drawn
 from camgen.spec import Data
 
 TRACED, CRANK = "P", "crank"
@@ -29,20 +29,25 @@ class Candidate:
     found: Found
     wanted: Points
     tables: Data
+    joined: bool = True  # whether lines join the wanted points in their order
+
+    @cached_property
+    def path(self) -> Points:
+        """What the last point traces over a turn, complex mm."""
+        return self.found.chain.trace(np.array([self.found.drawn]), _STEPS)[0][:, 0]
 
     @cached_property
     def worst(self) -> float:
         """Greatest distance from the path to the wanted one or back, mm."""
         from scipy.spatial import cKDTree
 
-        path = self.found.chain.trace(np.array([self.found.drawn]), _STEPS)[0][:, 0]
-        a, b = (np.stack([z.real, z.imag], axis=-1) for z in (path, self.wanted))
+        a, b = (np.stack([z.real, z.imag], axis=-1) for z in (self.path, self.wanted))
         return float(max(np.max(cKDTree(b).query(a)[0]), np.max(cKDTree(a).query(b)[0])))
 
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of PATH_ERROR, mm, its own worst distance and a fiftieth unless given."""
         places = self.wanted[np.linspace(0, len(self.wanted), _PLACES, endpoint=False).astype(int)]
-        borne = tolerance or _rounded_up(1.02 * self.worst + 1e-3)
+        borne = tolerance or rounded_up(1.02 * self.worst + 1e-3)
         through = {"at": [_place(z) for z in places], "tolerance": borne}
         drive = {"link": CRANK, **self.tables.get("drive", {})}
         output = [{"name": "path", "point": TRACED, "points": through}]
@@ -62,27 +67,26 @@ class Candidate:
         return {"ground": bodies[0], CRANK: bodies[1], **{f"link{k}": body for k, body in enumerate(bodies[2:], 1)}}
 
     @cached_property
-    def refused(self) -> str:
-        """Why parts of it cannot be made or do not pass each other; empty where they can."""
-        from camgen.machines import MECHANISMS, load
-        from camgen.spec import choose, validate
+    def weighed(self) -> Weighed:
+        """Whether it can be made, and its play."""
+        return Weighed(self.data())
 
-        data = self.data()
-        try:
-            mechanism = validate(load(choose(data, MECHANISMS)), data)
-            mechanism.parts()
-        except CamgenError as error:
-            return str(error).partition("\n")[0]
-        failing = [finding for finding in mechanism.limits() if not finding.ok]
-        return "; ".join(f"{each.code} {each.measured:.4g}, the limit is {each.limit:.4g} {each.unit}" for each in failing)
+    @cached_property
+    def drawn(self) -> Drawn:
+        """What a sketch shows."""
+        chain = self.found.chain
+        every = dict(zip(names(chain), self.found.drawn, strict=True))
+        still = [name for k, name in enumerate(every) if k == 0 or 2 <= k < chain.base]
+        links = [points for name, points in self.links.items() if name != "ground"]
+        wanted = self.wanted if self.joined else self.wanted[:0]
+        return Drawn(every, links, still, self.path[:: _STEPS // 120], wanted[:: max(1, len(self.wanted) // 200)])
 
     def row(self, number: int) -> dict[str, Any]:
         """What a table of the front shows."""
         chain = self.found.chain
         return {
             "design": number, "links": len(chain.bodies), "mean_distance_mm": round(self.found.error / 2, 6),
-            "worst_distance_mm": round(self.worst, 6), "bars_mm": round(self.found.bars, 4),
-            "verdict": "holds" if not self.refused else "refused", "reason": self.refused,
+            "worst_distance_mm": round(self.worst, 6), "bars_mm": round(self.found.bars, 4), **self.weighed.row,
         }  # fmt: skip
 
 
@@ -95,9 +99,3 @@ def names(chain: Chain) -> list[str]:
 
 def _place(z: complex) -> list[float]:
     return [round(float(z.real), _DIGITS) + 0.0, round(float(z.imag), _DIGITS) + 0.0]
-
-
-def _rounded_up(value: float) -> float:
-    """To two digits, upwards."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{math.ceil(value / unit) * unit:.3g}")

@@ -7,8 +7,9 @@ import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -17,14 +18,16 @@ from camgen.design.chains import chains
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
 from camgen.design.paths import Found
-from camgen.design.wanted import KeyWish, PathWish, wish, without
+from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
+from camgen.design.weighed import Weighed
 from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, file_errors
+from camgen.numerics import Points
 from camgen.pipeline.edits import edited, with_tables
 from camgen.pipeline.jobs import Source, Workers, changed, read_mechanism, read_tables
+from camgen.report.sketches import Drawn
 from camgen.settings import override
 
 if TYPE_CHECKING:
-    from camgen.design.polish import Goal
     from camgen.machines.linkage.sizes import Parts
 
 Told = Callable[[str], None]
@@ -33,16 +36,44 @@ _FOUND = ("points", "links", "lengths", "output", "slide", "slot", "gear", "cam"
 _WORST, _MOST = 0.2, 10.0  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 
 
+class Design(Protocol):
+    """A machine that a search found."""
+
+    @property
+    def weighed(self) -> Weighed:
+        """Whether it can be made, and its play."""
+
+    @property
+    def drawn(self) -> Drawn:
+        """What a sketch shows."""
+
+    def data(self, tolerance: float | None = None) -> specs.Data:
+        """Tables of its spec."""
+
+    def row(self, number: int) -> dict[str, Any]:
+        """What a table of the front shows."""
+
+
+D = TypeVar("D", bound=Design)
+
+
 @dataclass(frozen=True)
 class Front:
-    """Designs that no other one beats: a spec's text for each, and the rows of a table."""
+    """Designs that no other one beats: a spec's text for each, the rows of a table, and what a sketch shows.
 
-    name: str
+    title, summary: of the page; axes: the columns that are drawn, one over the other.
+    """
+
+    title: str
+    summary: str
+    axes: tuple[str, str]
     texts: Sequence[str]
     rows: Sequence[Mapping[str, Any]]
+    drawn: Sequence[Drawn]
 
     def write(self, folder: Path) -> None:
         """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""
+        from camgen.report.sketches import picture
         from camgen.report.sweep_page import write_page
 
         with file_errors():
@@ -57,103 +88,217 @@ class Front:
             table.writeheader()
             table.writerows(self.rows)
             (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
-        summary = (f"{len(self.rows)} designs: each is nearer to the path than all with less bar, or has less bar than all "
-                   "nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
-        write_page(folder / "front.html", f"Linkages for the path of {self.name}", summary, list(self.rows[0]),
-                   ["worst_distance_mm"], self.rows, len(self.rows), ["bars_mm"])  # fmt: skip
+        across, up = self.axes
+        said = [f"design {row['design']}: {_told(row, across)}, {_told(row, up)}, {row['verdict']}" for row in self.rows]
+        pictures = [(picture(each, words), words) for each, words in zip(self.drawn, said, strict=True)]
+        write_page(folder / "front.html", self.title, self.summary, list(self.rows[0]), [across], self.rows, len(self.rows),
+                   [up], pictures)  # fmt: skip
+
+
+def _told(row: Mapping[str, Any], name: str) -> str:
+    """A figure of a row for people, its unit the last word of its name."""
+    what, _, unit = name.rpartition("_")
+    return f"{what.replace('_', ' ')} {row[name]:.4g} {unit}"
+
+
+Keep = Callable[[Front], None] | None
 
 
 def design(
-    spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told = lambda text: None,
-    keep: Callable[[Front], None] | None = None,
+    spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told = lambda text: None, keep: Keep = None
 ) -> str:  # fmt: skip
-    """Text of the spec that was found. keep: is handed the front of a search for a path, also where none of it will do.
+    """Text of the spec that was found. keep: is handed the front of a search for a linkage, also where none of it will do.
 
-    SpecError with every fault of the wish; DesignError, with the nearest that was reached, where nothing fulfils it.
+    SpecError with every fault of wish and spec; DesignError, with the nearest that was reached, where nothing fulfils it.
     """
     data, source, folder = read_tables(spec)
     for setting in settings:
         data = override(data, setting)
-    text = Path(spec).read_text(encoding="utf-8-sig") if isinstance(spec, str | Path) else None
-    asked = wish(data, source)
-    if isinstance(asked, PathWish):
-        return _for_path(asked, data, source, folder, text if not settings else None, jobs, told, keep)
-    if keep is not None:
-        raise SpecError([Fault("--front", "", "a search for a path: it alone has a front")], "command line")
-    if isinstance(asked, KeyWish):
-        rest = without(data)
-        changed(rest, source, folder)  # faults of the spec itself come first
-        if wrong := [fault for key, ends in asked.vary.items() for fault in _beyond(rest, source, folder, key, ends)]:
-            raise SpecError(wrong, source)
-        found = Search(rest, source, folder, asked, told).found()
-        if text is not None and not settings:
-            return with_tables(edited(text, found), {}, ["wanted"])
-        for setting in found:
-            rest = override(rest, setting)
-        return specs.dump(changed(rest, source, folder))
-    mechanism = read_mechanism(spec, settings)
-    own = getattr(mechanism, "designed", None)
-    if own is None:
-        right = 'a table with path = "..." (a linkage for it), or vary = { key = [least, most] } and least = "figure"'
-        raise SpecError([Fault("wanted", "", f"missing: {right}; camgen guide design")], source)
-    return specs.dump(own())
+    text, ends = _text_of(spec) if isinstance(spec, str | Path) and not settings else (None, "\n")
+    kind = asked_for(data)
+    if keep is not None and kind not in ("path", "function"):
+        raise SpecError([Fault("--front", "", "a search for a path or a function: they alone have a front")], "command line")
+    if not kind:
+        mechanism = read_mechanism(spec, settings)
+        own = getattr(mechanism, "designed", None)
+        if own is None:
+            right = 'a table with path = "..." or function = [...] (a linkage for it), or vary = { key = [least, most] } and '
+            raise SpecError([Fault("wanted", "", f'missing: {right}least = "figure"; camgen guide design')], source)
+        return specs.dump(own())
+    search = {"path": _for_path, "function": _for_function, "vary": _for_keys}[kind]
+    return search(Asked(data, source, folder, text, ends, jobs, told, keep))
 
 
-def _for_path(
-    asked: PathWish, data: specs.Data, source: str, folder: Path, text: str | None, jobs: int, told: Told,
-    keep: Callable[[Front], None] | None,
-) -> str:  # fmt: skip
+def _text_of(spec: str | Path) -> tuple[str, str]:
+    """A spec's text with line feeds, and how its lines end."""
+    text = Path(spec).read_bytes().decode("utf-8-sig")
+    return text.replace("\r\n", "\n"), "\r\n" if "\r\n" in text else "\n"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a search: the spec's tables, its text where it is to be kept, what its lines end in, and who is told."""
+
+    data: specs.Data
+    source: str
+    folder: Path
+    text: str | None
+    ends: str
+    jobs: int
+    told: Told
+    keep: Keep
+
+    @cached_property
+    def rest(self) -> specs.Data:
+        """The tables less [wanted]."""
+        return without(self.data)
+
+    def all_right(self, *looks: Callable[[], object]) -> list[Any]:
+        """What each look gives; SpecError with the faults of all of them."""
+        found, faults = list[Any](), dict[Fault, None]()
+        for look in looks:
+            try:
+                found.append(look())
+            except SpecError as error:
+                faults |= dict.fromkeys(error.faults)
+        if faults:
+            raise SpecError(list(faults), self.source)
+        return found
+
+    def handed_over(self, front: Sequence[D], title: str, summary: str, axes: tuple[str, str], said: str) -> list[dict[str, Any]]:
+        """The rows of a front, which is kept where that is asked for."""
+        rows = []
+        for number, each in enumerate(front, 1):
+            self.told(f"parts of design {number} of {len(front)}")
+            rows.append(each.row(number))
+        if self.keep is not None:
+            texts, name = [self.spec_of(each, said, None) for each in front], str(self.data.get("name"))
+            self.keep(Front(f"{title} of {name}", summary, axes, texts, rows, [each.drawn for each in front]))
+        return rows
+
+    def spec_of(self, each: Design, said: str, tolerance: float | None) -> str:
+        """The spec of a design: the text that was given with what was found, or one of its own."""
+        from camgen.machines import MECHANISMS, load
+
+        data = each.data(tolerance)
+        borne = self.data["wanted"].get("lash")
+        if borne is not None:
+            data["limits"] = {"lash" if asked_for(self.data) == "path" else "lash_deg": borne, **data.get("limits", {})}
+        if self.text is None:
+            return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
+        added = ("points", "links", "drive", "output", *(["limits"] if borne is not None else []))
+        return with_tables(self.text, {key: data[key] for key in added}, ["wanted"], said).replace("\n", self.ends)
+
+
+def _for_keys(asked: Asked) -> str:
+    def keys() -> KeyWish:
+        found = wish(asked.data, asked.source)
+        assert isinstance(found, KeyWish)
+        wrong = [fault for key, ends in found.vary.items() for fault in _beyond(asked, key, ends)]
+        if wrong:
+            raise SpecError(wrong, asked.source)
+        return found
+
+    *_, wanted = asked.all_right(lambda: changed(asked.rest, asked.source, asked.folder), keys)
+    found = Search(asked.rest, asked.source, asked.folder, wanted, asked.told).found()
+    if asked.text is not None:
+        return with_tables(edited(asked.text, found), {}, ["wanted"]).replace("\n", asked.ends)
+    rest = asked.rest
+    for setting in found:
+        rest = override(rest, setting)
+    return specs.dump(changed(rest, asked.source, asked.folder))
+
+
+def _for_function(asked: Asked) -> str:
+    from camgen.design import functions
+
+    def wanted() -> FunctionWish:
+        found = wish(asked.data, asked.source)
+        assert isinstance(found, FunctionWish)
+        return found
+
+    *_, found = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), wanted)
+    front = functions.search(found, asked.rest)
+    said = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
+    summary = (f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
+               "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
+    axes = ("worst_error_deg", "transmission_deg")
+    rows = asked.handed_over(front, "Four-bars for the function", summary, axes, said)
+
+    def error(each: functions.Generator) -> float:
+        return math.degrees(each.error)
+
+    best = chosen(front, found, error, lambda each: each.transmission, lambda each: -each.error, "deg")
+    row = rows[front.index(best)]
+    asked.told(f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
+               f"transmission angle {row['transmission_deg']:.4g} deg and more")  # fmt: skip
+    return asked.spec_of(best, said, found.tolerance)
+
+
+def _for_path(asked: Asked) -> str:
     from camgen.design import paths
     from camgen.design.polish import Goal
     from camgen.design.target import Target
 
-    rest = without(data)
-    right = "nothing here: it is found, with [points], [links] and [[output]]"
-    faults = [Fault(key, "a table", right) for key in _FOUND if key in rest]
-    if data.get("mechanism") != "linkage":
-        faults.append(Fault("mechanism", str(data.get("mechanism")), '"linkage", for a path'))
-    if faults:
-        raise SpecError(faults, source)
-    made = _checked(rest, source)
-    points = asked.points(folder)
+    def path() -> tuple[PathWish, Points]:
+        found = wish(asked.data, asked.source)
+        assert isinstance(found, PathWish)
+        return found, found.points(asked.folder)
+
+    _, made, (wanted, points) = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), path)
     target = Target(points)
-    shortest = asked.shortest or made.pin_diameter + 2 * made.wall  # of a hub
-    sine = math.sin(math.radians(max(asked.transmission_deg, 0.1)))
+    shortest = wanted.shortest or made.pin_diameter + 2 * made.wall  # of a hub
+    sine = math.sin(math.radians(max(wanted.transmission_deg, 0.1)))
     goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
-    kinds = [chain for chain in paths.kinds(asked.bars // 2, 2) if len(chain.bodies) <= asked.bars]
-    told(f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else ""))
-    with Workers(jobs) as workers:
-        found = paths.search(goal, kinds, asked.effort, asked.seed, workers.map, told)
+    kinds = [chain for chain in paths.kinds(wanted.bars // 2, 2) if len(chain.bodies) <= wanted.bars]
+    asked.told(f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else ""))
+    with Workers(asked.jobs) as workers:
+        found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", "more effort, more bars, or less transmission_deg")
-    front = [Candidate(each, points, rest) for each in found]
-    rows = []
-    for number, each in enumerate(front, 1):
-        told(f"parts of design {number} of {len(front)}")
-        rows.append(each.row(number))
-    if keep is not None:
-        keep(Front(str(data.get("name")), [_text(each, asked, text, None) for each in front], rows))
-    chosen = _chosen(front, goal, asked.tolerance)
-    row = rows[front.index(chosen)]
-    told(f"design {row['design']} of {len(front)}: at most {chosen.worst:.4g} mm from the path, {row['mean_distance_mm']:.3g} mm "
-         f"in the mean, bars of {chosen.found.bars:.4g} mm")  # fmt: skip
-    return _text(chosen, asked, text, asked.tolerance)
+    front = [Candidate(each, points, asked.rest, wanted.joined) for each in found]
+    name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
+    said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
+    summary = (f"{len(front)} designs: each is nearer to the path than all with less bar, or has less bar than all "
+               "nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
+    rows = asked.handed_over(front, "Linkages for the path", summary, ("worst_distance_mm", "bars_mm"), said)
+
+    def worth(each: Candidate) -> float:
+        return (1 - each.found.error / goal.worst) * (1 - each.found.bars / goal.most)
+
+    best = chosen(front, wanted, lambda each: each.worst, lambda each: -each.found.bars, worth, "mm")
+    row = rows[front.index(best)]
+    asked.told(f"design {row['design']} of {len(front)}: at most {best.worst:.4g} mm from the path, "
+               f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.found.bars:.4g} mm, "
+               f"play of {best.weighed.lash:.3g} mm")  # fmt: skip
+    return asked.spec_of(best, said, wanted.tolerance)
 
 
-def _checked(tables: specs.Data, source: str) -> Parts:
+def _found_tables(asked: Asked) -> None:
+    """SpecError for tables that a search makes, and for another mechanism."""
+    right = "nothing here: it is found, with [points], [links] and [[output]]"
+    faults = [Fault(key, "a table", right) for key in _FOUND if key in asked.rest]
+    if asked.data.get("mechanism") != "linkage":
+        faults.append(Fault("mechanism", str(asked.data.get("mechanism")), f'"linkage", for a {asked_for(asked.data)}'))
+    if faults:
+        raise SpecError(faults, asked.source)
+
+
+def _checked(asked: Asked) -> Parts:
     """Sizes of the parts; SpecError with the faults of everything that is not found, before a search: seen with a four-bar."""
     from camgen.machines.linkage.mechanism import Linkage
 
     drawn = (0j, 20 + 0j, 70 + 0j, 45 + 40j, 20 + 60j)
-    any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), tables)
-    return specs.validate(Linkage, any_one.data(1.0), source).making
+    own = {key: value for key, value in asked.rest.items() if key not in _FOUND} | {"mechanism": "linkage"}
+    any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), own)
+    return specs.validate(Linkage, any_one.data(1.0), asked.source).making
 
 
-def _beyond(tables: specs.Data, source: str, folder: Path, key: str, ends: tuple[float, float]) -> list[Fault]:
+def _beyond(asked: Asked, key: str, ends: tuple[float, float]) -> list[Fault]:
     """What is wrong with a key that varies, at both ends by itself: no such key, or a value that it cannot have."""
     for value in ends:
         try:
-            changed(tables, source, folder, [f"{key}={value!r}"])
+            changed(asked.rest, asked.source, asked.folder, [f"{key}={value!r}"])
         except SpecError as error:
             own = [fault for fault in error.faults if fault.path.removeprefix("--set ") in (key, f"{key}={value!r}") or not value]
             own = own or [fault for fault in error.faults if fault.expected.startswith(UNKNOWN) or fault.path == "--set"]
@@ -162,30 +307,28 @@ def _beyond(tables: specs.Data, source: str, folder: Path, key: str, ends: tuple
     return []
 
 
-def _chosen(front: Sequence[Candidate], goal: Goal, tolerance: float | None) -> Candidate:
-    """Of the buildable ones the one of least bar within the tolerance, or without one the best trade-off; DesignError."""
-    can = [each for each in front if not each.refused]
+def chosen(
+    front: Sequence[D], wanted: PathWish | FunctionWish, error: Callable[[D], float], within: Callable[[D], float],
+    best: Callable[[D], float], unit: str,
+) -> D:  # fmt: skip
+    """Of those that can be built with no more play than is borne: the one of most `within` the tolerance, or without one the
+    `best`; DesignError."""
+    can = [each for each in front if not each.weighed.refused]
     if not can:
         raise DesignError(
-            "buildable designs", 0, 1, "", f"front of {len(front)}", "more effort, more bars, or thinner pins and walls",
-            f"none of {len(front)} designs can be built; the first: {front[0].refused}",
+            "buildable designs", 0, 1, "", f"front of {len(front)}", "more effort or bars, a larger frame, or thinner parts",
+            f"none of {len(front)} designs can be built; the first: {front[0].weighed.refused}",
         )  # fmt: skip
-    if tolerance is None:
-        return max(can, key=lambda each: (1 - each.found.error / goal.worst) * (1 - each.found.bars / goal.most))
-    near = [each for each in can if each.worst <= tolerance]
+    if wanted.lash is not None:
+        tight = [each for each in can if each.weighed.lash <= wanted.lash]
+        if not tight:
+            least, remedy = min(each.weighed.lash for each in can), "a smaller print.slide_clearance, or more play"
+            raise DesignError("wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy)
+        can = tight
+    if wanted.tolerance is None:
+        return max(can, key=best)
+    near = [each for each in can if error(each) <= wanted.tolerance]
     if not near:
-        best = min(can, key=lambda each: each.worst)
-        remedy = "more effort or bars, or a wider tolerance"
-        raise DesignError("wanted.tolerance", best.worst, tolerance, "mm", "the nearest buildable design", remedy)
-    return min(near, key=lambda each: each.found.bars)
-
-
-def _text(each: Candidate, asked: PathWish, text: str | None, tolerance: float | None) -> str:
-    from camgen.machines import MECHANISMS, load
-
-    data = each.data(tolerance)
-    if text is None:
-        return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
-    path = asked.path if isinstance(asked.path, str) else f"{len(asked.path)} points"
-    said = f"found by camgen design for the path {path}; output.points: places of that path, and how far this machine passes them"
-    return with_tables(text, {key: data[key] for key in ("points", "links", "drive", "output")}, ["wanted"], said)
+        least, remedy = min(map(error, can)), "another wish, more effort or bars of a path, or a wider tolerance"
+        raise DesignError("wanted.tolerance", least, wanted.tolerance, unit, "the nearest buildable design", remedy)
+    return max(near, key=within)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -28,6 +29,7 @@ class PathWish(Record):
     path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(description="mm, [x, y] of its points, or a CSV file")
     joined: bool = Field(True, description="whether lines join the points in their order; false: a dense cloud in any order")
     tolerance: Length | None = Field(None, description="mm, how far path and points may be apart; none: best trade-off")
+    lash: Length | None = Field(None, description="mm, greatest free play of the point by all joints")
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
     transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least between two links at a pin")
@@ -52,6 +54,50 @@ class PathWish(Record):
         at = np.concatenate([[0.0], np.cumsum(steps)])
         along = np.linspace(0.0, at[-1], max(_DENSE, 2 * z.size))
         return np.asarray(np.interp(along, at, z.real) + 1j * np.interp(along, at, z.imag))
+
+
+Turn = Annotated[float, Field(ge=-720, le=720)]
+
+
+class FunctionWish(Record):
+    """Angles of a four-bar's crank and rocker that go together; [points], [links] and [[output]] are found."""
+
+    function: tuple[tuple[Turn, Turn], ...] = Field(
+        min_length=3, max_length=200, description="deg, [crank, rocker]: both turned counter-clockwise, from anywhere"
+    )
+    tolerance: Annotated[float, Field(gt=0, le=180)] | None = Field(None, description="deg, how far the rocker may be off")
+    frame: Length = Field(60.0, description="mm, between the pivots of crank and rocker")
+    shortest: Length | None = Field(None, description="mm, least length of a link; a fifth of frame unless given")
+    longest: Length | None = Field(None, description="mm, greatest one; twice frame unless given")
+    lash: Annotated[float, Field(gt=0, le=180)] | None = Field(None, description="deg, greatest free play by all joints")
+    transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(30.0, description="deg, least between coupler and rocker")
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Least and greatest length of a link, as shares of the frame."""
+        return (self.shortest or self.frame / 5) / self.frame, (self.longest or 2 * self.frame) / self.frame
+
+    @property
+    def turns(self) -> Sequence[tuple[float, float]]:
+        """The pairs, both counted from the first one, deg."""
+        x, y = self.function[0]
+        return [(a - x, b - y) for a, b in self.function]
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        found = []
+        crank = sorted(a for a, _ in self.function)
+        near = [a for a, b in itertools.pairwise(crank) if b - a < 1e-6]
+        found += [Fault("wanted.function", f"crank angle {a:g} twice", "another crank angle in each pair") for a in near[:3]]
+        if crank[-1] - crank[0] > 360:
+            found.append(Fault("wanted.function", f"a range of {crank[-1] - crank[0]:g} deg", "crank angles within one turn"))
+        if len({b for _, b in self.function}) == 1:
+            found.append(Fault("wanted.function", "the rocker rests", "a rocker that turns"))
+        sides = (("shortest", self.shortest, self.shares[0] > 1), ("longest", self.longest, self.shares[1] < 1))
+        for key, value, wrong in sides:
+            if wrong:
+                found.append(Fault(f"wanted.{key}", f"{value:g}", f"wanted.frame, {self.frame:g}, lies between both"))
+        return found
 
 
 class KeyWish(Record):
@@ -83,6 +129,14 @@ class _AsksPath(Checked):
     wanted: PathWish
 
 
+class _AsksFunction(Checked):
+    wanted: FunctionWish
+
+    def faults(self) -> Sequence[Fault]:
+        """Of the wish."""
+        return self.wanted.faults()
+
+
 class _AsksKeys(Checked):
     wanted: KeyWish
 
@@ -91,14 +145,22 @@ class _AsksKeys(Checked):
         return self.wanted.faults()
 
 
-def wish(data: Mapping[str, Any], source: str) -> PathWish | KeyWish | None:
-    """The wish of a spec's tables; None where it is the machine's own, or there is none; SpecError with its faults."""
+_KINDS: dict[str, Any] = {"path": _AsksPath, "function": _AsksFunction, "vary": _AsksKeys}
+
+
+def asked_for(data: Mapping[str, Any]) -> str:
+    """What a spec's wish is for: "path", "function" or "vary"; "" where it is the machine's own, or there is none."""
     table = data.get("wanted")
-    if isinstance(table, dict) and "path" in table:
-        return validate(_AsksPath, {"wanted": table}, source).wanted
-    if isinstance(table, dict) and "vary" in table:
-        return validate(_AsksKeys, {"wanted": table}, source).wanted
-    return None
+    return next((key for key in _KINDS if isinstance(table, dict) and key in table), "")
+
+
+def wish(data: Mapping[str, Any], source: str) -> PathWish | FunctionWish | KeyWish | None:
+    """The wish of a spec's tables; None where it is the machine's own, or there is none; SpecError with its faults."""
+    kind = asked_for(data)
+    if not kind:
+        return None
+    found: PathWish | FunctionWish | KeyWish = validate(_KINDS[kind], {"wanted": data["wanted"]}, source).wanted
+    return found
 
 
 def without(data: Data) -> Data:

@@ -8,6 +8,7 @@ import numpy as np
 
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring
+from camgen.tolerances import SAME_POINT
 
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
 _MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
@@ -25,6 +26,8 @@ def contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
 def _deviation(one: bytes, other: bytes) -> float:
     """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
     a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
+    if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= SAME_POINT:
+        return off
     return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
 
 

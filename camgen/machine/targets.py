@@ -152,6 +152,25 @@ class Through(Record):
         return at_most(self.code, met[k][1], self.tolerance, "mm", where, said)
 
 
+class Function(Record):
+    """An angle or a place as a function of theta: pairs that go together, both counted from the first one."""
+
+    code: ClassVar[str] = "FUNCTION_ERROR"
+
+    at: tuple[tuple[Angle, Value], ...] = Field(min_length=2, max_length=1000, description="deg of theta, and deg or mm: pairs")
+    tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """FUNCTION_ERROR: the pair that is missed most."""
+        theta, wanted = np.array(self.at).T
+        made = course.at(np.radians(theta))
+        off = made - made[0] - (wanted - wanted[0])
+        k = int(np.argmax(np.abs(off)))
+        said = f"{len(off)} pairs, counted from the first: at theta {theta[k]:g} deg {made[k] - made[0]:.6g} {course.unit}, "
+        said += f"{wanted[k] - wanted[0]:g} wanted"
+        return at_most(self.code, abs(float(off[k])), self.tolerance, course.unit, where, said)
+
+
 class Straight(Record):
     """How straight a stretch of a path is: the width of the narrowest strip that holds it (ISO 1101)."""
 
@@ -242,7 +261,7 @@ class Advance(Record):
         return at_most(self.code, abs(made - self.value), self.tolerance, "deg", where, said)
 
 
-Target = Stroke | Through | Straight | Dwell | TimeRatio
+Target = Stroke | Through | Function | Straight | Dwell | TimeRatio
 
 
 def advance(angle: Floats, lost: float) -> float:

@@ -12,15 +12,18 @@ from string import Template
 from typing import Any
 
 from camgen.errors import file_errors
+from camgen.report.sketches import gallery
 
 MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
 
 def write_page(
     path: Path, title: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
-    count: int, wished: Sequence[str] = (),
+    count: int, wished: Sequence[str] = (), pictures: Sequence[tuple[str, str]] = (),
 ) -> None:  # fmt: skip
-    """Write the page of a sweep of `count` rows; keys: the columns that were varied; wished: figures of a wish."""
+    """Write the page of a sweep of `count` rows; keys: the columns that were varied; wished: figures of a wish; pictures: SVG and
+    what is said of each.
+    """
     step = -(-count // MOST)
     shown = [[row.get(column) for column in columns] for row in islice(rows, 0, None, step)]
     if step > 1:
@@ -28,6 +31,6 @@ def write_page(
     data = json.dumps({"columns": list(columns), "keys": list(keys), "wished": list(wished), "rows": shown}, ensure_ascii=False)
     data = data.replace("<", "\\u003c")
     page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
-    text = page.substitute(title=escape(title), summary=escape(summary), data=data)
+    text = page.substitute(title=escape(title), summary=escape(summary), gallery=gallery(pictures), data=data)
     with file_errors():
         path.write_text(text, encoding="utf-8", newline="\n")

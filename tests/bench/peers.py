@@ -133,6 +133,7 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
     """Positions and two derivatives here, positions alone there; errors against the circles' crossing in long double."""
     import numpy as np
 
+    from camgen.machine.run import in_blocks
     from camgen.machines.thread_take_up.feed import TakeUp
 
     frame, crank, coupler, output = 9.0, 30.0, 30.0, 19.0
@@ -162,6 +163,15 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
         notes = f", {error:.0e} mm off", f", {theirs:.0e} mm off" if said else ""
         yield faster(f"turn of a four-bar, {count:,} angles, positions and two derivatives", "pylinkage (positions)", goal,
                      *times, notes, error <= theirs)  # fmt: skip
+
+    def block_by_block(order: int) -> None:
+        for run in in_blocks(four_bar.machine, theta, order):
+            run.point("crank", "A"), run.point("coupler", "B")
+
+    for order, what in ((0, "positions"), (2, "positions and two derivatives")):
+        ours = partial(again, partial(block_by_block, order))
+        times = alternated(rounds, ours, partial(peers.time, 2) if said else None)
+        yield faster(f"the same million block by block, {what}", "pylinkage (positions)", goal, *times, ("", ""))
 
 
 # ---- contact ---------------------------------------------------------------------------------------------------------

@@ -83,7 +83,8 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         if name not in links:
             faults.append(unknown(path, name, links))
         elif name == GROUND and not ground:
-            faults.append(Fault(path, repr(name), "a link that moves"))
+            still = "; no wheel is made that stands still while another runs round it" if path.startswith("gear") else ""
+            faults.append(Fault(path, repr(name), f"a link that moves{still}"))
         else:
             return True
         return False
@@ -189,7 +190,7 @@ def _output_faults(drawing: Drawing) -> Iterable[Fault]:
 
 def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fault]:
     of_a_link = [key for key in ("points", "straightness") if output.link is not None and getattr(output, key)]
-    of_a_point = [key for key in ("dwell", "time_ratio") if output.point is not None and getattr(output, key)]
+    of_a_point = [key for key in ("dwell", "time_ratio", "function") if output.point is not None and getattr(output, key)]
     yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link") for key in of_a_link)
     yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path") for key in of_a_point)
     if output.points is not None:
@@ -202,6 +203,7 @@ def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fa
         yield Fault(f"{path}.time_ratio", "", "nothing here: it is asked of a drive that turns all round, without range_deg")
     low, high = drawing.drive.range_deg
     asked = {"points.theta_deg": output.points and output.points.theta_deg,
+             "function.at": output.function and [pair[0] for pair in output.function.at],
              "straightness.range_deg": output.straightness and output.straightness.range_deg}  # fmt: skip
     for key, angles in asked.items():
         if angles and not low <= min(angles) <= max(angles) <= high:

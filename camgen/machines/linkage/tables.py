@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machine.targets import Dwell, Straight, Stroke, Target, Through, TimeRatio
+from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio
 from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import Bears
 from camgen.machines.pairs import Air
@@ -147,11 +147,12 @@ class Wanted(Record):
     straightness: Straight | None = None
     dwell: Dwell | None = None
     time_ratio: TimeRatio | None = None
+    function: Function | None = None
 
     @property
     def targets(self) -> tuple[Target, ...]:
         """What is wanted of it by value."""
-        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio)
+        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio, self.function)
         return tuple(target for target in every if target is not None)
 
 

@@ -1,0 +1,56 @@
+"""Small pictures of linkages in one position: links, pins, the path that is traced and the one that was wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from itertools import combinations
+
+import numpy as np
+
+from camgen.numerics import Points
+
+_SIDE = 180.0  # of a picture, px
+_EDGE = 12.0  # round it
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """points: places by name, complex mm; links: names of the points of each; still: points at rest; path, wanted: complex mm."""
+
+    points: Mapping[str, complex]
+    links: Sequence[Sequence[str]]
+    still: Collection[str]
+    path: Points
+    wanted: Points
+
+
+def picture(drawn: Drawn, said: str) -> str:
+    """The sketch as SVG; its size follows what is drawn."""
+    every = np.concatenate([list(drawn.points.values()), drawn.path, drawn.wanted])
+    low, high = complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
+    scale = (_SIDE - 2 * _EDGE) / max((high - low).real, (high - low).imag, 1e-9)
+    height = (high - low).imag * scale + 2 * _EDGE
+
+    def at(z: complex) -> tuple[float, float]:
+        return round((z - low).real * scale + _EDGE, 1), round(height - _EDGE - (z - low).imag * scale, 1)
+
+    def line(kind: str, places: Sequence[complex]) -> str:
+        shown = " ".join(f"{x:g},{y:g}" for x, y in map(at, places))
+        return f'<polyline class="{kind}" points="{shown}"/>' if len(places) > 1 else ""
+
+    parts = [line("wanted", drawn.wanted.tolist()), line("path", drawn.path.tolist())]
+    for link in drawn.links:
+        parts += [line("link", [drawn.points[a], drawn.points[b]]) for a, b in combinations(link, 2)]
+    for name, place in drawn.points.items():
+        x, y = at(place)
+        parts.append(f'<circle class="{"still" if name in drawn.still else "pin"}" cx="{x:g}" cy="{y:g}" r="3"/>')
+    inside = "".join(parts)
+    return f'<svg viewBox="0 0 {_SIDE:g} {height:.4g}" role="img" aria-label="{escape(said)}">{inside}</svg>'
+
+
+def gallery(pictures: Sequence[tuple[str, str]]) -> str:
+    """Pictures with what is said of each, as HTML."""
+    each = (f"<figure>{svg}<figcaption>{escape(said)}</figcaption></figure>" for svg, said in pictures)
+    return f'<h2>The machines</h2>\n<div class="gallery">{"".join(each)}</div>' if pictures else ""
