@@ -109,6 +109,7 @@ class Output(Record):
 
     curves: Literal["bulge", "lines"] = "bulge"
     center_marks: bool = False
+    engrave: bool = False
     step: bool | None = None
     profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
     cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None

@@ -20,12 +20,13 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
 
     camgen list names them all.
 
-    With --from a linkage is read from a file of another program: PMKS lines, J[R, P[x, y], L[ground, crank]], or the JSON of
-    pylinkage's mechanism_to_dict.
+    With --from a linkage ("linkage" or "machine") is read from a file of another program: PMKS lines,
+    J[R, P[x, y], L[ground, crank]], or the JSON of pylinkage's mechanism_to_dict.
     """
     from camgen import starters
     from camgen.machines import load
 
+    mechanism = "linkage" if mechanism == "machine" and source is not None else mechanism
     kind = starters.kind(known("MECHANISM", mechanism, specs_known(), "camgen list"))
     if source is None:
         text = starters.text(mechanism)

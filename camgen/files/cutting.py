@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
+from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from camgen.geometry.outlines import Contour, Region
 from camgen.geometry.rings import Ring
 
 COLOURS = {ENGRAVE_LAYER: (5, "#0000ff"), CUT_LAYER: (1, "#ff0000")}  # in DXF, in SVG: blue is engraved, red is cut
-_HAIRLINE = 0.01  # mm
+_HAIRLINE = 0.025  # mm: a thousandth of an inch, under which drivers of lasers cut; a browser hardly shows a thinner line
 _DIGITS = 6  # after the point, mm
 _SVG = "{http://www.w3.org/2000/svg}"
 
@@ -55,11 +56,13 @@ def write_sheet(path: Path, pieces: Sequence[Piece], size: tuple[float, float], 
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="{high}mm" viewBox="0 0 {wide} {high}">\n'
     ]
     for layer, (_, colour) in COLOURS.items():
-        here = [contour for name, contour in rows if name == layer]
-        if here:
-            lines.append(f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">\n')
-            lines += [_drawn(contour, size[1]) for contour in here]
-            lines.append("</g>\n")
+        if not any(name == layer for name, _ in rows):
+            continue
+        lines.append(f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">\n')
+        for piece in pieces:
+            here = [_drawn(contour, size[1]) for name, contour in piece.contours(tolerance) if name == layer]
+            lines += [f"<g><title>{escape(piece.name)}</title>\n", *here, "</g>\n"] if here else []
+        lines.append("</g>\n")
     path.write_text("".join([*lines, "</svg>\n"]), encoding="utf-8", newline="\n")
 
 
@@ -104,7 +107,7 @@ def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, list[Ring]]]:
             name = group.get("id", "")
             if name not in COLOURS or group.get("stroke") != COLOURS[name][1] or group.get("fill") != "none":
                 raise ValueError(f"a group {name!r} with stroke {group.get('stroke')!r}")
-            rings[name] = [_ring(each, size[1]) for each in group]
+            rings[name] = [_ring(each, size[1]) for piece in group for each in piece if each.tag != f"{_SVG}title"]
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
     except (ElementTree.ParseError, UnicodeDecodeError, ValueError, KeyError, TypeError) as error:

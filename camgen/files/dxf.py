@@ -25,7 +25,7 @@ from camgen.tolerances import SAME_POINT
 
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
 CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER = "CUT", "CENTER", "ENGRAVE"
-_CUT, _MARKS = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}
+_CUT, _MARKS, _ENGRAVE = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}, {ENGRAVE_LAYER: (5, 13)}
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
 _MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
@@ -86,7 +86,7 @@ def add_contour(space: Any, contour: Contour, layer: str) -> None:
 
 def write_part(path: Path, job: Job) -> None:
     """Write the part's drawing."""
-    write_dxf(path, job.region, job.centres, job.tolerance, job.curves)
+    write_dxf(path, job.region, job.centres, job.tolerance, job.curves, job.engraved)
 
 
 def write_dxf(
@@ -95,8 +95,9 @@ def write_dxf(
     centres: Sequence[complex],
     tolerance: float,
     curves: Literal["bulge", "lines"] = "bulge",
+    engraved: Sequence[Contour] = (),
 ) -> None:
-    """Write a region's contours on layer CUT, a mark at each centre on layer CENTER, and nothing else.
+    """Write a region's contours on layer CUT, a mark at each centre on layer CENTER, engraved ones on ENGRAVE, nothing else.
 
     Full circles are CIRCLEs; the others are arcs within tolerance ("bulge"), or chords for readers without bulges
     ("lines"), mm. Outer contour first, counter-clockwise like the holes.
@@ -109,12 +110,13 @@ def write_dxf(
             return polygon(ring.tolist())
         return fit_arcs(contour, tolerance)
 
-    contours = [flat(contour) for contour in (region.outer, *region.holes)]
+    contours, burnt = ([flat(contour) for contour in each] for each in ((region.outer, *region.holes), engraved))
     marks = center_marks(region, centres)
     box = extent([*contours, *(polygon(stroke) for stroke in marks.tolist())])
-    with document(path, _CUT | _MARKS if len(marks) else _CUT, box) as space:
-        for contour in contours:
-            add_contour(space, contour, CUT_LAYER)
+    layers = _CUT | (_MARKS if len(marks) else {}) | (_ENGRAVE if burnt else {})
+    with document(path, layers, box) as space:
+        for layer, contour in [*((CUT_LAYER, each) for each in contours), *((ENGRAVE_LAYER, each) for each in burnt)]:
+            add_contour(space, contour, layer)
         for a, b in marks.tolist():
             space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": MARK_LAYER})
 
@@ -205,7 +207,7 @@ def _same(a: Ring, b: Ring) -> bool:
 
 def read_part(path: Path, name: str) -> Drawing:
     """The drawing of a part; the file does not name it."""
-    return read_dxf(path)
+    return read_dxf(path, engraving=True)
 
 
 def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:

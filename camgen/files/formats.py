@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from camgen.files.dxf import Drawing
     from camgen.geometry.brep import Brep
     from camgen.geometry.mesh import Mesh
-    from camgen.geometry.outlines import Region
+    from camgen.geometry.outlines import Contour, Region
     from camgen.parts.part import Part
 
 
@@ -63,7 +63,8 @@ class Job:
 
     name: of the part; title: of the file; key: what identifiers inside a file are made from.
     region, centres (complex mm): what a drawing shows, within tolerance, mm, as arcs ("bulge") or chords ("lines").
-    solid: as it is sent to the printer, None where no mesh is asked for; part: itself, where an exact solid is.
+    solid: as it is sent to the printer, None where no mesh is asked for; part: itself, where an exact solid is; engraved:
+    contours that the drawing shows besides.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Job:
     curves: Literal["bulge", "lines"]
     solid: Mesh | None
     part: Part | None = None
+    engraved: Sequence[Contour] = ()
 
 
 def write_part(path: Path, job: Job) -> None:

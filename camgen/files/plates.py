@@ -34,6 +34,7 @@ _STEEP = np.cos(np.radians(45)) + 1e-6  # a chamfer of 45 deg prints
 _FLAT = 1e-3  # mm, by which a face that lies on the bed may be off it
 _CLEARLY = 0.01  # of the contact, by which another side has to be better than the part's own underside
 _TRIED = 12  # flat sides beyond the six along the axes
+_AT_ONCE = 100_000  # points of a hull that are turned at once
 _UNIT = 0.001  # mm in which rectangles are packed
 _SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numbers are rounded
 
@@ -153,19 +154,24 @@ def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
     cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
     hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
     sides = np.diff(hull)
-    tried = [_framed(hull, -float(np.angle(side))) for side in sides[np.abs(sides) > 0]]
+    tried = _framed(hull, -np.angle(sides[np.abs(sides) > 0]))
     best = min(tried, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
     if _fits(best, bed):
         return best
-    tried += [_framed(hull, math.radians(k)) for k in range(180)]
+    tried += _framed(hull, np.radians(np.arange(180)))
     fitting = [f for f in tried if _fits(f, bed)]
     return min(fitting, key=lambda f: f.width * f.height) if fitting else best
 
 
-def _framed(hull: Points, angle: float) -> Footprint:
-    z = hull * complex(math.cos(angle), math.sin(angle))
-    low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
-    return Footprint(angle, (high - low).real, (high - low).imag, (low + high) / 2)
+def _framed(hull: Points, angles: Floats) -> list[Footprint]:
+    """Rectangles about a hull, (n,) complex mm, turned by each angle, (m,) rad."""
+    found = []
+    for some in np.array_split(angles, math.ceil(len(angles) * len(hull) / _AT_ONCE)):
+        z = np.exp(1j * some)[:, None] * hull
+        low, high = z.real.min(axis=1) + 1j * z.imag.min(axis=1), z.real.max(axis=1) + 1j * z.imag.max(axis=1)
+        for angle, a, b in zip(some.tolist(), low.tolist(), high.tolist(), strict=True):
+            found.append(Footprint(angle, (b - a).real, (b - a).imag, (a + b) / 2))
+    return found
 
 
 def _fits(f: Footprint, bed: tuple[float, float]) -> bool:

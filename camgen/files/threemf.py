@@ -18,7 +18,7 @@ import zipfile
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from ctypes import string_at
+from ctypes import c_uint64, string_at
 from dataclasses import dataclass, field
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
@@ -43,7 +43,7 @@ _NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes mill
 MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
 MOST_BYTES = 1_000_000_000  # unpacked
 BUILD, _NONE = -1, -2
-_BULK = re.compile(rb"<(?:vertex|triangle) [^<>]*/>")  # what most of a package consists of
+_BULK = re.compile(rb"(?:<(?:vertex|triangle) [^<>]*/>\s*)+")  # what most of a package consists of
 _OURS = {"[content_types].xml", "_rels/.rels", "3d/3dmodel.model"}  # parts of a package as camgen writes it
 
 Object = tuple[str, int]
@@ -107,9 +107,9 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
         thing = meshes[name] = model.AddMeshObject()
         thing.SetName(name)
         thing.SetUUID(made("mesh", name))
-        thing.SetGeometry(
-            (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
-        )
+        call, code = thing._wrapper, thing._wrapper.lib.lib3mf_meshobject_setgeometry  # `SetGeometry` copies number by number
+        rows = (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
+        call.checkError(thing, code(thing._handle, c_uint64(len(vertices)), rows[0], c_uint64(len(faces)), rows[1]))
         thing.SetObjectLevelProperty(colours.GetUniqueResourceID(), colours.AddMaterial(name, lib3mf.Color(*_colour(name), 255)))
     for item in items:
         thing = meshes[item.object]
@@ -217,7 +217,7 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
 
     if not data.startswith(b"PK"):
         raise FileError(path, "not a 3MF file: it is no zip archive")
-    unpacked = _unpacked(path)
+    extras = _looked_through(path)
     try:
         model = lib3mf.get_wrapper().CreateModel()
         reader = model.QueryReader("3mf")
@@ -228,7 +228,7 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
     told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
     if any(code == _NO_UNIT for code, _ in told):
         raise FileError(path, "names a unit that there is not in a 3MF file; millimeter was expected")
-    warnings = [*(text for _, text in told), *(_extras(unpacked) if strict else ())]
+    warnings = [*(text for _, text in told), *(extras if strict else ())]
     meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
     inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
     for thing in _each(model.GetMeshObjects(), "GetCurrentMeshObject"):
@@ -289,8 +289,8 @@ def _matrix(transform: Any) -> Floats:
 # ---- before it is unpacked -------------------------------------------------------------------------------------------
 
 
-def _unpacked(path: str | Path) -> dict[str, bytes]:
-    """The package's parts by their names.
+def _looked_through(path: str | Path) -> list[str]:
+    """What a package holds beside meshes and what is built of them, see `_extras`.
 
     FileError where it places more than MOST_COPIES or unpacks to more than MOST_BYTES, or is none: lib3mf walks through all
     copies as it reads; a billion, in a file of a kilobyte, take it half a minute.
@@ -303,7 +303,7 @@ def _unpacked(path: str | Path) -> dict[str, bytes]:
                 raise FileError(path, f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read")
             parts = {name: package.read(name) for name in package.namelist()}
         if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
-            return parts
+            return _extras(parts)
         for name, text in parts.items():
             try:
                 _count(f"/{name}".lower(), _BULK.sub(b"", text), inside)
@@ -323,7 +323,7 @@ def _unpacked(path: str | Path) -> dict[str, bytes]:
     if most > MOST_COPIES:
         said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
         raise FileError(path, f"places {said} copies of its objects; {MOST_COPIES} at most are read")
-    return parts
+    return _extras(parts)
 
 
 def _extras(parts: Mapping[str, bytes]) -> list[str]:

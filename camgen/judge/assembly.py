@@ -9,14 +9,14 @@ from __future__ import annotations
 import cmath
 import itertools
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from camgen.errors import counted
-from camgen.files.threemf import read_3mf
+from camgen.files.threemf import Item, Package, read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
@@ -36,6 +36,17 @@ _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
 _BAR = np.array([0.0, 1.0, 0.0, 1.0])  # bulges of a bar's sides and ends
 
 
+def standing(package: Package, machine: Moved) -> Iterator[tuple[str, Item, str]]:
+    """Of an assembly's file each copy, with its name and the body that it stands on; one too many is left out."""
+    stands, number = defaultdict[str, list[str]](list), Counter[str]()
+    for mount in machine.mounts:
+        stands[mount.part].append(mount.body)
+    for item in package.items:
+        number[item.name] += 1
+        if number[item.name] <= len(stands[item.name]):
+            yield f"{item.name}-{number[item.name]}", item, stands[item.name][number[item.name] - 1]
+
+
 def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     """Read an assembly file, set it in motion: INTERFERENCE findings, and rows (COLUMNS) of moving pairs that come nearest.
 
@@ -49,16 +60,13 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     copies = at_most("ROUND_TRIP", missing, 0, "copies", where, said)
     if missing:
         return [copies], []
-    bodies, numbers, spare = [], Counter[str](), 4 * machine.tolerance
+    bodies, spare = [], 4 * machine.tolerance
     poses, start = _remembered(machine.courses), machine.courses(np.zeros(1))
     courses = {name: _course(poses, name, float(pose.angle[0])) for name, pose in start.items()}
     home = {name: -complex(pose.place[0]) for name, pose in start.items()}
-    stands = {part: [mount.body for mount in machine.mounts if mount.part == part] for part in wanted}
     try:
-        for item in package.items:
-            on = stands[item.name][numbers[item.name]]
-            numbers[item.name] += 1
-            bodies.append(Body(f"{item.name}-{numbers[item.name]}", slabs_of(item.placed), courses[on], at=home[on]))
+        for name, item, on in standing(package, machine):
+            bodies.append(Body(name, slabs_of(item.placed), courses[on], at=home[on]))
         for thing in machine.stand_ins:
             bodies.append(Body(thing.name, _slabs(thing, float(start[thing.body].angle[0])), courses[thing.body]))
         clearances = swept(

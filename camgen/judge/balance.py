@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_most
 from camgen.geometry.mesh import Mesh
+from camgen.judge.assembly import standing
 from camgen.machine.features import Balance, Moved
 
 
@@ -28,12 +28,9 @@ def judge_balance(path: Path, machine: Moved, balance: Balance) -> Finding:
     pose = machine.courses(np.zeros(1))[balance.body]
     turn = cmath.exp(1j * float(pose.angle[0]))
     pivot = complex(pose.place[0]) + turn * balance.about
-    stands = {part: [mount.body for mount in machine.mounts if mount.part == part] for part in balance.density}
-    number, found = Counter[str](), 0j
-    for item in read_3mf(path).items:
-        bodies = stands.get(item.name, [])
-        number[item.name] += 1
-        if number[item.name] <= len(bodies) and bodies[number[item.name] - 1] == balance.body:
+    found = 0j
+    for _, item, body in standing(read_3mf(path), machine):
+        if body == balance.body:
             volume, moment = first_moment(item.placed)
             found += balance.density[item.name] * (moment - volume * pivot) / turn
     said = (

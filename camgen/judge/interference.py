@@ -25,7 +25,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,6 +52,7 @@ _LAYERS = 4  # pairs of sections, beyond which their shadows are compared first,
 _LONG = 1000  # stretches at once
 
 Pair = frozenset[str]
+Facing = tuple[Section, Section]  # of two bodies, at heights in common
 
 
 @dataclass(frozen=True)
@@ -304,6 +305,7 @@ def swept(
         raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
     sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
     seen = functools.cache(lambda home, guest: Motion(home, guest, theta))  # bodies on one course move as one
+    within = functools.cache(covered)
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
         level = [
@@ -312,6 +314,7 @@ def swept(
             if min(first.z1, second.z1) - max(first.z0, second.z0) > _SAME_HEIGHT
         ]
         if level:
+            level = _widest(level, within) if len(level) <= _LAYERS else level
             motions = seen(a.course, b.course), seen(b.course, a.course)
             allowed = contacts.get(frozenset((a.name, b.name)), mounted if motions[0].at_rest else None)
             try:
@@ -335,7 +338,7 @@ def _least(
     while waiting:
         some = waiting.pop()
         if len(some) <= _LAYERS:
-            for first, second in _widest(some):
+            for first, second in some:
                 _settle(_facing(motions, first, second, -floor), best, target, fine)
             continue
         first, second = (shadow_of(sections) for sections in zip(*some, strict=True))
@@ -355,11 +358,11 @@ def _least(
     return best, best.gap - resolution
 
 
-def _widest(level: Sequence[tuple[Section, Section]]) -> list[tuple[Section, Section]]:
+def _widest(level: Sequence[Facing], within: Callable[[Section, Section], bool]) -> list[Facing]:
     """Pairs less those of sections that lie within another pair's, and so are no nearer: those of a cam's mark."""
     kept = list(level)
     for first, second in level:
-        if any(covered(first, a) and covered(second, b) for a, b in kept if (a, b) != (first, second)):
+        if any(within(first, a) and within(second, b) for a, b in kept if (a, b) != (first, second)):
             kept.remove((first, second))
     return kept
 

@@ -7,8 +7,7 @@ knows nothing of the formulas that made the curve; what a follower does on it is
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -23,9 +22,6 @@ from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.judge.as_printed import printed
-from camgen.numerics import product
-
-Copies = Sequence[tuple[str, Floats]]  # names of parts, (3, 4) transforms
 
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
@@ -54,7 +50,8 @@ class Expected:
     the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
     place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
     is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
-    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, none where nobody asked for them.
+    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, and engraved contours: none where nobody
+    asked for them.
     """
 
     part: str
@@ -71,6 +68,7 @@ class Expected:
     stacked: bool = True
     undo: Undo | None = None
     marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
+    engraved: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,6 +108,7 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
+    faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
         "DXF_CLOSED", len(faults), 0, "contours", where,
         "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
@@ -133,11 +132,20 @@ def _misplaced(marks: Points, wanted: Points) -> list[str]:
     return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
 
 
+def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float) -> list[str]:
+    """What is wrong with engraved contours, in the order in which they are meant."""
+    if len(engraved) != len(wanted):
+        return [f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"]
+    pairs = zip(engraved, wanted, strict=True)
+    off = max((_contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
+    return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
+
+
 def judge_mesh(path: Path, expected: Expected) -> Judged:
     """Watertightness, volume, sections and walls of the one solid in a file."""
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
-        return Judged((_strange(path, remarks),), None)
+        return Judged((strange(path, remarks),), None)
     return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
 
 
@@ -146,7 +154,7 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     body, remarks = read_exact(path, expected.part)
     where = path.name
     if remarks:
-        return Judged((_strange(path, remarks),), None)
+        return Judged((strange(path, remarks),), None)
     bodies = counted(body.bodies, "body", "bodies")
     said = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
     findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
@@ -198,80 +206,9 @@ def _level_error(heights: Floats, expected: Expected) -> float:
     return float(max(np.max(np.min(apart, axis=0)), np.max(np.min(apart, axis=1))))
 
 
-def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Copies | None = None) -> Finding:
-    """ROUND_TRIP of a package that holds copies of parts: its solids are the originals, moved as bodies are and not deformed.
-
-    places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
-    """
-    from camgen.files.threemf import read_3mf
-
-    package, where = read_3mf(path), path.name
-    remarks = package.remarks
-    strange = sorted(set(package.meshes) - set(originals))
-    remarks += [f"there is no part {name}" for name in strange]
-    found, wanted = Counter(item.name for item in package.items), Counter(name for name, _ in places or ())
-    if places is not None and found != wanted:
-        remarks.append(f"{found.total()} copies instead of {wanted.total()}")
-    if remarks:
-        return _strange(path, remarks)
-    off = max((_unlike(mesh, originals[name]) for name, mesh in package.meshes.items()), default=0.0)
-    reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
-    far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
-    for item in package.items:
-        turn = item.transform[:, :3]
-        bent = float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
-        off = max(off, bent * reach)
-    if places is not None:
-        off = max(off, _astray([(item.name, item.transform) for item in package.items], places))
-    limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
-    return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
-
-
-def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) -> Finding:
-    """ROUND_TRIP of an assembly of exact solids: each is the one in its part's own file, every copy stands in its place.
-
-    files: of each part; places: the wanted part and (3, 4) transform of each copy, in any order.
-    """
-    from camgen.files.step import read_step
-
-    bodies, copies, remarks = read_step(path)
-    where = path.name
-    if sorted(bodies) != sorted(files) or len(copies) != len(places):
-        held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
-        remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
-    if remarks:
-        return _strange(path, remarks)
-    off = 0.0
-    for name, file in files.items():
-        own, body = read_exact(file, name)[0], bodies[name]
-        same = own.corners.shape == body.corners.shape and (own.edges, own.faces) == (body.edges, body.faces)
-        off = max(off, float(np.max(np.abs(own.corners - body.corners))) if same else math.inf)
-    off = max(off, _astray([(copy.object, copy.transform) for copy in copies], places))
-    said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
-    return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
-
-
-def _strange(path: Path, remarks: Sequence[str]) -> Finding:
+def strange(path: Path, remarks: Sequence[str]) -> Finding:
     """ROUND_TRIP of a file that is not as it was written."""
     return at_most("ROUND_TRIP", len(remarks), 0, "warnings", path.name, "; ".join(remarks))
-
-
-def _astray(laid: Copies, places: Copies) -> float:
-    """How far copies lie from the nearest place of their part, and places from their nearest copy, as the largest difference of
-    transforms: no copy astray, no place empty."""
-
-    def nearest(name: str, at: Floats, others: Copies) -> float:
-        return min((float(np.max(np.abs(at - place))) for other, place in others if other == name), default=math.inf)
-
-    return max((nearest(*each, others) for ones, others in ((laid, places), (places, laid)) for each in ones), default=0.0)
-
-
-def _unlike(mesh: Mesh, original: Mesh) -> float:
-    """Largest distance between the corners of two meshes that should be one, mm; inf where they are not of the same triangles."""
-    if mesh.faces.shape != original.faces.shape or not np.array_equal(mesh.faces, original.faces):
-        return math.inf
-    return float(np.max(np.abs(mesh.vertices - original.vertices)))
 
 
 def _volume(volume: float, expected: Expected, where: str) -> Finding:
@@ -434,6 +371,8 @@ def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
 def _deviation(one: bytes, other: bytes) -> float:
     """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
     a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
+    if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= tolerances.SAME_POINT:
+        return off
     return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
 
 

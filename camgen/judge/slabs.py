@@ -157,13 +157,12 @@ def sections_of(body: Body) -> list[Section]:
     return found
 
 
-@functools.lru_cache(maxsize=128)  # a section meets many others
+@functools.lru_cache(maxsize=8)  # a section meets many others, one after the other
 def shrunk(section: Section, by: float) -> Any:
     """The area less all that is nearer than this to its edge, mm."""
     return section.area.buffer(-by) if by else section.area
 
 
-@functools.lru_cache(maxsize=128)
 def covered(section: Section, other: Section) -> bool:
     """Whether all of a section lies in another one."""
     import shapely

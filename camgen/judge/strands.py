@@ -10,7 +10,6 @@ A thread lies on a post's groove, on either side: off the line from axis to axis
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,6 +21,7 @@ from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least
 from camgen.geometry.distances import segments_to_rings
 from camgen.geometry.mesh import Mesh, slice_mesh
+from camgen.judge.assembly import standing
 from camgen.machine.features import Moved, Strand
 from camgen.machine.model import Pose
 from camgen.numerics import Floats, Points
@@ -65,15 +65,8 @@ class _Copy:
 
 def judge_strands(path: Path, machine: Moved, strands: Sequence[Strand]) -> list[Finding]:
     """Findings of all threads; the file shows theta = 0."""
-    stands = {name: [each.body for each in machine.mounts if each.part == name] for name in {m.part for m in machine.mounts}}
-    number, copies = Counter[str](), dict[str, _Copy]()
-    for item in read_3mf(path).items:
-        number[item.name] += 1
-        bodies = stands.get(item.name, [])
-        if number[item.name] <= len(bodies):  # a copy too many is told of elsewhere
-            name = f"{item.name}-{number[item.name]}"
-            axis = complex(*item.transform[:2, 3])  # of a round post its part's origin
-            copies[name] = _Copy(name, item.placed, axis, bodies[number[item.name] - 1])
+    copies = {name: _Copy(name, item.placed, complex(*item.transform[:2, 3]), body)  # a round post's axis: its part's origin
+              for name, item, body in standing(read_3mf(path), machine)}  # fmt: skip
     return [finding for strand in strands for finding in _judged(strand, copies, machine, path.name)]
 
 

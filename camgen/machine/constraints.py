@@ -273,6 +273,16 @@ class Constraints:
         """Add to generalised forces, (n, 3 bodies), what a force (complex) on a place does: N and N mm."""
         self._enter(total, self.place(place, q), force)
 
+    def pressed(self, cam: Cam, q: Floats, where: Points, push: Points) -> Floats:
+        """What a force on a cam's follower, and its reverse on the cam, do at a place: as `press`, (n, 3 bodies)."""
+        total = np.zeros(q.shape)
+        for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
+            c = self.column[body]
+            total[:, c] += sign * push.real
+            total[:, c + 1] += sign * push.imag
+            total[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+        return total
+
     def _enter(self, gradient: Floats, seen: _Seen, steep: Points) -> None:
         """Add to a gradient, (n, 3 bodies), what Re(conj(steep) d where) is by the poses."""
         if seen.column >= 0:

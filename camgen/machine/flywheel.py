@@ -1,8 +1,8 @@
 """How evenly a shaft turns, and the flywheel that evens it.
 
 The motor gives the mean torque; what the machine asks beyond it comes out of the shaft's own energy. With the greatest swing U of
-that energy over a turn, J lets the speed swing by delta = (greatest - least) / mean = U / (J w^2).   [Shigley, Theory of
-Machines and Mechanisms, ch. 18; Norton, Design of Machinery, sec. 11.11]
+that energy over a turn, J lets the speed swing by delta = (greatest - least) / mean = U / (J w^2), for U = J (greatest^2 -
+least^2) / 2 and mean w = (greatest + least) / 2.
 """
 
 from __future__ import annotations

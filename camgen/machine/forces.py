@@ -159,12 +159,7 @@ def _touched(
             past = _speed(system, cam.cam, where, q, rates) - _speed(system, cam.follower, where, q, rates)
             slides = np.real(np.conj(across) * past)
             push = push + cam.friction * np.sign(slides) * across
-        wrench = np.zeros(q.shape)
-        for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
-            c = system.column[body]
-            wrench[:, c] += sign * push.real
-            wrench[:, c + 1] += sign * push.imag
-            wrench[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+        wrench = system.pressed(cam, q, where, push)
         lever = np.sum(wrench * gives, axis=1)
         size = np.where(lever * side > 0, 1 / lever, np.inf * np.sign(effort))
         force = np.where(bears, size, force)

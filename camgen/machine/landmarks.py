@@ -20,6 +20,7 @@ Curve = Callable[[Floats, int], Points]
 TURN = 2 * math.pi
 # Angles closer than this are one angle, rad.
 SAME_ANGLE = 1e-12
+_ALONG = 1e-9  # sine of the angle between pieces of a curve that run along each other
 
 
 def zeros(f: Law, n: int = 720) -> Floats:
@@ -64,6 +65,7 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
         return (np.conj(b[of] - a[of]) * (end - a[of])).imag
 
     cross = (side(i, a[j]) * side(i, b[j]) < 0) & (side(j, a[i]) * side(j, b[i]) < 0)
+    cross &= np.abs(side(i, a[i] + b[j] - a[j])) > _ALONG * np.abs((b[i] - a[i]) * (b[j] - a[j]))  # not on one line
     apart = np.abs(i - j)
     i, j = np.sort(np.stack([i, j])[:, cross & (apart > 1) & (apart < n - 1)], axis=0)
     t1, t2 = theta[i] + math.pi / n, theta[j] + math.pi / n
@@ -76,6 +78,19 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
             break
     pairs = np.stack([t1, t2], axis=1)
     return pairs, point(t1, 0)
+
+
+def smallest_loop(point: Curve, n: int = 3600) -> tuple[float, float, complex, int] | None:
+    """Of a closed curve's loops the one that takes the least angle: where it begins and ends, rad, its double point, complex mm,
+    and how many there are; None where the curve does not cross itself. n as in `double_points`."""
+    pairs, points = double_points(point, n)
+    if not len(pairs):
+        return None
+    spans = (pairs[:, 1] - pairs[:, 0]) % TURN
+    inner = np.minimum(spans, TURN - spans)
+    k = int(np.argmin(inner))
+    begins = float(pairs[k, 0] if spans[k] <= math.pi else pairs[k, 1])
+    return begins, begins + float(inner[k]), complex(points[k]), len(pairs)
 
 
 def moving_centrode(a: Points, b: Points) -> Points:

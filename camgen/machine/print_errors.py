@@ -21,6 +21,7 @@ from camgen.machine.model import Cam, Pin, Slide, Slot
 from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
 
+_STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
 WAVES = (2, 3, 4)  # orders of the form error; the first is a bore off its centre
 
 
@@ -136,8 +137,8 @@ def sensitivities(
         steep = np.linalg.norm(gradient @ per_s, axis=1)  # (n, cams): of the output for a unit of s
         held: dict[str, tuple[Floats, Floats]] = {}
         for k, contact in enumerate(contacts):
-            if contact.side:
-                c = cams.index(contact.cam)
+            c = cams.index(contact.cam)
+            if contact.side and np.any(steep[:, c] > _STILL):
                 one, two = np.abs(levers[:, first[c], c]), np.abs(levers[:, k, c])
                 held[contact.cam.name] = (open_[:, k] * (steep[:, c] / two)[:, None]).T, (1 / one + 1 / two) * steep[:, c]
         moved: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
@@ -168,11 +169,5 @@ def _contact(cam: Cam, side: int, system: Constraints, q: Floats) -> _Contact:
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     place, normal = cam.touches[side](angle - cam.phase)
     turn = np.exp(1j * angle)
-    where, push = q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn
-    way = np.zeros(q.shape)
-    for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
-        c = system.column[body]
-        way[:, c] += sign * push.real
-        way[:, c + 1] += sign * push.imag
-        way[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+    way = system.pressed(cam, q, q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn)
     return _Contact(cam, side, way, waviness(place, normal))

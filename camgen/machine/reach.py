@@ -73,11 +73,8 @@ def reach(machine: Machine) -> Reach:
     return Reach(low, high, False, (below, above))
 
 
-def refuse_partial(machine: Machine, key: str = "drive.range_deg") -> None:
-    """Raise DesignError where the machine cannot turn fully: the range that it can have, and the joints that end it.
-
-    key: of the spec, that limits the range.
-    """
+def refuse_partial(machine: Machine) -> None:
+    """Raise DesignError where the machine cannot turn fully: the range that it can have, and the joints that end it."""
     found = reach(machine)
     if found.full:
         return
@@ -87,7 +84,7 @@ def refuse_partial(machine: Machine, key: str = "drive.range_deg") -> None:
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
         "range of the drive", high - low, 360, "deg", f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, {key} = [{low + spare:.4g}, {high - spare:.4g}], or change the lengths of its links",
+        f"let it go to and fro, drive.range_deg = [{low + spare:.4g}, {high - spare:.4g}], or change the lengths of its links",
         f"the drive cannot turn fully: {closes}",
     )  # fmt: skip
 
@@ -124,7 +121,7 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
             raise DesignError(
                 "sine of the transmission angle", fold.determinant, FOLD, "",
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
-                "change a length, or add a second coupled crank, or keep drive.range_deg away from there",
+                "change a length, or keep drive.range_deg away from there",
                 f"change point at {math.degrees(fold.theta):.6g} deg: the links at {listed('joint', fold.joints)} lie in line "
                 f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})",
             )  # fmt: skip

@@ -3,7 +3,7 @@
     line contact    half width b = sqrt(4 F R / (pi L E*)), greatest pressure p = 2 F / (pi b L), with
                     1/R = 1/R1 + 1/R2 and 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
                     [Hertz; Norton, Machine Design, eqs. 7.14, 7.15; Roark's Formulas for Stress and Strain, table 14.1, case 2]
-    pin             bent as a beam that is held at one end, 32 F l / (pi d^3); sheared by 4/3 of F / area [Shigley, table 3-2]
+    pin             bent as a beam that is held at one end, 32 F l / (pi d^3); sheared by 4/3 of F / area [beam theory]
     plain bearing   pressure F / (d l) on the projected area; sliding speed at its rim; heat: friction times both
     ball bearing    life (C / P)^3 million turns, P the cubic mean of the load over the turning [ISO 281]
 """

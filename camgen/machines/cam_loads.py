@@ -80,7 +80,7 @@ def lift_off(found: Loaded, load: FollowerLoad, slides: bool) -> Finding:
 
 def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool) -> Study:
     """Figures and curves of contact force, torque, power and reactions."""
-    degrees, forces, notes = np.degrees(found.theta), found.forces, []
+    forces, notes = found.forces, []
     power = forces.power_in
     numbers = {
         "peak_contact_force_n": _peak(found.force),
@@ -103,12 +103,16 @@ def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, w
             "least_contact_force_n": float(np.nanmin(found.force)),
             f"spring_preload_needed_{units[0]}": preload, f"spring_rate_needed_{units[1]}": rate,
         }  # fmt: skip
-    label = "cam angle, deg"
-    plots = [
-        Plot("Contact force", label, "N", [("follower on cam", degrees, found.force)]),
-        Plot("Torque on the motor, without friction in the joints", label, "N m", [("drives the cam", degrees, found.torque)]),
-    ]
-    return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, plots, (), (), _notes(weighs, notes))
+    numbers = {key: value for key, value in numbers.items() if math.isfinite(value)}
+    return Study(numbers, force_plots(found, "follower on cam"), (), (), _notes(weighs, notes))
+
+
+def force_plots(found: Loaded, who: str) -> list[Plot]:
+    """Contact force and torque over the turn; a kick, which has none, leaves a gap."""
+    degrees, force, torque = np.degrees(found.theta), *(np.where(np.isinf(y), np.nan, y) for y in (found.force, found.torque))
+    label, of_motor = "cam angle, deg", "Torque on the motor, without friction in the joints"
+    driven = Plot(of_motor, label, "N m", [("drives the cam", degrees, torque)])
+    return [Plot("Contact force", label, "N", [(who, degrees, force)]), driven]
 
 
 def _notes(weighs: bool, more: Sequence[str]) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from camgen.machines.linkage.joined import Merged, Sleeve, Stand
 from camgen.machines.linkage.layout import SLEEVE, Layout
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.merged import Merging, merging
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part

@@ -13,9 +13,7 @@ study()                named numbers, curves and tables for the report
 from __future__ import annotations
 
 import math
-import re
 from abc import ABC, abstractmethod
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
@@ -38,12 +36,12 @@ from camgen.machine.features import (
     Mount,
     Moved,
     PartPose,
-    PinEyes,
     StandIn,
     Strand,
 )
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
+from camgen.machines.assembly import order
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.pins import stronger
@@ -55,12 +53,6 @@ from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
-
-
-def _held(part: Part) -> str:
-    """What a part is, and what its notes say of how it is pressed, glued or screwed."""
-    notes = [note for note in part.notes if re.search(r"press|glue|screw|tight", note)]
-    return f"{part.title}: {'; '.join(notes)}" if notes else part.title
 
 
 class Mechanism(Spec, ABC):
@@ -104,13 +96,13 @@ class Mechanism(Spec, ABC):
     @cached_property
     def _exact(self) -> Machine:
         """The model as exact parts move it: cams that the spec undercuts give what they can."""
-        drives: dict[str, CamOutline] = {}  # a joint's first outline
-        for cam in self.features():
-            if isinstance(cam, CamOutline):
-                drives.setdefault(cam.joint, cam)
-        laws = {name: cam.meant.given for name, cam in drives.items() if cam.meant.given}
+        laws = {name: cam.meant.given for name, cam in self.outlines().items() if cam.meant.given}
         joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
         return replace(self.model, joints=tuple(joints)) if laws else self.model
+
+    def outlines(self) -> dict[str, CamOutline]:
+        """The first outline of each cam, by the name of its joint."""
+        return {each.joint: each for each in reversed(self.features()) if isinstance(each, CamOutline)}
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
@@ -315,29 +307,8 @@ class Mechanism(Spec, ABC):
         return self.laser is not None and not why_not(part, self.laser.thickness)
 
     def steps(self) -> Table:
-        """In which order it goes together: unless a machine says more, its parts by the height of their undersides; what is
-        turned over, such as a pin with its head up, comes from above: by its top; a ball bearing before the link that holds it.
-        """
-        parts, mounts = {part.name: (k, part) for k, part in enumerate(self.parts())}, self.mounts()
-        pairs = [each for each in self.features() if isinstance(each, PinEyes)]
-        seats = {ring.part: {eye.part for each in pairs for eye in (each.a, each.b)} for each in pairs for ring in each.rings}
-        copies: dict[tuple[float, bool, int, bool, float], list[str]] = {}
-        number: Counter[str] = Counter()
-        for mount in mounts:
-            k, part = parts[mount.part]
-            number[part.name] += 1
-            height = mount.z + (part.thickness if mount.flipped else 0.0)
-            holders = seats.get(part.name, set())
-            height = min([height, *(each.z for each in mounts if each.body == mount.body and each.part in holders)])
-            step = round(height, 6) + 0.0, part.name not in seats, k, mount.flipped, round(mount.z, 6) + 0.0
-            copies.setdefault(step, []).append(f"{part.name}-{number[part.name]}")
-        listed = [part for _, part in parts.values()]
-        rows = [
-            (step, listed[k].name, _held(listed[k]), len(laid), z, "turned over" if over else "as drawn")
-            for step, ((_, _, k, over, z), laid) in enumerate(sorted(copies.items()), 1)
-        ]
-        columns = ("step", "part", "what", "count", "underside at z, mm", "lies")
-        return Table("Assembly from the bottom up, by height", columns, rows, [laid for _, laid in sorted(copies.items())])
+        """In which order it goes together, and where: unless a machine says more, by height."""
+        return order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features())
 
     def idle(self) -> Sequence[str]:
         """Keys that were set and say nothing of this machine, dotted."""

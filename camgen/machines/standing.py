@@ -209,7 +209,7 @@ class StandingCams(Mechanism):
         for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
             z = layout.floor(layout.level[name] - layout.below(spring))
             said = f"{titles[name]}, hooked under the heads of its pins"
-            rows.append((len(rows) + 1, "extension spring", said, 1, z, "as bought"))
+            rows.append((len(rows) + 1, "extension spring", said, "", 1, z, "as bought"))
         nothing = [()] * (len(rows) - len(table.rows))
         return replace(table, rows=tuple(rows), copies=(*table.copies, *nothing))
 

@@ -13,10 +13,8 @@
 
 from __future__ import annotations
 
-import copy
 import math
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
@@ -25,11 +23,12 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from camgen.errors import Fault, FileError, SpecError
+from camgen.errors import Fault, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
+from camgen.motion.tables import read_points
 from camgen.numerics import Floats
-from camgen.spec import Data, Length, Record, read_bytes, unknown
+from camgen.spec import Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
 MATCHED = "matched"
@@ -48,7 +47,6 @@ ABOUT = {
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
 }
 NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
-_MOST_BYTES = 50_000_000  # of a table of points
 _NEEDED = {"fourier": ("sines", "cosines"), "polynomial": ("conditions",), "table": ("points", "file")}  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
 
@@ -261,70 +259,3 @@ def backwards(segment: Segment, path: str) -> Fault | None:
         return None
     where = f"{wrong[0]:.3g} to {wrong[-1]:.3g} of its span"
     return Fault(path, f"'{segment.law.name}' runs backwards within {where}", f"a law that only goes one way in a {segment.kind}")
-
-
-# ---- tables from files -----------------------------------------------------------------------------------------------
-
-
-def read_points(path: Path) -> tuple[tuple[float, float], ...]:
-    """Angle and displacement from the first two columns of a text file; rows before the first number are headings.
-
-    Columns part at commas, semicolons, tabs or spaces; with semicolons or tabs a comma in a number is its decimal point.
-    Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
-    """
-    try:
-        text = read_bytes(path, _MOST_BYTES, "a table of angle and displacement").decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(path, "is not text: a table of angle and displacement was expected") from None
-    points: list[tuple[float, float]] = []
-    faults = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        if ";" in line or "\t" in line:
-            cells = re.split(r"[;\t]", line.replace(",", "."))
-        else:
-            cells = re.split(r"\s*,\s*|\s+", line.strip())
-        try:
-            x, y = float(cells[0]), float(cells[1])
-            if not math.isfinite(x + y):
-                raise ValueError
-            points.append((x, y))
-        except (ValueError, IndexError):
-            if points:
-                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], "two numbers: angle and displacement"))
-    if faults or not points:
-        nothing = Fault(path.name, f"{len(text)} characters", "rows of two numbers: angle and displacement")
-        raise SpecError(faults or [nothing], str(path))
-    return tuple(points)
-
-
-def with_tables(data: Data, folder: Path) -> Data:
-    """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
-
-    Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
-    [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
-    """
-    if not any(_files(data)):
-        return data
-    data = copy.deepcopy(data)
-    for table in _files(data):
-        name = table.pop("file")
-        table["points"] = [list(point) for point in read_points(folder / name)]
-        table.setdefault("source", name)
-    return data
-
-
-def _files(data: Data) -> Iterator[Data]:
-    """Tables of laws and loads that name a file in place of points."""
-
-    def listed(holder: Any, key: str) -> list[Any]:
-        found = holder.get(key) if isinstance(holder, dict) else None
-        return found if isinstance(found, list) else []
-
-    holders = [data, data.get("drive"), *listed(data, "cam")]
-    segments = [segment for holder in holders for segment in listed(holder, "segment")]
-    laws = [table.get("law") for table in (data.get("geometry"), *segments) if isinstance(table, dict)]
-    for table in (*laws, *listed(data.get("load"), "on")):
-        if isinstance(table, dict) and isinstance(table.get("file"), str) and "points" not in table:
-            yield table

@@ -27,8 +27,9 @@ def _no_laser(make: object) -> object:
     """What is asked of sheet is told where it is had."""
     if make == "laser":
         raise ValueError(
-            '"machine" or "cams": [laser] cuts cams as thick as its sheet, without a hub; bodies.make = "laser" makes the bench '
-            "of a disc cam or an indexing cam of sheet; tapered collet, headed axles and posts of a uniform swing are no sheets"
+            '"machine" or "cams": [laser] cuts a cam without a hub (parts.hub_height = 0) whose parts.thickness is '
+            'laser.thickness; bodies.make = "laser" makes the bench of a disc cam or an indexing cam of sheet; tapered '
+            "collet, headed axles and posts of a uniform swing are no sheets"
         )
     return make
 

@@ -109,8 +109,9 @@ def pair(distance: float, ratio: float, backlash: float, least: float, teeth: in
         return DesignError(quantity, value, limit, unit, where, remedy, said)
 
     if ratio > 0:
-        remedy = "wheels side by side turn against each other: put a link with a wheel between, and two gears, each below 0"
-        raise refused("ratio of wheels", ratio, 0, "", remedy)
+        remedy = "put a link with a wheel between, and two gears, each with a ratio below 0"
+        said = f"gear.ratio {ratio:g} at {where}: wheels side by side turn against each other, and no inner teeth are made"
+        raise refused("ratio of wheels", ratio, 0, "", remedy, said)
     if abs(share - abs(ratio)) > _WHOLE * abs(ratio) or not share:
         share = (share if abs(ratio) < 1 else 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)) or Fraction(1, _MOST)
         remedy = f"take one of whole teeth, such as -{share.numerator}/{share.denominator} = {-float(share):.12g}"

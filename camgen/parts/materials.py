@@ -29,7 +29,7 @@ _GUIDE = "spread: FDM tolerance guide, toolsfast.app/3d-printing/fdm-tolerance-g
 
 STEEL = Material(
     "steel", Elastic(207e3, 0.292), 350.0, 0.0,
-    "Shigley, table A-5; bears half of 700 MPa, the tensile strength of steel that can still be turned",
+    "207 GPa and 0.292 as handbooks have it; bears half of 700 MPa, the tensile strength of steel that can still be turned",
 )  # fmt: skip
 
 MATERIALS = {

@@ -75,6 +75,11 @@ class Part:
         return sum(layer.volume for layer in self.layers) - sum(layer.volume for layer in self.engraved)
 
     @property
+    def engraving(self) -> tuple[Contour, ...]:
+        """The contours that a laser engraves."""
+        return tuple(each for layer in self.engraved for each in (layer.region.outer, *layer.region.holes))
+
+    @property
     def walls(self) -> float:
         """Area of the upright walls, mm^2, or more: facets within a tolerance cost at most so much volume per mm of it."""
         found = sum(layer.region.length * (layer.z1 - layer.z0) for layer in self.layers)

@@ -25,9 +25,9 @@ from camgen.parts.catalogue import SCREWS, Bought, Screw, nut
 from camgen.parts.part import Layer, Part, d_bore
 
 HOLDS = 0.2  # of the screw's force, as friction of its point on the shaft
-TURNED = 0.2  # torque over force times diameter of a dry screw   [Shigley, sec. 8-8, K = 0.20]
+TURNED = 0.2  # torque over force times diameter of a dry screw, as the source above counts
 _ROOM = 0.2  # mm, of the pocket round its nut
-_LENGTHS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0)  # of set screws, mm   [ISO 4026 to 4029]
+_LENGTHS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0)  # of set screws in shops, mm
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Extension springs of round wire, cold coiled: EN 13906-2; patented drawn wire EN 10270-1 SH.
 
-    surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2, both ends held  [Shigley, eq. 10-25]
+    surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2: half a wave along the coils, both ends held
     rate     G d^4 / (8 D^3 n)
     stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75), w = D / d; at most 0.45 of the wire's tensile strength
 """

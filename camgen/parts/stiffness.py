@@ -2,7 +2,7 @@
 
     1 / k = integral of (l - x)^2 / (E I(x)) dx from the held point to the pushed one, l mm off
 I(x): second moment of what material a cut across the line meets, about the middle of that material.
-[Castigliano's theorem for a beam in bending, Shigley, sec. 4-8; with I even F l^3 / (3 E I), table A-9, case 1]
+[Castigliano's theorem for a beam in bending; with I even F l^3 / (3 E I)]
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from camgen.errors import DesignError
 from camgen.files.formats import FORMATS
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.parts.part import Part
 from camgen.settings import override
 

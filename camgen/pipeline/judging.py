@@ -19,11 +19,8 @@ from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
 from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
-from camgen.judge.round_trip import (
-    judge_copies,
-    judge_exact_copies,
-    judge_solid,
-)
+from camgen.judge.copies import judge_copies, judge_exact_copies
+from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected

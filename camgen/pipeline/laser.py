@@ -76,8 +76,7 @@ def make_sheets(case: Case) -> None:
         for (name, copy), spot in rounded:
             if spot.sheet == number:
                 turn, path = cmath.rect(1, spot.angle), paths[name]
-                engraved = [each for layer in path.engraved for each in (layer.region.outer, *layer.region.holes)]
-                moved = tuple(contour.moved(turn, spot.place) for contour in engraved)
+                moved = tuple(contour.moved(turn, spot.place) for contour in path.engraving)
                 pieces.append(Piece(f"{name}-{copy}", path.region.moved(turn, spot.place), moved))
         for ending in ("dxf", "svg"):
             write_sheet(case.file(f"sheet-{number + 1}", ending), pieces, laser.sheet, mechanism.accuracy.chord_tolerance)
@@ -140,7 +139,7 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
         if part.name not in parts:
             rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
         if part.name not in sections and case.file(part.name, "dxf").exists():
-            drawn = expected(part, tolerance, features, None, mechanism.output.center_marks)
+            drawn = expected(part, tolerance, features, None, mechanism.output)
             judged = judge_drawing(case.file(part.name, "dxf"), drawn)
             if judged.shape is not None:
                 sections[part.name] = judged.sections

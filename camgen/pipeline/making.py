@@ -16,7 +16,7 @@ from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import DENSITY, Bought
+from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
@@ -104,9 +104,10 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         fit = compensation(mechanism)
         mesh = solid(part, tolerance)
         sent = solid(compensated(part, fit), tolerance) if fit else mesh
-    centres = part.centres if mechanism.output.center_marks else ()
+    output = mechanism.output
+    centres, engraved = part.centres if output.center_marks else (), part.engraving if output.engrave else ()
     title, key = f"{mechanism.name}-{name}", _key(mechanism)
-    job = Job(name, title, key, part.region, centres, tolerance, mechanism.output.curves, sent, part)
+    job = Job(name, title, key, part.region, centres, tolerance, output.curves, sent, part, engraved)
     for kind in wanted:
         with suppress(DesignError) if kind in EXACT else nullcontext():  # a part that has none is told as files are judged
             write_part(case.file(name, kind), job)
@@ -176,8 +177,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     ]
     blank: tuple[object, ...] = ("",) * 5
     for part in (part for part in parts if part not in printed):  # what is bought has a size, what is turned a volume
-        bought = part.made == "bought"
-        what, volume = (": ".join([part.title, *part.notes[:1]]), "") if bought else (part.title, part.count * part.volume)
+        bought, sized = part.made == "bought", part.made in ("bought", TURNED)
+        what, volume = ": ".join([part.title, *part.notes[: int(sized)]]), "" if bought else part.count * part.volume
         made = "cut of sheet" if mechanism.cut_of_sheet(part) else part.made
         rows.append((made, part.name, what, part.count, volume, *blank))
     things = list(mechanism.bought())

@@ -56,8 +56,8 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
             refused += _without(part, tolerance)
             continue
         solid = FORMATS[kind].solid
-        sent, marked = (fit, False) if solid else (None, mechanism.output.center_marks)
-        meant = expected(part, tolerance, features, sent, marked)
+        sent, drawn = (fit, None) if solid else (None, mechanism.output)
+        meant = expected(part, tolerance, features, sent, drawn)
         judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings
         if judged.shape is not None:

@@ -115,7 +115,10 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         kerf = mechanism.laser.kerf
         found.append(f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn")
         if all(why_not(part, mechanism.laser.thickness) for part in mechanism.parts()):
-            found.append(f"laser.thickness = {mechanism.laser.thickness:g}: no part is flat and as thick, so there is no sheet")
+            flat = {part.thickness: part.name for part in mechanism.parts() if not why_not(part, part.thickness)}
+            said = ", ".join(f"{name} is {thick:g}" for thick, name in sorted(flat.items()))
+            told = f"no part is flat and as thick ({said} mm)" if flat else "no part is flat"
+            found.append(f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
     idle = mechanism.idle()

@@ -82,6 +82,7 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
         found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
         words = f"{row[1]}: {row[2]}" if table.columns[2] == "how" else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+        words += f"; {row[3]}" if table.columns[3:4] == ("where",) and row[3] else ""
         steps.append(Step(words, found))
     return Scene(glb(mechanism.name, shapes, moving, mechanism.shown_turns), order, plates, steps)
 

@@ -29,7 +29,7 @@ from camgen import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
-from camgen.motion.segments import with_tables
+from camgen.motion.tables import with_tables
 from camgen.pipeline.jobs import Progress, changed, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants

@@ -164,7 +164,8 @@ def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
             for cam, (gap, air) in found.held.items():
                 loose, least, needed = held[output.name, cam]
                 between = drawn @ gap
-                needed[block] = np.maximum(0.0, -(between / air).min(axis=1))
+                moving = air > _NOTHING * air.max()  # elsewhere the output stands still, whatever the follower does
+                needed[block] = np.maximum(0.0, -(between[:, moving] / air[moving]).min(axis=1, initial=0.0))
                 between += spread.air.get(cam, 0.0) * air
                 loose[block], least[block] = between.max(axis=1), between.min(axis=1)
     return Copies(errors, held, play, tight)
@@ -212,10 +213,7 @@ def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
     shifted = _shifted(machine, spread, errors)
     laws = {}
     parts = {part.name: part for part in mechanism.parts()}
-    first: dict[str, CamOutline] = {}
-    for each in mechanism.features():
-        if isinstance(each, CamOutline):
-            first.setdefault(each.joint, each)
+    first = mechanism.outlines()
     for joint in machine.joints:
         own = given.get(f"{joint.name}, 1")
         if not isinstance(joint, Cam) or own is None:

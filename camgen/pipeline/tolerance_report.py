@@ -116,11 +116,14 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
         if np.isfinite(limit) and np.any(play > 0):
             rows.append(("LASH", output.name, limit * scale, unit, 100 * float(np.mean(play <= limit))))
             good &= play <= limit
-    for (name, cam), (loose, least, air) in copies.held.items():
+    by_cam: dict[str, tuple[Floats, Floats, Floats]] = {}
+    for (_, cam), each in copies.held.items():
+        by_cam.setdefault(cam, each)  # of one that moves several outputs the first
+    for cam, (loose, least, air) in by_cam.items():
         code, what, holds = "INTERFERENCE", "jams nowhere", least >= 0
         if spread.air.get(cam, 0.0) < 0:
             code, what, holds = "LASH", "is pressed everywhere", loose <= 0
-        rows.append((code, f"{cam} {what}, {name}", 0.0, "mm", 100 * float(np.mean(holds))))
+        rows.append((code, f"{cam} {what}", 0.0, "mm", 100 * float(np.mean(holds))))
         numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(np.quantile(air, 0.99))
         good &= holds
     if not rows:
@@ -129,7 +132,7 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
     numbers["yield_percent"] = 100 * float(np.mean(good))
     told = [Table("Yield", ("finding", "what", "limit", "unit", "copies that hold, %"), rows)]
     if copies.held:
-        shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for (_, cam), (_, _, air) in copies.held.items()]
+        shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for cam, (_, _, air) in by_cam.items()]
         heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
         told.append(Table(_FREE, heads, shares))
     return told

@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from camgen.machine.landmarks import double_points
+from camgen.machine.landmarks import smallest_loop
 from camgen.machine.model import Output, Path, Pin, unit_of
 from camgen.machine.print_errors import sensitivities
 from camgen.machine.run import solve
@@ -79,13 +79,10 @@ def loops(spread: Spread, errors: Floats, seed: int) -> list[Loop]:
     if spread.mechanism.range != (0.0, 2 * np.pi):
         return found
     for output in (each for each in machine.outputs if isinstance(each.of, Path)):
-        pairs, _ = double_points(partial(_path, spread, output.name), 1440)
-        if not len(pairs):
+        loop = smallest_loop(partial(_path, spread, output.name), 1440)
+        if loop is None:
             continue
-        spans = (pairs[:, 1] - pairs[:, 0]) % (2 * np.pi)
-        inner = np.minimum(spans, 2 * np.pi - spans)
-        k = int(np.argmin(inner))
-        begins, span = float(pairs[k, 0] if spans[k] <= np.pi else pairs[k, 1]), float(inner[k])
+        begins, span = loop[0], loop[1] - loop[0]
         theta = np.linspace(begins - span, begins + 2 * span, 3 * _SIDE + 1)
         path, modes = _moved(spread, output, theta)
         inside = path[_SIDE : 2 * _SIDE + 1]

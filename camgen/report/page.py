@@ -6,6 +6,7 @@ The page is page.html, page.css and page.js of this folder, filled in; where the
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import math
 import re
@@ -94,7 +95,8 @@ def _viewer(report: Report, scene: Scene) -> str:
         ],
         "steps": [[place[copy] for copy in step.copies] for step in scene.steps],
     }
-    data = {"three": packed, "glb": base64.b64encode(scene.glb).decode()}
+    machine = gzip.compress(scene.glb, mtime=0)
+    data = {"three": packed, "glb": base64.b64encode(machine).decode()}
     blocks = [f'<script type="text/plain" id="{key}">{text}</script>' for key, text in data.items()]
     blocks.append(f'<script type="application/json" id="lying">{json.dumps(lying, separators=(",", ":"))}</script>')
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"

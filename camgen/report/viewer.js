@@ -3,27 +3,26 @@
 (() => {
   const byId = id => document.getElementById(id), text = id => byId(id).textContent;
   const bytes = packed => Uint8Array.from(atob(packed), c => c.charCodeAt(0));
+  const unpacked = id => new Response(new Blob([bytes(text(id))]).stream().pipeThrough(new DecompressionStream("gzip")));
   const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   async function start() {
     const canvas = byId("machine");
-    if (!canvas) return;
-    const unpacked = new Blob([bytes(text("three"))]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const library = document.createElement("script");
-    library.textContent = await new Response(unpacked).text();
+    const context = canvas && picture(canvas);  // at first: the browser makes it ready while the library is unpacked
+    if (!context) return;
+    const library = document.createElement("script"), machine = unpacked("glb").arrayBuffer();
+    library.textContent = await unpacked("three").text();
     document.head.append(library);
-    let renderer;
-    try {
-      renderer = new THREE.WebGLRenderer({ canvas, antialias: !software(), alpha: true, stencil: true, preserveDrawingBuffer: true });
-    } catch {
-      return;
-    }
-    show(renderer, canvas, read(bytes(text("glb")).buffer), JSON.parse(text("lying")));
+    const renderer = new THREE.WebGLRenderer({ canvas, context });
+    show(renderer, canvas, read(await machine), JSON.parse(text("lying")));
   }
 
-  function software() {  // whether a processor draws: then edges are not smoothed
-    const gl = document.createElement("canvas").getContext("webgl2"), told = gl && gl.getExtension("WEBGL_debug_renderer_info");
-    return !!told && /swiftshader|llvmpipe|software/i.test(gl.getParameter(told.UNMASKED_RENDERER_WEBGL));
+  let slow = false;  // whether a processor draws: then edges are not smoothed
+  function picture(canvas) {
+    const asked = { alpha: true, stencil: true, depth: true, preserveDrawingBuffer: true };
+    const fast = canvas.getContext("webgl2", { ...asked, antialias: true, failIfMajorPerformanceCaveat: true });
+    slow = !fast;
+    return fast || canvas.getContext("webgl2", { ...asked, antialias: false });
   }
 
   // ---- reading the GLB ----
@@ -56,23 +55,33 @@
 
   // Corners with normals that are shared over edges of less than 30 deg, and the sharper edges as lines.
   function surfaces(places, faces) {
-    const count = faces.length / 3, flat = new Float32Array(faces.length), around = Array.from({ length: places.length / 3 }, () => []);
-    const a = new THREE.Vector3(), b = new THREE.Vector3(), c = new THREE.Vector3(), limit = Math.cos(Math.PI / 6);
-    for (let f = 0; f < count; f++) {
-      [a, b, c].forEach((v, k) => { v.fromArray(places, 3 * faces[3 * f + k]); around[faces[3 * f + k]].push(f); });
-      b.sub(a).cross(c.sub(a)).normalize().toArray(flat, 3 * f);
+    const wide = faces.length, count = wide / 3, limit = Math.cos(Math.PI / 6);
+    const corners = new Float32Array(3 * wide), flat = new Float32Array(wide), normals = new Float32Array(3 * wide), lines = [];
+    for (let i = 0; i < wide; i++) for (let n = 0; n < 3; n++) corners[3 * i + n] = places[3 * faces[i] + n];
+    for (let f = 0; f < wide; f += 3) {
+      const c = 3 * f, side = (k, n) => corners[c + 3 * k + n] - corners[c + n];
+      const cross = [0, 1, 2].map(n => side(1, (n + 1) % 3) * side(2, (n + 2) % 3) - side(1, (n + 2) % 3) * side(2, (n + 1) % 3));
+      const size = Math.hypot(...cross) || 1;
+      for (let n = 0; n < 3; n++) flat[f + n] = cross[n] / size;
     }
-    const alike = (f, g) => flat[3 * f] * flat[3 * g] + flat[3 * f + 1] * flat[3 * g + 1] + flat[3 * f + 2] * flat[3 * g + 2] > limit;
-    const corners = new Float32Array(9 * count), normals = new Float32Array(9 * count), lines = [], open = new Map();
-    for (let f = 0; f < count; f++) for (let k = 0; k < 3; k++) {
-      const here = faces[3 * f + k], next = faces[3 * f + (k + 1) % 3], at = 9 * f + 3 * k;
-      a.set(0, 0, 0);
-      for (const g of around[here]) if (alike(f, g)) a.add(b.fromArray(flat, 3 * g));
-      a.normalize().toArray(normals, at);
-      for (let n = 0; n < 3; n++) corners[at + n] = places[3 * here + n];
-      const other = open.get(next * around.length + here);
-      if (other === undefined) open.set(here * around.length + next, f);
-      else if (!alike(f, other)) for (const end of [here, next]) for (let n = 0; n < 3; n++) lines.push(places[3 * end + n]);
+    // of each point its corners, one after the other: those of point v are used[begin[v]] to used[begin[v + 1]]
+    const begin = new Uint32Array(places.length / 3 + 1), used = new Uint32Array(wide);
+    faces.forEach(v => begin[v + 1]++);
+    for (let v = 1; v < begin.length; v++) begin[v] += begin[v - 1];
+    const next = begin.slice();
+    faces.forEach((v, i) => { used[next[v]++] = i; });
+    const after = i => i % 3 === 2 ? i - 2 : i + 1;
+    for (let i = 0; i < wide; i++) {
+      const f = i - i % 3, here = faces[i], there = faces[after(i)];
+      let x = 0, y = 0, z = 0;
+      for (let k = begin[here]; k < begin[here + 1]; k++) {
+        const j = used[k], g = j - j % 3;
+        const alike = flat[f] * flat[g] + flat[f + 1] * flat[g + 1] + flat[f + 2] * flat[g + 2] > limit;
+        if (alike) { x += flat[g]; y += flat[g + 1]; z += flat[g + 2]; }
+        else if (f < g && faces[after(after(j))] === there) for (const end of [here, there]) lines.push(places[3 * end], places[3 * end + 1], places[3 * end + 2]);
+      }
+      const size = Math.hypot(x, y, z) || 1;
+      normals.set([x / size, y / size, z / size], 3 * i);
     }
     const solid = new THREE.BufferGeometry(), edges = new THREE.BufferGeometry();
     solid.setAttribute("position", new THREE.BufferAttribute(corners, 3));
@@ -128,7 +137,7 @@
     const edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 });
     renderer.localClippingEnabled = true;
     renderer.autoClearStencil = true;
-    renderer.setPixelRatio(software() ? 1 : Math.min(2, devicePixelRatio));
+    renderer.setPixelRatio(slow ? 1 : Math.min(2, devicePixelRatio));
     parts.forEach(part => { part.material = surface(); });
     bodies.forEach(body => scene.add(body.group));
     copies.forEach((copy, k) => {
@@ -300,7 +309,7 @@
     let small;
     function paint(target) {
       if (!target.dataset.seen) return;
-      small ||= new THREE.WebGLRenderer({ canvas: Object.assign(document.createElement("canvas"), { width: 320, height: 220 }), alpha: true, antialias: !software() });
+      small ||= new THREE.WebGLRenderer({ canvas: Object.assign(document.createElement("canvas"), { width: 320, height: 220 }), alpha: true, antialias: !slow });
       const [what, number] = target.dataset.view.split("-"), scene = new THREE.Scene(), sun = lit(scene);
       const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, color: variable("--ink") });
       const put = (part, matrix, faint) => {

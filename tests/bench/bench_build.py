@@ -1,4 +1,7 @@
-"""Processor time and memory of whole commands that have a limit, side by side with another commit where one is named.
+"""Time and memory of whole commands that have a limit, side by side with another commit where one is named.
+
+Processor time is that of all processes, on one core; wall time is that of the command as people give it, on all cores.
+Modules are compiled beforehand, as they are where camgen was installed.
 
     python tests/bench/bench_build.py [COMMIT]
 """
@@ -9,6 +12,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent.parent
@@ -16,13 +20,14 @@ RUNS = 5
 CAMS, BUILD = ["--set", "parts.make='cams'"], ["build", "specs/uniform-swing.toml"]
 
 
-def process(top: Path, arguments: list[str]) -> tuple[float, float]:
-    """Processor time (s) and peak memory (MB) of a whole process of the checkout at `top`."""
-    command = [sys.executable, "-m", "camgen", *arguments]
-    quiet = subprocess.DEVNULL
-    child = subprocess.Popen(command, stdout=quiet, stderr=quiet, cwd=top, env=os.environ | {"PYTHONPATH": str(top)})
+def process(top: Path, arguments: list[str], compiled: Path) -> tuple[float, float, float]:
+    """Processor time (s), wall time (s) and peak memory (MB) of a whole command of the checkout at `top`."""
+    settings = os.environ | {"PYTHONPATH": str(top), "PYTHONPYCACHEPREFIX": str(compiled)}
+    settings.pop("PYTHONDONTWRITEBYTECODE", None)
+    command, quiet, begin = [sys.executable, "-m", "camgen", *arguments], subprocess.DEVNULL, time.perf_counter()
+    child = subprocess.Popen(command, stdout=quiet, stderr=quiet, cwd=top, env=settings)
     _, _, usage = os.wait4(child.pid, 0)
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+    return usage.ru_utime + usage.ru_stime, time.perf_counter() - begin, usage.ru_maxrss / 1024
 
 
 COMMANDS = (  # what, arguments, most seconds
@@ -30,18 +35,26 @@ COMMANDS = (  # what, arguments, most seconds
     ("the cam alone (`--set parts.make='cams'`), `--only dxf`", [*BUILD, *CAMS, "--only", "dxf"], 0.6),
     ("the cam alone, everything", [*BUILD, *CAMS], 2.5),
     ("the whole machine, everything", BUILD, 5.5),
+    ("a four-bar, everything", ["build", "specs/linkage.toml"], 3.0),
 )
 
 
 def whole_processes(tops: list[Path], out: Path) -> list[list[str]]:
-    """Rows of a table: command, limit, then seconds and memory of each checkout.
+    """Rows of a table: command, limit, then processor time, wall time and memory of each checkout.
 
-    The least time, for a machine may be busy, and the greatest memory of each command; the checkouts take turns."""
+    The least time, for a machine may be busy, and the greatest memory of each command; the checkouts take turns.
+    """
     rows = []
     for name, arguments, limit in COMMANDS:
-        written = [*arguments, "-o", str(out)] if arguments[0] == "build" else arguments
-        runs = [[process(top, written) for top in tops] for _ in range(RUNS)]
-        told = [f"{min(s for s, _ in own):.2f} s, {max(mb for _, mb in own):.0f} MB" for own in zip(*runs, strict=True)]
+        files = [*arguments, "-o", str(out)] if arguments[0] == "build" else arguments
+        alone = [*files, "--jobs", "1"] if arguments[0] == "build" else files
+        for top in tops:
+            process(top, files, out)
+        runs = [[(process(top, alone, out), process(top, files, out)[1]) for top in tops] for _ in range(RUNS)]
+        told = []
+        for own in zip(*runs, strict=True):
+            cpu, wall, memory = min(s for (s, _, _), _ in own), min(s for _, s in own), max(mb for (_, _, mb), _ in own)
+            told.append(f"{cpu:.2f} s, {wall:.2f} s of wall, {memory:.0f} MB")
         rows.append([name, f"{limit} s", *told])
         print(" | ".join(rows[-1]), flush=True)
     return rows

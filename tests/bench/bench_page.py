@@ -1,6 +1,6 @@
 """How soon a report is seen: its first paint, with the machine drawn flat, and its first frame in three dimensions.
 
-    python tests/bench/bench_page.py REPORT.html...
+    PYTHONPATH=tests python tests/bench/bench_page.py REPORT.html...
 
 Milliseconds from the begin of navigation, least and median of 9 loads in a browser that has shown the page before; needs
 Chromium. The first row is a page of one word, which tells what the browser and the machine take by themselves.
@@ -55,5 +55,4 @@ def main(paths: list[Path]) -> None:
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).parent.parent))
     main([Path(each) for each in sys.argv[1:]])

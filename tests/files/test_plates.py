@@ -15,7 +15,7 @@ from camgen.files.plates import DENSITY, Layout, Spot, footprint, laid_out, lyin
 from camgen.files.threemf import Placed, read_3mf, write_3mf
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
-from camgen.judge.round_trip import judge_copies
+from camgen.judge.copies import judge_copies
 from camgen.judge.slabs import judge_plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.parts.solids import solid

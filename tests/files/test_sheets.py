@@ -30,7 +30,8 @@ from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-NAMES = sorted(path.stem for path in SPECS.glob("*.toml"))
+THE_OTHERS_PARTS = {"four-leg-walker", "stitch-head"}  # two legs more, and two machines on one plate
+NAMES = sorted({path.stem for path in SPECS.glob("*.toml")} - THE_OTHERS_PARTS)
 FACTS = Facts("m", "PLA", 12.3, "ISO 2768-m", "K-104-01", "2026-05-31", (), 10.0)
 FACETS = 0.02  # mm, of the solids and of what is read from the sheets
 # Widths of LibreCAD's standard.lff in ninths of the height of capitals, each with its letter spacing of 3; the space has 6.75.

@@ -13,7 +13,8 @@ from camgen.files.formats import Job, read_exact, write_part
 from camgen.files.step import read_step, write_step
 from camgen.files.threemf import Placed, placing
 from camgen.geometry.outlines import Region, rectangle
-from camgen.judge.round_trip import judge_exact, judge_exact_copies
+from camgen.judge.copies import judge_exact_copies
+from camgen.judge.round_trip import judge_exact
 from camgen.parts.exact import exact
 from camgen.parts.part import Layer, Part
 from camgen.pipeline.build import KINDS, build, check

@@ -100,8 +100,8 @@ def check(length: float, offset: float, swing_deg: float, rho: float, blend: flo
     return made
 
 
-@pytest.mark.parametrize("blend", [0.0, 0.1, 0.3, 1.0, math.pi])
-@pytest.mark.parametrize("rho", [0.1, 3.0, 10.0, 12.0, 14.0, 25.0])
+@pytest.mark.parametrize("blend", [0.0, 0.3, math.pi])
+@pytest.mark.parametrize("rho", [0.1, 10.0, 12.0, 25.0])
 def test_tips_and_blends(rho: float, blend: float) -> None:
     made = check(60.0, 30.0, 30.0, rho, blend)
     if blend == 0 and rho < 14.6:

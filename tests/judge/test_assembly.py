@@ -52,7 +52,7 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
     return sweep(path, found.moved())[0]
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in SPECS.glob("*.toml") if path.stem != "uniform-swing"))
+@pytest.mark.parametrize("name", sorted({path.stem for path in SPECS.glob("*.toml")} - {"uniform-swing", "four-leg-walker"}))
 def test_free_as_designed(tmp_path: Path, name: str) -> None:
     findings = swept(tmp_path / "x.3mf", name)
     assert [f"{f.code} {f.where}" for f in findings if not f.ok] == []

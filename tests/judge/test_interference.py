@@ -74,6 +74,17 @@ def test_turning_square_by_brute_force() -> None:
     assert c.proven <= gap + 1e-9 and c.gap == pytest.approx(gap, abs=0.3 * gap)
 
 
+def test_of_sections_at_several_heights_the_widest_counts() -> None:
+    """A wall whose middle stands out, an eccentric that has a hole in its upper half: the gap is that of what stands out."""
+    wall = tuple(Slab(z, z + 2, (box(x - 50j, 40 + 50j),)) for z, x in ((0.0, 27.0), (2.0, 25.3), (4.0, 26.0)))
+    cam = Body("cam", (Slab(0.0, 3.0, (disc(5, 20),)), Slab(3.0, 6.0, (disc(5, 20), disc(9, 2)))), SPIN)
+    alone = only(swept([cam, Body("wall", (wall[1],))], {}, 0.25))
+    assert alone.proven <= 0.3 <= alone.gap + 0.005
+    for slabs_of_wall in (wall, wall[::-1]):
+        c = only(swept([cam, Body("wall", slabs_of_wall)], {}, 0.25))
+        assert (c.gap, c.proven, c.evaluations) == (alone.gap, alone.proven, alone.evaluations)
+
+
 def test_shifted_by_a_hair() -> None:
     """A shaft with 0.1 mm of air keeps 0.05 mm; moved by 0.04 mm further than it may, it does not."""
     cam = Body("cam", slabs(disc(0, 20), disc(0, 4)), SPIN)

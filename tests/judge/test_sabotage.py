@@ -386,6 +386,20 @@ def test_marks_that_were_asked_for_are_as_meant(tmp_path: Path) -> None:
     assert failing(folder, "dxf") == {("DXF_CLOSED", "dxf")}
 
 
+def test_what_is_engraved_is_as_meant(tmp_path: Path) -> None:
+    """The arrow that tells how a cam turns: there where it is asked for, in its place, and nowhere else."""
+    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), (*OVERRIDES, "output.engrave=true"))
+    folder, arrow = tmp_path / "cam", "*[layer=='ENGRAVE']"
+    assert report.ok and len(ezdxf.readfile(folder / "cam-cam.dxf").modelspace().query(arrow)) == 1
+    spec = (folder / "spec.toml").read_text()
+    (folder / "spec.toml").write_text(spec.replace("engrave = true", "engrave = false"))
+    assert failing(folder, "dxf") == {("DXF_CLOSED", "dxf")}
+    (folder / "spec.toml").write_text(spec)
+    assert not failing(folder, "dxf")
+    edit_dxf(folder, lambda drawing: drawing.modelspace().query(arrow).first.translate(0, 0.1, 0))
+    assert failing(folder, "dxf") == {("DXF_CLOSED", "dxf")}
+
+
 # ---- both, and the pair ----------------------------------------------------------------------------------------------
 
 

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from camgen.machine import jets, landmarks, solve
 from camgen.machine.closed_form import four_bar, slider_travel, transmission_extremes
 from camgen.machine.landmarks import double_points, extremes, moving_centrode, near_stops, zeros
+from camgen.numerics import Floats, Points
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 ECCENTRIC = tomllib.loads((REFERENCE / "eccentric-drive.toml").read_text())
@@ -289,3 +290,18 @@ def test_zeros_and_extremes_of_known_functions() -> None:
     # A circle of 1 about 1: the chord of length 1 from a point on it subtends 60 deg.
     spans = near_stops(lambda t, k: np.exp(1j * t) * 1j**k, 1 + 0j, 1.0)
     np.testing.assert_allclose(spans, [[math.pi * 5 / 3, math.pi * 7 / 3]], atol=1e-12)
+
+
+def test_a_line_to_and_fro_does_not_cross_itself() -> None:
+    """Rounding alone makes its pieces cross; a lemniscate's two branches do, at a right angle."""
+
+    def line(theta: Floats, order: int) -> Points:
+        sway = (np.cos(theta) + 0.3 * np.sin(2 * theta), -np.sin(theta) + 0.6 * np.cos(2 * theta))[order]
+        return np.asarray(np.exp(0.3j) * (20 + sway))
+
+    def eight(theta: Floats, order: int) -> Points:
+        return np.asarray((np.sin(theta) + 0.5j * np.sin(2 * theta), np.cos(theta) + 1j * np.cos(2 * theta))[order])
+
+    assert not len(double_points(line, 1440)[0])
+    pairs, places = double_points(eight, 1441)
+    assert len(pairs) == 1 and abs(places[0]) < 1e-9

@@ -1,4 +1,7 @@
-"""Contacts, pins and bearings against published examples, in the units in which these are printed."""
+"""Contacts, pins and bearings against published examples, in the units in which these are printed.
+
+Figures of textbooks are quoted without the book at hand; each follows by hand as well.
+"""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@ from camgen.machine import Gravity, solve
 from camgen.machines.loads.applied import Table
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
+from camgen.motion.tables import load_table
 from camgen.pipeline.jobs import read_mechanism
 from camgen.spec import read
 
@@ -89,6 +90,34 @@ def test_a_table_may_be_in_a_file_beside_the_spec(tmp_path: Path) -> None:
         read_mechanism(spec, ())
 
 
+HEADINGS: list[tuple[str, tuple[float, float], str | None]] = [  # of a row 0.5, 2: what is meant
+    ("theta_deg,force_n", (0.5, 2.0), "N"), ("theta_rad, force (kN)", (math.degrees(0.5), 2000.0), "N"),
+    ("turn;torque [N mm]", (180.0, 0.002), "N m"), ("angle load", (0.5, 2.0), None), ("deg\tlbf", (0.5, 8.8964432), "N"),
+    ("Winkel (\u00b0); Moment (Nm)", (0.5, 2.0), "N m"), ("", (0.5, 2.0), None), ("theta, force (measured)", (0.5, 2.0), None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("heading", "row", "unit"), HEADINGS)
+def test_units_of_a_heading(heading: str, row: tuple[float, float], unit: str | None, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(f"{heading}\n0;0\n0.5;2\n", encoding="utf-8")
+    rows, found = load_table(tmp_path / "a.csv")
+    assert rows[1] == pytest.approx(row) and found == unit
+
+
+@pytest.mark.parametrize("heading", ["theta_deg,force_mm", "theta_n,force_n", "deg, force (bar)", "deg;load [oz]"])
+def test_a_heading_with_a_wrong_unit_is_told(heading: str, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(f"{heading}\n0;0\n0.5;2\n", encoding="utf-8")
+    with pytest.raises(SpecError, match="heading of column"):
+        load_table(tmp_path / "a.csv")
+
+
+def test_a_load_that_jumps_from_turn_to_turn_is_told() -> None:
+    whole, part, even = ([[0.0, 1.0], [360.0, 3.0]], [[90.0, 0.0], [180.0, 5.0]], [[0.0, 2.0], [180.0, 1.0], [360.0, 2.0]])
+    notes = assess(made("disc-cam", on=[{"output": "lift", "points": rows} for rows in (whole, part, even)])).study.notes
+    assert notes == ["Load load 1 jumps at 0 deg: its table ends with 3 and begins with 1.",
+                     "Load load 2 jumps at 180 deg from 5 to 0: outside its rows it is 0."]  # fmt: skip
+
+
 WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({"output": "lifts", "value": 1.0}, "load.on.0.output", "lift"),
     ({"body": "folower", "value": 1.0}, "load.on.0.body", "follower"),
@@ -97,6 +126,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({"value": 1.0}, "load.on.0", "either output or body"),
     ({"output": "lift", "value": 1.0, "points": [[0.0, 1.0], [1.0, 1.0]]}, "load.on.0", "one of value"),
     ({"output": "lift", "points": [[90.0, 1.0], [0.0, 1.0]]}, "load.on.0", "row 1 has 0 deg after 90"),
+    ({"output": "lift", "points": [[0.0, 1.0], [4.0, 1.0]], "unit": "N m"}, "load.on.0.unit", "N on a way"),
     ({"output": "lift", "points": [[0.0, 1.0], [400.0, 1.0]]}, "load.on.0", "within one turn"),
     ({"output": "lift", "value": 1.0, "direction_deg": 3.0}, "load.on.0.direction_deg", "own way"),
     ({"body": "follower", "point": "tip", "value": 1.0}, "load.on.0", "direction_deg"),

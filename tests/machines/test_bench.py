@@ -25,7 +25,6 @@ Floats = np.ndarray
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 MACHINE = "parts.make='machine'"
 ARM = 'geometry.follower={motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm=50}'
-KNIFE = 'geometry.follower={motion="translating",shape="knife"}'
 FLAT = 'geometry.follower={motion="translating",shape="flat"}'
 
 
@@ -60,7 +59,6 @@ def bought(folder: Path) -> str:
     [
         ((ARM,), True),
         ((FLAT, "limits.least_radius=1", "motor.speed_rpm=-60"), True),
-        ((KNIFE, "limits.least_radius=0"), True),
         (("geometry.closure='groove'",), False),
         ((ARM, "geometry.closure='conjugate'"), False),
     ],

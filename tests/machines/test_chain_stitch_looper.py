@@ -325,8 +325,8 @@ def test_study_has_synchrogram_and_tables() -> None:
     assert columns["tip_1_mm"] == pytest.approx(columns["needle_mm"] - d.given.depths[0])
 
 
-@pytest.mark.parametrize("feed", [0.001, 1, 90, 120, 200, 300])
-@pytest.mark.parametrize("law", ["simple-harmonic", "uniform", "cycloidal", "3-4-5", "modified-sine"])
+@pytest.mark.parametrize("feed", [0.001, 120, 300])
+@pytest.mark.parametrize("law", ["simple-harmonic", "uniform", "modified-sine"])
 def test_stroke_left_out_suits_the_feed_for_any_law(law: str, feed: float) -> None:
     """The needle that is longer in the fabric is out of it for the feed's angle, which the other one exceeds."""
     m = machine({"timing.needle": law, "geometry.feed_deg": feed, "geometry.loop_rise": [4.5, 4.5]})
@@ -338,7 +338,7 @@ def test_stroke_left_out_suits_the_feed_for_any_law(law: str, feed: float) -> No
     assert "FEED" not in failing(m)
     assert math.degrees(out[0]) == pytest.approx(feed, rel=1e-6, abs=3e-2 if feed < 1 else 1e-3)
     # by another route: the share of the turn above S_m
-    phi = np.linspace(0, math.tau, 400001)
+    phi = np.linspace(0, math.tau, 200001)
     share = [float(np.mean(m.design.risen(phi) >= s)) * 360 for s in m.design.in_fabric]
     assert min(share) == pytest.approx(feed, abs=4e-3 if feed >= 1 else 3e-2)
 

@@ -10,6 +10,7 @@ import pytest
 from camgen import load, starters
 from camgen.machines.loads.assess import assess
 from camgen.pipeline.build import build
+from camgen.pipeline.making import parts_table
 
 ONLY = frozenset({"dxf"})
 STANDING = "dial-table"  # of 29 parts; what of it is judged without files
@@ -34,6 +35,9 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     found = assess(machine)
     assert all(finding.ok for finding in (*machine.limits(), *found.findings)) and not found.warnings
     assert {part.made for part in machine.parts() if part.name.startswith("shaft")} <= {"turned of steel", "bought"}
+    bought = {row[1]: (row[0], row[2]) for row in parts_table(machine).rows}
+    (shaft,) = (part for part in machine.parts() if part.name == "shaft")
+    assert bought["shaft"] == ("turned of steel", f"Shaft: rod 6 h9 x {shaft.thickness:g}, a flat 0.8 deep all along")
     tables["bodies"]["shaft_made"] = "printed"
     broken = [finding for finding in assess(load(tables)).findings if not finding.ok]
     assert {finding.code for finding in broken} == {"PIN_STRESS"} and broken

@@ -128,5 +128,6 @@ def test_the_command(run: Any, chains: dict[str, str], tmp_path: Path) -> None: 
     assert validate(Linkage, read(file)).name == "mine"
     code, out, _ = run("new", "linkage", "--from", source)
     assert code == 0 and 'name = "crank-rocker"' in out and "# PMKS lines do not say what drives" in out
+    assert run("new", "machine", "--from", source)[:2] == (0, out)
     code, _, err = run("new", "disc-cam", "--from", source)
     assert code == 2 and "only a linkage" in err

@@ -22,7 +22,7 @@ CROSSED = {  # the rocker's middle comes within 6.1 mm of the pin at G, and is t
               "rod": ["B", "Q"], "arm": ["G", "Q"]},
     "lengths": {"O-C": 70, "O-A": 20, "A-B": 60, "C-B": 50},
     "output": [{"name": "out", "link": "arm"}],
-    "layers": {"rocker": 1}, "limits": {"transmission_angle_deg": 5},
+    "layers": {"rocker": 1}, "limits": {"transmission_angle_deg": 5}, "parts": {"rocker": {"bow": 0.0}},
 }  # fmt: skip
 DRAGGED = {  # both cranks turn over each other's pivot
     "points": {"O": [0, 0], "C": [10, 0], "A": [30, 0], "B": [10, 40]},
@@ -62,6 +62,18 @@ def test_pin_link_distance_and_angle_are_those_of_the_closed_form() -> None:
     angle = float(re.findall(r"([\d.]+) deg", error.where)[0])
     assert abs(angle - math.degrees(theta[np.argmin(off)])) < 1
     assert error.limit == pytest.approx((5.2 / 2 + 2) + (5 / 2 + 1.5) + 0.2)  # hub, pin's head, air
+
+
+def test_a_link_that_may_is_bent_where_straight_ones_find_no_levels() -> None:
+    """By as little of what is tried as lets its middle pass: the resolved spec says how far, and makes the same parts."""
+    machine = validate(Linkage, spec({key: table for key, table in CROSSED.items() if key != "parts"}))
+    found = machine.resolved()
+    bow, short = found.making.shape("rocker").bow, refusal(CROSSED)
+    assert found.layers["rocker"] == 1 and set(found.making.shapes) == {"rocker"}
+    assert bow is not None and abs(bow) >= short.limit - short.value
+    again = validate(Linkage, found.model_dump(by_alias=True, exclude_none=True))
+    assert again.parts() == machine.parts() and again.study().notes == machine.study().notes
+    assert any(note.startswith(f"Link rocker is bent by {abs(bow):g} mm, to the left") for note in machine.study().notes)
 
 
 def test_cures_that_are_told_mend(tmp_path: Path) -> None:

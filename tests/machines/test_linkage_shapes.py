@@ -74,7 +74,7 @@ def test_links_bent_and_slim_are_built(root: Path, tmp_path: Path, sets: list[st
     machine = green(root / "specs" / "linkage.toml", tmp_path, *(f"parts.rocker.{each}" for each in sets))
     plain = validate(Linkage, read(root / "specs" / "linkage.toml"))
     (own,), (straight,) = ([part for part in each.parts() if part.name == "rocker"] for each in (machine, plain))
-    bow, width = machine.making.shape("rocker").bow, machine.making.shape("rocker").width
+    bow, width = machine.making.shape("rocker").bow or 0.0, machine.making.shape("rocker").width
     ends = [z for z in own.centres]
     at = (ends[0] + ends[1]) / 2 + 1j * bow  # the axes' x runs from the first hole to the second
     ring = np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 999)) for piece in own.layers[0].region.outer.pieces])

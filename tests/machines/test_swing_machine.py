@@ -181,11 +181,10 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
     "settings",
     [
         ("parts.pin_diameter=0", "parts.shaft='d-flat'", "base.motor='flange'", "base.screws=3"),
-        ("parts.shaft='keyway'", "geometry.tip_radius=0", "base.mount='none'"),
+        ("parts.shaft='keyway'", "geometry.tip_radius=0", "base.mount='none'", "print.bed=[125,70]"),
         ("base.motor='nema-11'", "geometry.swing_deg=20", "parts.thickness=5", "base.mount='M4'"),
         ("frame.tip='pin'", "print.slide_clearance=0.3", "collet.length=8"),
         ("frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8", *FORCED),
-        ("frame.tip='MR63'", "print.bed=[125,70]"),
     ],
 )
 def test_other_machines_work_too(tmp_path: Path, settings: tuple[str, ...]) -> None:

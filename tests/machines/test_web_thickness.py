@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machines.uniform_swing.web_thickness import blend_choice, canvas, time_below
+from camgen.machines.uniform_swing.web_thickness import BlendChoice, blend_choice, canvas, time_below
 from camgen.motion.laws import Floats
 from camgen.motion.program import uniform_swing
 
@@ -82,7 +82,7 @@ def test_right_angle_on_a_flat_collector_is_refused() -> None:
 
 def test_share_and_acceleration_of_a_blend_by_another_route() -> None:
     blends = np.radians([30.0, 60.0, 90.0])
-    made = blend_choice(SWING, ARM, list(blends), strips=4000)
+    made = BlendChoice(*np.transpose([blend_choice(SWING, ARM, blend, strips=4000) for blend in blends]))
     # thickness is 1 / speed; speed falls below 1 / 1.1 at u, from where the edge of the swing is too thick
     u = mpmath.findroot(lambda x: 1 - 2 * (10 * x**3 - 15 * x**4 + 6 * x**5) - 1 / mpmath.mpf("1.1"), 0.2)
     left = float(mpmath.quad(lambda x: 1 - 2 * (10 * x**3 - 15 * x**4 + 6 * x**5), [u, 0.5]))
@@ -95,7 +95,8 @@ def test_share_and_acceleration_of_a_blend_by_another_route() -> None:
 
 
 def test_undercut_falls_with_the_blend_and_the_share_too() -> None:
-    made = blend_choice(SWING, ARM, np.radians([0.0, 1.0, 2.0, 3.0, 5.0, 20.0, 180.0]).tolist())
+    blends = np.radians([0.0, 1.0, 2.0, 3.0, 5.0, 20.0, 180.0]).tolist()
+    made = BlendChoice(*np.transpose([blend_choice(SWING, ARM, blend) for blend in blends]))
     assert math.degrees(made.undercut[0]) == pytest.approx(0.0728, abs=1e-4)
     assert np.all(np.diff(made.undercut[:5]) < 0) and np.all(made.undercut[4:] == 0)
     assert math.isinf(made.acceleration[0]) and np.all(np.diff(made.acceleration[1:]) < 0)

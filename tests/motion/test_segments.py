@@ -23,9 +23,8 @@ from camgen.motion.segments import (
     law_of,
     program,
     program_faults,
-    read_points,
-    with_tables,
 )
+from camgen.motion.tables import read_points, with_tables
 from camgen.spec import Spec, dump, validate
 
 

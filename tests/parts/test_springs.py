@@ -1,4 +1,4 @@
-"""Springs against Shigley's examples and by hand."""
+"""Springs against textbook examples (quoted without the book at hand) and by hand."""
 
 from __future__ import annotations
 

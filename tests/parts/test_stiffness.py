@@ -23,7 +23,7 @@ def plate(*regions: Region, high: float = 5.0) -> Part:
 
 
 def test_an_even_bar_is_the_cantilever_of_the_tables() -> None:
-    """k = 3 E I / l^3, I = b h^3 / 12 [Shigley, table A-9, case 1]; whichever way it lies."""
+    """k = 3 E I / l^3, I = b h^3 / 12 of a beam that is held at one end; whichever way it lies."""
     k = 3 * 2000 * (5 * 8**3 / 12) / 60**3
     assert bending_stiffness(plate(Region(BAR)), 0j, 60 + 0j, 2000.0) == pytest.approx(k, rel=1e-4)
     turn = cmath.rect(1, 0.7)

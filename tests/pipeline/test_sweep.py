@@ -324,13 +324,14 @@ def test_bad_input_writes_nothing(
 
 @pytest.mark.parametrize("line", ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', '{"variant":1.5}', '{"variant":-1}'])
 def test_a_damaged_journal_is_judged_anew(line: str, tmp_path: Path) -> None:
-    sweep(task(), tmp_path / "whole.csv")
-    journal = sweeps.Journal(tmp_path / "t.csv.journal", task())
-    journal.add(sweeps.judged(task(), [3]))
+    two = task("geometry.base_radius=8,20")
+    sweep(two, tmp_path / "whole.csv")
+    journal = sweeps.Journal(tmp_path / "t.csv.journal", two)
+    journal.add(sweeps.judged(two, [1]))
     journal.close()
     with open(tmp_path / "t.csv.journal", "a", encoding="utf-8") as file:
         file.write(line + "\n")
-    assert sweep(task(), tmp_path / "t.csv").before == 1
+    assert sweep(two, tmp_path / "t.csv").before == 1
     assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 

@@ -154,3 +154,12 @@ def test_the_command_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixt
         main([*arguments, "--json"])
     data = json.loads(capsys.readouterr().out)
     assert data["numbers"]["lift_error_99_percent_mm"] > data["numbers"]["lift_error_50_percent_mm"] > 0
+
+
+def test_a_groove_holds_what_it_moves() -> None:
+    """Of a head with two grooved cams each holds its own spreader and clamp; with half its clearance on a side most go free."""
+    copies = copies_of(spread("stitch-head"), 100, 1)
+    names = [(side, what) for side in ("lower", "upper") for what in ("spreader", "clamp")]
+    assert set(copies.held) == {(f"{side}_{what}", f"{side}_cam") for side, what in names}
+    for _, least, needed in copies.held.values():
+        assert 75 < np.count_nonzero(least >= 0) < 99 and np.all((needed > 0.1) == (least < 0))

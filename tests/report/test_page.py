@@ -51,7 +51,7 @@ def script(page: str, name: str) -> str:
 
 def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> None:
     scene = solid().scene
-    assert scene is not None and base64.b64decode(script(page, "glb")) == scene.glb
+    assert scene is not None and gzip.decompress(base64.b64decode(script(page, "glb"))) == scene.glb
     library = gzip.decompress(base64.b64decode(script(page, "three")))
     assert library.startswith(b"var THREE=") and b"</script" not in library and b"http" not in library.replace(
         b"http://www.w3.org/1999/xhtml", b"")  # fmt: skip

@@ -98,13 +98,11 @@ def cam_machine(
     closure: Literal["form", "force"] = "form",
     touches: Sequence[Any] = (),
     friction: float = 0.0,
-    clearance: float = 0.0,
 ) -> Machine:
     """Cam ("cam"), follower ("follower") and ground; joints "shaft", "pivot" or "guide", and "contact".
 
     cams: the one that drives outwards, then a second one that drives back. speed: rad/s. touches: how the cams are touched,
-    where it is not each by its own follower. clearance: lash of the follower in the unit of s. The output is "lift" of a
-    follower that slides, mm, "swing" of one on an arm, rad.
+    where it is not each by its own follower. The output is "lift" of a follower that slides, mm, "swing" of one on an arm, rad.
     """
     follower, program = cams[0].follower, cams[0].program
     load = load or FollowerLoad()
@@ -129,8 +127,8 @@ def cam_machine(
     force = load.rate * lowest - follower.leaves * borne
     loads = (Resistance("load", of, force, load.rate, load.damping),) if load.damping or load.rate or borne else ()
     touch = tuple(touches) or tuple(CamTouch(each) for each in cams)
-    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, leaves=follower.leaves, clearance=clearance,
-                  touches=touch, friction=friction)  # fmt: skip
+    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, leaves=follower.leaves, touches=touch,
+                  friction=friction)  # fmt: skip
     return Machine(
         (Body(GROUND), Body("cam"), body),
         (Pin("shaft", Place("cam"), Place(GROUND)), held, contact),

@@ -232,13 +232,15 @@ class Bodies:
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
         said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
-        part = Part(name, title, (layer,), centres=(0j,), notes=(said,), made=self.sizes.shafts_made)
+        s, size = self.sizes, (f"{self.sizes.shaft_diameter:g}", f"x {below + top:g}, a flat {self.sizes.shaft_flat:g} deep")
+        sized = [f"rod {size[0]} h9 {size[1]} all along"] if s.shaft_made == "steel" else []
+        part = Part(name, title, (layer,), centres=(0j,), notes=(*sized, said), made=s.shafts_made)
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
             rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
-            steel = "hardened steel rod, h6, a flat ground on its upper end, for what is glued on it"
-            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(steel, *part.notes), made="bought", cut=1)
+            hard = f"hardened steel rod {size[0]} h6 {size[1]} ground on its upper end"
+            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(hard, said), made="bought", cut=1)
         return part, Mount(name, self.layout.carrier(link), at, z=-below)
 
     # ---- joints -----------------------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 """What mends links that find no levels: in words by their keys, and tried on the layout, the least change first.
 
-    bow        of a link with two hubs, by as much as it lacks and twice that, to either side
+    bow        of a link with two hubs, by what it lacks, twice and four times that, to either side; unasked, unless the spec has
+               it straight
     slimmer    that link's hubs, the head that is in the way, the pin or shaft
     smaller    pins, heads and walls all alike
     plates     a second one, which lets pins be in two stubs, and a shaft that is interrupted
@@ -11,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, zip_longest
 from typing import Any
 
 from camgen.errors import DesignError
@@ -50,6 +51,25 @@ def cured(layout: Layout, run: Run, refused: Crowded, search: Search, tried: lis
     return f"mended by {', or by '.join(mends)}; else {refused.remedy}{tries}" if mends else f"{refused.remedy}{tries}"
 
 
+def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
+    """Layouts in which one of the two that cannot pass is bent, from slight to wide; of links whose bow the spec leaves open."""
+    ways = (_bent(layout, link, refused.needed - refused.distance) for link in _bendable(layout, refused)
+            if layout.sizes.shape(link).bow is None)  # fmt: skip
+    for bows in zip_longest(*ways):
+        yield from (each[1] for each in bows if each is not None)
+
+
+def _links(refused: Crowded) -> list[str]:
+    """Links of the two that cannot pass."""
+    return [thing.level for thing in (refused.a, refused.b) if isinstance(thing, Band) and thing.name == f"link {thing.level}"]
+
+
+def _bendable(layout: Layout, refused: Crowded) -> list[str]:
+    """Of these those with two hubs that are straight."""
+    return [link for link in _links(refused)
+            if len(layout.hubs(link)) == 2 and not layout.sizes.shape(link).bow and link not in layout.guides]  # fmt: skip
+
+
 def _lies(layout: Layout, run: Run, search: Search) -> bool:
     """Whether levels are found soon, the heads of the plate's pins over or under it."""
     try:
@@ -63,11 +83,8 @@ def _changed(layout: Layout, refused: Crowded) -> Iterator[Iterable[tuple[str, L
     s, short = layout.sizes, refused.needed - refused.distance
     if layout.given:
         yield [("leaving [layers] out", replace(layout, given={}))]
-    links = [thing.level for thing in (refused.a, refused.b) if isinstance(thing, Band) and thing.name == f"link {thing.level}"]
-    for link in links:
-        if len(layout.hubs(link)) == 2 and not s.shape(link).bow and link not in layout.guides:
-            yield _bent(layout, link, short)
-    for link in (link for link in links if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None):
+    yield from (_bent(layout, link, short) for link in _bendable(layout, refused) if s.shape(link).bow is not None)
+    for link in (link for link in _links(refused) if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None):
         wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
         yield [(f"parts.{link}.hub_diameter = {wide:g}", _with(layout, {link: {"hub_diameter": wide}}))]
     least = layout.min_wall + layout.fits.slide_clearance / 2 + 0.05  # of a head: a spacer's wall

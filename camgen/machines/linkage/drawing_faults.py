@@ -83,7 +83,8 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         if name not in links:
             faults.append(unknown(path, name, links))
         elif name == GROUND and not ground:
-            faults.append(Fault(path, repr(name), "a link that moves"))
+            still = "; no wheel is made that stands still while another runs round it" if path.startswith("gear") else ""
+            faults.append(Fault(path, repr(name), f"a link that moves{still}"))
         else:
             return True
         return False

@@ -92,11 +92,18 @@ def study(linkage: Linkage) -> Study:
         notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
                      "pins; they are not in the sweep.")  # fmt: skip
     if linkage.lacking() is None:
-        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *steps(linkage.bodies.layout)]
+        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *_bows(linkage), *steps(linkage.bodies.layout)]
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
     return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+
+
+def _bows(linkage: Linkage) -> list[str]:
+    """What to say of links that are bent."""
+    bows = {link: shape.bow for link, shape in linkage.bodies.layout.sizes.shapes.items() if shape.bow}
+    return [f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} from its first point, to pass "
+            f"what is in its way (parts.{link}.bow)." for link, bow in bows.items()]  # fmt: skip
 
 
 def _path_of(name: str, first: str = "p") -> str:

@@ -275,7 +275,7 @@ class Layout(Joined):
             remedy = "leave it out: it is for a link with two round holes and nothing else"
             raise DesignError(key, shape.bow or shape.width or 0.0, 0, "mm", f"link {link}", remedy)
         (a, first), (b, second) = hubs
-        return ArmBand(link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow)
+        return ArmBand(link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow or 0.0)
 
     def outline(self, link: str) -> Contour:
         """A link's edge."""

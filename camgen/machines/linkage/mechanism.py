@@ -326,10 +326,12 @@ class Linkage(Mechanism):
         return lacking(self._layout)
 
     def found(self) -> Mapping[str, object]:
-        """Levels, the included specs and where they stand, and what every mechanism fills in."""
-        levels = {f"layers.{link}": level for link, level in self.bodies.layout.given.items()}
+        """Levels, bows, the included specs and where they stand, and what every mechanism fills in."""
+        levels: dict[str, object] = {f"layers.{link}": level for link, level in self.bodies.layout.given.items()}
         weight = {} if self.counterweight is None else found_moment(self._balanced[1])
-        tables = [each.tables() for each in self.modules]
+        tables, sizes = [each.tables() for each in self.modules], self.bodies.layout.sizes
+        if sizes != self.making:  # a link is bent
+            levels["parts"] = sizes.model_dump(by_alias=True, exclude_none=True)
         return {**super().found(), **levels, **weight, **({"include": tables} if tables else {})}
 
     def resolved(self) -> Self:

@@ -39,9 +39,10 @@ class Shape(Record):
 
     hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
     width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
-    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] = Field(
-        0.0, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point"
-    )
+    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] | None = Field(
+        None, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point; "
+        "0: not; left out: where it finds no level as it is, and bent it does"
+    )  # fmt: skip
     thickness: Length | None = Field(None, description="mm; that of all links unless given")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
@@ -12,7 +13,7 @@ from camgen.errors import DesignError
 from camgen.geometry.convex import hull_corners
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.cures import cured, slimmer, slimmer_pin
+from camgen.machines.linkage.cures import bent, cured, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
@@ -25,7 +26,7 @@ def laid(layout: Layout, run: Run) -> Layout:
     """The layout with the strokes of its slots and slides, stems, heads and levels; run: samples over the whole motion.
 
     Stems are tried in their order, the first that leaves room for all counts. The ground's pins have their heads on top, or
-    under the plate where that saves a level. DesignError of the first layout where none can be laid.
+    under the plate where that saves a level. Where none can be laid, a link is bent; else DesignError of the first layout.
     """
     refuse(layout)
     ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
@@ -38,19 +39,30 @@ def laid(layout: Layout, run: Run) -> Layout:
         refused: DesignError | None = None
         for tried in tries:
             try:
-                found = [(each, found_levels(each, run, explain)) for each in tried.heads()]
+                best = _lowest(tried, run, explain)
             except DesignError as error:
                 refused = refused or error
                 continue
-            best = min((pair for pair in found if pair[1]), key=lambda pair: max((pair[1] or {}).values()), default=None)
-            if best is not None and best[1] is not None:
-                return covered(replace(best[0], given=best[1]), run)
+            if best is not None:
+                return covered(best, run)
     assert refused is not None
     if not isinstance(refused, Crowded):
         raise refused
+    for tried in bent(tries[0], refused):
+        with suppress(DesignError):
+            best = _lowest(tried, run, False)
+            if best is not None:
+                return covered(best, run)
     ways_tried = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
     ways_tried += [f"rails {', '.join(STEMS)}"] if len(tries) > 1 else []
     raise refused.mended(cured(tries[0], run, refused, found_levels, ways_tried))
+
+
+def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
+    """The layout on fewest levels, by where the ground's pins have their heads; otherwise as `found_levels`."""
+    found = [(each, given) for each in layout.heads() if (given := found_levels(each, run, explain))]
+    best = min(found, key=lambda pair: max(pair[1].values()), default=None)
+    return None if best is None else replace(best[0], given=best[1])
 
 
 @dataclass(frozen=True)

@@ -278,8 +278,9 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
         joint, where = machine.joint(name), name if name.startswith("gear") else f"gear {name}"
         assert isinstance(joint, m.Gear)
         if joint.carrier != m.GROUND:
-            remedy = "wheels are made of links that turn on the ground: make this gear of such"
-            raise DesignError("carriers that move", 1, 0, "", where, remedy)
+            remedy = "let both links of this [[gear]] turn on the ground"
+            said = f"the axes of {where} lie on link {joint.carrier}, which moves, and no wheels are made on such"
+            raise DesignError("carriers that move", 1, 0, "", where, remedy, said)
         a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
         first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, where)
         line = cmath.phase(b - a)

@@ -43,6 +43,7 @@ class Applied(Record):
         None, description="or rows of theta, deg, and value; linear between, 0 outside", json_schema_extra=_FORCE
     )
     file: _Word | None = Field(None, description="or the same rows in a text file beside the spec")
+    unit: Literal["N", "N m"] | None = Field(None, description="of its values; a file's heading says it")
     source: _Word | None = Field(None, description="where they are from")
     direction_deg: _Turn | None = Field(None, description="direction of a force on a point or path, from the x axis")
     acts: Literal["fixed", "with the body", "along"] = Field(
@@ -94,6 +95,18 @@ class Table:
         return np.asarray(np.interp(within, self.theta, self.values, right=0.0))
 
 
+    def jumps(self, name: str) -> list[str]:
+        """A sentence where it jumps from one turn to the next, or from 0 and to 0 outside its rows."""
+        first, last = self.values[0], self.values[-1]
+        begin, end = (math.degrees(each) for each in (self.theta[0], self.theta[-1]))
+        if end - begin > 360 - 1e-6:
+            return [f"Load {name} jumps at {begin % 360:g} deg: its table ends with {last:g} and begins with {first:g}."
+                    ] if first != last else []  # fmt: skip
+        where = [f"at {at % 360:g} deg {how}" for at, value, how in (
+            (begin, first, f"from 0 to {first:g}"), (end, last, f"from {last:g} to 0")) if value]  # fmt: skip
+        return [f"Load {name} jumps {' and '.join(where)}: outside its rows it is 0."] if where else []
+
+
 def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
     """The spec's loads on a model of it; SpecError with all that is on what is not there."""
     given: Sequence[Applied] = mechanism.load.on if mechanism.load is not None else ()
@@ -111,6 +124,9 @@ def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
             faults.append(Fault(f"{path}.file", repr(each.file), "read beside a spec file; tables of Python have points"))
         if of is None or len(faults) > count:
             continue
+        right = "N m" if isinstance(of, Angle) else "N"
+        if each.unit not in (None, right):
+            faults.append(Fault(f"{path}.unit", repr(each.unit), f"{right} on {'an angle' if right == 'N m' else 'a way'}"))
         rows = each.points or ((0.0, each.value or 0.0),)
         law = Table(tuple(math.radians(deg) for deg, _ in rows), tuple(value for _, value in rows))
         if isinstance(of, Path) and each.acts != "along" and each.direction_deg is None:
@@ -124,6 +140,15 @@ def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
     if faults:
         raise SpecError(faults)
     return tuple(found)
+
+
+def jumps(machine: Machine) -> list[str]:
+    """What to know of tables over theta that do not end as they begin: from turn to turn such a load jumps."""
+    said = []
+    for load in machine.loads:
+        if isinstance(load, Effort) and isinstance(load.law, Table) and len(load.law.theta) > 1:
+            said += load.law.jumps(load.name)
+    return said
 
 
 def _measure(

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.findings import Finding, NotJudged
-from camgen.machine.features import CamOutline
 from camgen.machine.run import solve
 from camgen.machines import pairs
 from camgen.machines.loads import bearing, counterweights, drive, follower
+from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
@@ -59,10 +59,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     smooth = solve(machine, theta).forces().reactions  # friction may spare a pin, and may be less than its table says
     worse = {name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load) for name, load in forces.reactions.items()}
     borne_by_pins = replace(forces, reactions=worse)
-    outlines: dict[str, CamOutline] = {}
-    for each in mechanism.features():
-        if isinstance(each, CamOutline):
-            outlines.setdefault(each.joint, each)
+    outlines = mechanism.outlines()
     parts = {part.name: part for part in mechanism.parts()}
     plain = bearing.plain_bearings(run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
@@ -90,7 +87,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
     balanced = counterweights.study(mechanism, machine)
-    study = together([Study(kept, plots, tables, notes=paired.notes), balanced])
+    study = together([Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)]), balanced])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 

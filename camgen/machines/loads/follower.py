@@ -24,7 +24,7 @@ from camgen.numerics import Floats
 from camgen.parts.springs import Mounted
 from camgen.study import Plot, Table
 
-_SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be [Shigley, sec. 10-8: 15 to 20]
+_SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
 _STILL = 1e-9  # of the greatest acceleration, below which a follower dwells
 
 

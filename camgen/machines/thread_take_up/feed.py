@@ -21,7 +21,7 @@ import numpy as np
 
 from camgen.machine.forces import Forces
 from camgen.machine.jets import thread_length
-from camgen.machine.landmarks import TURN, Curve, double_points, extremes, moving_centrode, near_stops, zeros
+from camgen.machine.landmarks import TURN, Curve, extremes, moving_centrode, near_stops, smallest_loop, zeros
 from camgen.machine.model import (
     GROUND,
     Body,
@@ -201,17 +201,13 @@ class TakeUp:
     def near_stop(self) -> NearStop:
         """The near stop of the eye."""
         path = self.path
-        pairs, points = double_points(path)
-        if not len(pairs):
+        found = smallest_loop(path)
+        if found is None:
             slow = self.slowest()
             return NearStop(complex(path(np.array([slow]), 0)[0]), slow, slow, 0.0, 0.0, 0)
-        spans = (pairs[:, 1] - pairs[:, 0]) % TURN
-        inner = np.minimum(spans, TURN - spans)
-        k = int(np.argmin(inner))
-        enters = float(pairs[k, 0] if spans[k] <= math.pi else pairs[k, 1])
-        leaves = enters + float(inner[k])
+        enters, leaves, place, count = found
         loop = path(np.linspace(enters, leaves, 2001), 0)
-        return NearStop(complex(points[k]), enters, leaves, float(np.ptp(loop.real)), float(np.ptp(loop.imag)), len(pairs))
+        return NearStop(place, enters, leaves, float(np.ptp(loop.real)), float(np.ptp(loop.imag)), count)
 
     def slowest(self) -> float:
         """Angle at which the eye moves slowest, rad."""

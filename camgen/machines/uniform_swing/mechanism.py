@@ -81,13 +81,8 @@ class UniformSwing(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
         checks = [
-            # a stretch of less would be rounding
-            (
-                blend in (0, 180) or 0.01 <= blend <= 179.99,
-                "geometry.reversal_blend_deg",
-                blend,
-                "0 (sharp), 0.01 to 179.99, or 180",
-            ),
+            (blend in (0, 180) or 0.01 <= blend <= 179.99, "geometry.reversal_blend_deg", blend,
+             "0 (sharp), 0.01 to 179.99, or 180"),  # a stretch of less would be rounding
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
             (p.mark_depth < p.thickness, "parts.mark_depth", p.mark_depth, f"less than the thickness, {p.thickness:g} mm"),
@@ -166,14 +161,8 @@ class UniformSwing(Mechanism):
         bore, reach = p.hole()
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
-            raise DesignError(
-                "parts.bore",
-                p.bore,
-                2 * room,
-                "mm",
-                "the cam's nearest side",
-                "the bore leaves the cam: use a smaller one",
-            )
+            said = "the bore leaves the cam: use a smaller one"
+            raise DesignError("parts.bore", p.bore, 2 * room, "mm", "the cam's nearest side", said)
         holes, keep_clear = [bore], []
         if p.pin_diameter:
             place = self.pins[0]

@@ -14,6 +14,7 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded, loaded
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.model import Machine
+from camgen.machines.cam_loads import force_plots
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
 from camgen.study import Plot, Study, Table
 
@@ -55,12 +56,12 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     table = np.full((4, len(degrees)), math.nan)
     for k, each in enumerate(np.radians(degrees)):
         try:
-            found = blend_choice(swing, cam.follower, [float(each)])
+            table[:, k] = blend_choice(swing, cam.follower, float(each))
         except DesignError:
             continue
-        table[:, k] = [np.degrees(found.undercut[0]), found.acceleration[0], found.share_round[0], found.share_flat[0]]
     x = np.array(degrees)
     undercut, acceleration, share_round, share_flat = table
+    undercut = np.degrees(undercut)
     finite = np.where(np.isfinite(acceleration), acceleration, math.nan)
     label, here = "reversal blend, deg", [("this spec", math.degrees(blend))]
     shares = [("round collector", x, 100 * share_round), ("flat collector", x, 100 * share_flat)]
@@ -83,12 +84,10 @@ def forces(machine: Machine, cam: DiscCam, load: FollowerLoad) -> Loaded:
 
 def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study:
     """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
-    degrees = np.degrees(found.theta)
-    force, torque = found.force, found.torque
     numbers = {
         "inertia_kg_m2": load.inertia,
-        "peak_contact_force_n": float(np.nanmax(force)),
-        "peak_torque_n_m": float(np.nanmax(np.abs(torque))),
+        "peak_contact_force_n": float(np.nanmax(found.force)),
+        "peak_torque_n_m": float(np.nanmax(np.abs(found.torque))),
     }
     notes = []
     if found.kick:
@@ -110,16 +109,7 @@ def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study
             _NO_SPRING if math.isinf(preload) else
             f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
         )  # fmt: skip
-    label = "cam angle, deg"
-    plots = [
-        Plot("Contact force", label, "N", [("tip on cam", degrees, _drawn(force))]),
-        Plot("Torque on the motor, without friction in the joints", label, "N m", [("drives the cam", degrees, _drawn(torque))]),
-    ]
-    return Study(numbers, plots if np.any(found.effort) else (), notes=notes)
-
-
-def _drawn(values: Floats) -> Floats:
-    return np.where(np.isfinite(values), values, math.nan)
+    return Study(numbers, force_plots(found, "tip on cam") if np.any(found.effort) else (), notes=notes)
 
 
 def keeps_contact(found: Loaded, load: FollowerLoad) -> Finding:

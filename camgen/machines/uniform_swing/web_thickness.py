@@ -10,8 +10,8 @@ Places run from -1 to 1 over the width that the jet reaches, thickness is relati
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,35 +75,29 @@ def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = STRIPS) -
     return Canvas((2 * np.arange(strips) + 1) / strips - 1, time / np.median(time))
 
 
-@dataclass(frozen=True)
-class BlendChoice:
-    """What the blend of a uniform swing's reversals costs and saves, each (n,) over `blend`, rad of cam angle.
+class BlendChoice(NamedTuple):
+    """What the blend of a uniform swing's reversals costs and saves.
 
     undercut: swing that is lost, rad; acceleration: greatest |d2s/dtheta2|, 1/rad, inf without blend; share_round,
     share_flat: of the width within BAND.
     """
 
-    blend: Floats
-    undercut: Floats
-    acceleration: Floats
-    share_round: Floats
-    share_flat: Floats
+    undercut: float
+    acceleration: float
+    share_round: float
+    share_flat: float
 
 
-def blend_choice(swing: float, arm: SwingingArm, blends: Sequence[float], strips: int = STRIPS) -> BlendChoice:
-    """Undercut, peak acceleration and canvas against the reversal blend; raises DesignError as DiscCam does.
+def blend_choice(swing: float, arm: SwingingArm, blend: float, strips: int = STRIPS) -> BlendChoice:
+    """Undercut, peak acceleration and canvas of a reversal blend; raises DesignError as DiscCam does.
 
-    swing: rad peak to peak; blends: rad, 0..pi. All from the closed forms of program and profile.
+    swing: rad peak to peak; blend: rad, 0..pi. All from the closed forms of program and profile.
     """
     theta = np.linspace(0, 2 * math.pi, 14401)
-    rows = []
-    for blend in blends:
-        cam = DiscCam(uniform_swing(swing, blend), arm)
-        whole = blend > 0 and cam.least_radius >= 0  # the profile need not be made to know that
-        lost = 0.0 if whole else max((u.shortfall for u in cam.undercuts), default=0.0)
-        s = cam.program(theta) if whole else cam.reachable(theta)
-        speed = abs(float(cam.program(np.array([math.pi / 2]), 1)[0]))
-        peak = TURN.c_a * speed / blend if blend else math.inf
-        shares = [canvas(theta, s, flat, strips).share for flat in (False, True)]
-        rows.append((blend, lost, peak, *shares))
-    return BlendChoice(*np.array(rows).T)
+    cam = DiscCam(uniform_swing(swing, blend), arm)
+    whole = blend > 0 and cam.least_radius >= 0  # the profile need not be made to know that
+    lost = 0.0 if whole else max((u.shortfall for u in cam.undercuts), default=0.0)
+    s = cam.program(theta) if whole else cam.reachable(theta)
+    speed = abs(float(cam.program(np.array([math.pi / 2]), 1)[0]))
+    peak = TURN.c_a * speed / blend if blend else math.inf
+    return BlendChoice(lost, peak, *(canvas(theta, s, flat, strips).share for flat in (False, True)))

@@ -1,0 +1,136 @@
+"""Tables beside a spec: laws' rows of angle and displacement, loads' rows of theta and force, in the units of their headings."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from camgen.errors import Fault, FileError, SpecError
+from camgen.spec import Data, read_bytes
+
+_MOST_BYTES = 50_000_000
+_ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}
+_FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605}
+_TORQUES = {"nm": 1.0, "ncm": 1e-2, "nmm": 1e-3, "knm": 1e3, "lbfin": 0.1129848290276167}
+_OTHERS = ("mm", "cm", "inch", "kg", "kpa", "mpa", "bar", "rpm", "hz")
+_PARTS = 3  # of a unit's name: lbf in, N / mm
+
+
+def read_points(path: Path) -> tuple[tuple[float, float], ...]:
+    """Two numbers a row from the first two columns of a text file, see `read_table`."""
+    return read_table(path)[1]
+
+
+def read_table(path: Path) -> tuple[Sequence[str], tuple[tuple[float, float], ...]]:
+    """Heading of the first two columns, as far as there is one, and their rows; rows before the first number are headings.
+
+    Columns part at commas, semicolons, tabs or spaces; with semicolons or tabs a comma in a number is its decimal point.
+    Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
+    """
+    try:
+        text = read_bytes(path, _MOST_BYTES, "a table of angle and displacement").decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(path, "is not text: a table of angle and displacement was expected") from None
+    points: list[tuple[float, float]] = []
+    heading: Sequence[str] = ()
+    faults = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        wide = re.split(r"[;\t]", line)
+        if len(wide) > 1:
+            cells = [cell.replace(",", ".") for cell in wide]
+        else:
+            cells = re.split(r"\s*,\s*|\s+", line.strip())
+        try:
+            x, y = float(cells[0]), float(cells[1])
+            if not math.isfinite(x + y):
+                raise ValueError
+            points.append((x, y))
+        except (ValueError, IndexError):
+            if points:
+                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], "two numbers: angle and displacement"))
+            else:
+                heading = wide if len(wide) > 1 else line.split(",") if "," in line else line.split()
+    if faults or not points:
+        nothing = Fault(path.name, f"{len(text)} characters", "rows of two numbers: angle and displacement")
+        raise SpecError(faults or [nothing], str(path))
+    return heading[:2], tuple(points)
+
+
+def unit_in(cell: str, known: Mapping[str, Any]) -> str:
+    """The unit that ends a column's heading: "force (N)", "theta_deg"; in plain letters, "" where there is none of those known
+    and no other short word in brackets."""
+    words = [word for word in re.split(r"[^a-z\u00b0]+", cell.lower()) if word]
+    for count in range(min(_PARTS, len(words)), 0, -1):
+        if (name := "".join(words[-count:])) in known:
+            return name
+    bracketed = re.search(r"[\[(]([^])]{1,6})[])]\s*$", cell)
+    return bracketed[1].strip() if bracketed else ""
+
+
+def load_table(path: Path) -> tuple[list[list[float]], str | None]:
+    """Rows of theta, deg, and force, N, or torque, N m, and which of both, None where no heading says it.
+
+    SpecError for other units.
+    """
+    heading, points = read_table(path)
+    every = dict.fromkeys(_OTHERS) | _ANGLES | _FORCES | _TORQUES
+    names = [unit_in(cell, every) for cell in heading] if len(heading) == 2 else ["", ""]
+    faults, scales = [], [1.0, 1.0]
+    columns = ((_ANGLES, "deg, rad or turns"), (_FORCES | _TORQUES, "a force in N, kN, kgf, lbf; a torque in N m, N mm, lbf in"))
+    for k, (name, (right, said)) in enumerate(zip(names, columns, strict=True)):
+        if name and name not in right:
+            faults.append(Fault(f"{path.name}, heading of column {k + 1}", repr(heading[k].strip()), said))
+        scales[k] = right.get(name, 1.0)
+    if faults:
+        raise SpecError(faults, str(path))
+    kind = "N" if names[1] in _FORCES else "N m" if names[1] in _TORQUES else None
+    return [[x * scales[0], y * scales[1]] for x, y in points], kind
+
+
+def with_tables(data: Data, folder: Path) -> Data:
+    """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
+
+    Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
+    [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
+    """
+    if not any((*_laws(data), *_loads(data))):
+        return data
+    data = copy.deepcopy(data)
+    for table in _laws(data):
+        name = table.pop("file")
+        table["points"] = [list(point) for point in read_points(folder / name)]
+        table.setdefault("source", name)
+    for table in _loads(data):
+        name = table.pop("file")
+        table["points"], unit = load_table(folder / name)
+        if unit is not None:
+            table.setdefault("unit", unit)
+        table.setdefault("source", name)
+    return data
+
+
+def _laws(data: Data) -> list[Data]:
+    """Tables of laws that name a file in place of points."""
+    holders = [data, data.get("drive"), *_listed(data, "cam")]
+    segments = [segment for holder in holders for segment in _listed(holder, "segment")]
+    return _with_files(table.get("law") for table in (data.get("geometry"), *segments) if isinstance(table, dict))
+
+
+def _loads(data: Data) -> list[Data]:
+    """Tables of loads that do."""
+    return _with_files(_listed(data.get("load"), "on"))
+
+
+def _with_files(tables: Iterable[Any]) -> list[Data]:
+    return [each for each in tables if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each]
+
+
+def _listed(holder: Any, key: str) -> list[Any]:
+    found = holder.get(key) if isinstance(holder, dict) else None
+    return found if isinstance(found, list) else []
