@@ -18,6 +18,7 @@ from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
+from camgen.parts.springs import WIRES
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:
@@ -76,6 +77,10 @@ def assess(mechanism: Mechanism) -> Assessment:
     posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
     paired = pairs.told(forces, machine, outlines)
     left += paired.left
+    if mechanism.spring_asked is not None and mechanism.return_spring is None:
+        rate, least, _ = mechanism.spring_asked
+        why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
+        left.append(NotJudged("SPRING_STRESS", why, "another spring.preload or spring.rate, or a spring of another kind"))
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
