@@ -150,7 +150,7 @@ class Bodies:
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
-        notes = [f"level {layout.level[link]}", *self._pressed(link), *notes]
+        notes = [f"level {layout.level[link]} of the machine, from the plate", *self._pressed(link), *notes]
         return Part(
             part_name(link), f"Link {link}",
             (*layers, *rails(layout, link, thick)), centres=tuple(points.values()),
