@@ -270,10 +270,11 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         cells = "".join(_cell([f for f in group if _kind(f) == kind], kind) for kind in kinds)
         state = "ok" if worst.ok else "bad"
         verdict = "holds" if worst.ok else "FAILS"
+        limit = f"{'≥' if worst.floor else '≤'}&nbsp;{rounded(worst.limit, 4)}{_unit(worst.unit)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
             f"<p>{escape(worst.message)} <small>{escape(worst.where)}</small></p></th>{cells}"
-            f'<td class="n" data-of="limit">{"≥" if worst.floor else "≤"} {rounded(worst.limit, 4)}{_unit(worst.unit)}</td></tr>'
+            f'<td class="n" data-of="limit">{limit}</td></tr>'
         )
     columns = "".join(f'<th scope="col">{words}</th>' for words in head)
     head_row = f"<thead><tr>{columns}</tr></thead>"
