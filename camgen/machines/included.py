@@ -198,8 +198,9 @@ class Included:
 
     def _fastened(self) -> list[str]:
         """What a builder joins: a body that rides has no hole or post of its own for it."""
-        name = self.module.prefix
-        plate = f"{name} stands by itself, {self.module.z:g} mm up: nothing is made that joins its plate and shaft to the rest."
+        name, at = self.module.prefix, self.module.at
+        plate = f"{name} stands by itself, {self.module.z:g} mm up, its origin at ({at.real:g}, {at.imag:g}): nothing is made "
+        plate += "that joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
         if self.mounted:
             plate = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; "
             if self.merged:

@@ -99,7 +99,8 @@ def assess(mechanism: Mechanism) -> Assessment:
 def _masses(found: Weighed) -> Table:
     """Mass, centre and inertia of each body, and where they come from."""
     rows = [
-        (body.name, 1e3 * body.mass, f"{body.centre.real:.4g}, {body.centre.imag:.4g}", body.inertia, found.sources[body.name])
+        (body.name, 1e3 * body.mass, ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in (body.centre.real, body.centre.imag)),
+         body.inertia, found.sources[body.name])
         for body in found.machine.moving
     ]  # fmt: skip
     return Table("Masses", ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"), rows)
