@@ -17,6 +17,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -199,8 +200,9 @@ class Journal:
         self._file.seek(0, os.SEEK_END)
 
     def close(self) -> None:
-        """Leave the file as it is."""
-        self._file.close()
+        """Leave the file as it is; what a full disk refused was told."""
+        with suppress(OSError):
+            self._file.close()
 
 
 # ---- engines ---------------------------------------------------------------------------------------------------------
@@ -329,7 +331,7 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
     first, each = _pace(task)
     if count > MOST:
         cores = "one core" if jobs < 2 else f"{jobs} cores"
-        took = f"at {1e3 * each:.2g} ms each they would take {count * each / max(jobs, 1) / 3600:,.0f} h on {cores}"
+        took = f"at {1e3 * each:.2g} ms each they would take {_span(count * each / max(jobs, 1))} on {cores}"
         most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
         raise SpecError([Fault("--vary", f"{count:,} variants", most)], "command line")
     journal = Journal(table.with_name(table.name + ".journal"), task)
@@ -366,7 +368,8 @@ def _pace(task: Task) -> tuple[list[Row], float]:
     rows, each = list[Row](), math.inf
     for many in (1, *(() if task.build else _CROWDS)):
         began = time.perf_counter()
-        rows = judged(task, range(min(many, task.variants.count)))
+        count = min(many, task.variants.count)
+        rows = judged(task, [k * task.variants.count // count for k in range(count)])  # from all of the sweep
         took = (time.perf_counter() - began) / len(rows)
         if many == 1:
             _refuse_unknown(task, rows[0])
@@ -413,7 +416,10 @@ def _left(places: np.ndarray, size: int) -> Iterator[range]:
 
 
 def _span(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+    day = 86400
+    units = (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 3 * day), ("days", day, 730 * day), ("years", 365 * day, math.inf))
+    unit, size = next((unit, size) for unit, size, most in units if seconds < most)
+    return f"{seconds / size:,.0f} {unit}"
 
 
 def prepared(

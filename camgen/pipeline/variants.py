@@ -19,6 +19,7 @@ from camgen.settings import dotted, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
+_LIKE_RANGE = re.compile(r"""[^,:"'\[{]+(:[^,:"'\[{]+){1,2}""")
 _FORM = "KEY=A:B:N, N values from A to B, or KEY=a,b,c"
 
 
@@ -58,6 +59,9 @@ def axis(text: str) -> Axis:
     found = _RANGE.fullmatch(values)
     if not found:
         listed = _split(values)
+        if _LIKE_RANGE.fullmatch(values):
+            right = f"A and B finite numbers, N a whole one; {_FORM}"
+            raise SpecError([Fault(f"--vary {key}", repr(values), right)], "command line")
         if not all(listed):
             raise SpecError([Fault(f"--vary {key}", repr(values), f"a value between every two commas; {_FORM}")], "command line")
         if len(set(listed)) < len(listed):

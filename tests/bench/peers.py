@@ -324,6 +324,26 @@ def counts() -> Iterator[Row]:
         least = sum(theoretical_arcs(_alone(piece), 1e-4) - 1 for piece in pieces)
         yield Row(f"arcs at 1e-4 mm, {name}", "theory", "1.1", f"{ours}", f"{least:.1f}", f"{ours / least:.3f}",
                   ours <= 1.1 * least)  # fmt: skip
+    yield indexing_arcs()
+
+
+def indexing_arcs() -> Row:
+    """Both cams of specs/indexing-cam.toml: each dwell an arc, each curve so many biarcs as the theory asks, whole ones."""
+    from bench_outline import _alone
+
+    from camgen.geometry.arcs import fit_arcs, theoretical_arcs
+    from camgen.geometry.outlines import Smooth
+    from camgen.pipeline.jobs import read_mechanism
+
+    drive: Any = read_mechanism(ROOT / "specs" / "indexing-cam.toml")
+    outlines = [cam.outline for cam in drive.cams.values()]
+    pieces = [piece for outline in outlines for piece in outline.pieces]
+    ours = sum(len(fit_arcs(outline, 1e-4).pieces) for outline in outlines)
+    theory = [theoretical_arcs(_alone(piece), 1e-4) - 1 if isinstance(piece, Smooth) else 1.0 for piece in pieces]
+    whole = sum(2 * math.ceil(each / 2) if isinstance(piece, Smooth) else 1 for each, piece in zip(theory, pieces, strict=True))
+    least = f"{whole} ({sum(theory):.1f} with parts of biarcs, {ours / sum(theory):.3f})"
+    return Row("arcs at 1e-4 mm, indexing cam and its return cam", "theory, whole biarcs a curve", "1.1", f"{ours}", least,
+               f"{ours / whole:.3f}", ours <= 1.1 * whole)  # fmt: skip
 
 
 # ---- solids and files ------------------------------------------------------------------------------------------------

@@ -83,6 +83,7 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
         (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
         (["a=1:2"], {"zipped": True, "latin": 5}, "one of the three"), (["a=1:1e999:3"], {}, "finite"),
+        (["a=nan:3:3"], {}, "finite"), (["a=1:b:3"], {}, "finite numbers"), (["a=1:2:3.5"], {}, "whole"),
     ],
 )  # fmt: skip
 def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
