@@ -222,7 +222,7 @@ PLATES = {"plate": Counter({"cam": 1, "pin": 2}), "plate-2": Counter({"pin": 2, 
     ("laid", "wrong", "said", "unknown"),
     [
         ({"cam": 1, "pin": 4, "link": 3}, 0, "8 copies", None),
-        ({"cam": 1, "pin": 3, "link": 3}, 1, "too few for the list of parts: 1 of pin", None),  # the person prints one pin too few
+        ({"cam": 1, "pin": 3, "link": 3}, 1, "too few for the list of parts: 1 of pin", None),  # one is not printed
         ({"cam": 1, "pin": 5, "link": 3}, 1, "sliced twice: 1 of pin", None),
         ({"cam": 1, "pin": 5, "link": 2}, 2, "list of parts: 1 of link; too many, as if sliced twice: 1 of pin", None),
         ({"pin": 4, "link": 3}, 1, "list of parts: 1 of cam", None),  # forgotten on its own plate, of which two thirds are there
