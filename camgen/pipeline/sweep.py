@@ -30,7 +30,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, changed, read_tables, silent
+from camgen.pipeline.jobs import Progress, changed, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
@@ -81,12 +81,7 @@ def judged(task: Task, numbers: Sequence[int]) -> list[Row]:
         except (SpecError, DesignError) as error:
             made.append(error)
     if not task.build:
-        alike: dict[type[Mechanism], list[Mechanism]] = {}
-        for each in made:
-            if isinstance(each, Mechanism):
-                alike.setdefault(type(each), []).append(each)
-        for kind, several in alike.items():
-            kind.prepare(several)
+        prepare(made)
     return [_row(task, number, each) for number, each in zip(numbers, made, strict=True)]
 
 
