@@ -19,6 +19,8 @@ from camgen.spec import DEEPEST, SHALLOWER, Data, depth_of
 
 _STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
 
+_DECIMAL = re.compile(r"-?(0|[1-9]\d*)\.\d+")  # as TOML has it, too
+
 
 def split_setting(setting: str) -> tuple[list[str], str]:
     """The keys of "lengths.'A-B' = 5", bare or quoted as in TOML, and the text behind "="; no keys where it has no such form."""
@@ -53,12 +55,7 @@ def override(data: Data, setting: str) -> Data:
     path = dotted(keys)
     if not all(keys):
         raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
-    removed = not text.strip()
-    try:
-        parsed = tomllib.loads(f"value = {text}")
-        value = parsed["value"] if len(parsed) == 1 else text
-    except (ValueError, RecursionError):
-        value = text.strip()
+    removed, value = not text.strip(), _value(text)
     deep = len(keys) + depth_of(value)
     if deep > DEEPEST:
         raise SpecError([Fault("--set", f"nested {deep} deep", SHALLOWER)])
@@ -80,6 +77,17 @@ def override(data: Data, setting: str) -> Data:
         else:
             holder[key] = value
     return changed
+
+
+def _value(text: str) -> Any:
+    """A setting's value: TOML, or else text."""
+    if _DECIMAL.fullmatch(text):  # most settings of a sweep, which reads many
+        return float(text)
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+        return parsed["value"] if len(parsed) == 1 else text
+    except (ValueError, RecursionError):
+        return text.strip()
 
 
 def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:

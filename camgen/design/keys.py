@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from camgen.design.wanted import KeyWish
-from camgen.errors import DesignError, Fault, SpecError
+from camgen.errors import CamgenError, DesignError, Fault, SpecError
 from camgen.findings import Finding
+from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
-from camgen.pipeline.jobs import changed
+from camgen.pipeline.jobs import changed, prepare
 from camgen.spec import unknown
 
 _EACH = 60  # designs for each key and unit of effort
@@ -48,17 +49,28 @@ class Search:
         """Settings, KEY=VALUE, of the best design; DesignError where no limit-keeping one was met."""
         from scipy.optimize import differential_evolution, minimize
 
-        keys, bounds = list(self.wish.vary), list(self.wish.vary.values())
-        budget = _EACH * len(keys) * self.wish.effort
-        widths = np.array([high - low for low, high in bounds])
+        words = np.array([isinstance(ends[0], str) for ends in self.wish.vary.values()])
+        bounds = [(0.0, len(ends) - 1.0) if isinstance(ends[0], str) else (float(ends[0]), float(ends[1]))
+                  for ends in self.wish.vary.values()]  # fmt: skip
+        budget = _EACH * len(bounds) * self.wish.effort
+        rounds = max(1, budget // (_CROWD * len(bounds)) - 1)
         end = differential_evolution(
-            self.cost, bounds, popsize=_CROWD, maxiter=max(1, budget // (_CROWD * len(keys)) - 1), seed=self.wish.seed,
-            polish=False, tol=1e-4,
+            self.costs, bounds, vectorized=True, updating="deferred", popsize=_CROWD, maxiter=rounds, seed=self.wish.seed,
+            polish=False, tol=1e-4, integrality=words if words.any() else None,
         )  # fmt: skip
-        simplex = np.vstack([end.x, end.x + 0.02 * np.diag(widths)])
-        simplex = np.where(simplex > [high for _, high in bounds], 2 * end.x - simplex, simplex)
-        ends = {"initial_simplex": simplex, "maxfev": budget // 2, "xatol": 1e-4, "fatol": 1e-6}
-        minimize(self.cost, end.x, method="Nelder-Mead", bounds=bounds, options=ends)
+        free = np.flatnonzero(~words)
+        if free.size:  # words stay as they are
+
+            def cost(values: Floats) -> float:
+                every = end.x.copy()
+                every[free] = values
+                return float(self.costs(every[:, None])[0])
+
+            begin, ranges = end.x[free], [bounds[k] for k in free]
+            simplex = np.vstack([begin, begin + 0.02 * np.diag([high - low for low, high in ranges])])
+            simplex = np.where(simplex > [high for _, high in ranges], 2 * begin - simplex, simplex)
+            ends = {"initial_simplex": simplex, "maxfev": budget // 2, "xatol": 1e-4, "fatol": 1e-6}
+            minimize(cost, begin, method="Nelder-Mead", bounds=ranges, options=ends)
         if self.broken or not self.settings:
             said = "; ".join(self.broken) or self.reason
             raise DesignError(
@@ -67,18 +79,38 @@ class Search:
             )  # fmt: skip
         return self.settings
 
-    def cost(self, values: Floats) -> float:
-        """Of one design; the best is kept."""
+    def costs(self, designs: Floats) -> Floats:
+        """Of some designs, (keys, n) -> (n,); the best is kept."""
+        settings = [self._settings(values) for values in designs.T]
+        made: list[Mechanism | CamgenError] = []
+        for each in settings:
+            try:
+                made.append(changed(dict(self.data), self.source, self.folder, each))
+            except (DesignError, SpecError) as error:
+                made.append(error)
+        prepare(made)
+        return np.array([self._cost(*each) for each in zip(designs.T, settings, made, strict=True)])
+
+    def _settings(self, values: Floats) -> Sequence[str]:
+        """Values of the keys as settings; a word by its number."""
+        return [
+            f"{key}={str(ends[round(value)]) if isinstance(ends[0], str) else repr(float(f'{value:.{_DIGITS}g}'))}"
+            for (key, ends), value in zip(self.wish.vary.items(), values.tolist(), strict=True)
+        ]
+
+    def _cost(self, values: Floats, settings: Sequence[str], made: Mechanism | CamgenError) -> float:
         self.tried += 1
-        settings = [f"{key}={float(f'{value:.{_DIGITS}g}')!r}" for key, value in zip(self.wish.vary, values, strict=True)]
         try:
-            mechanism = changed(dict(self.data), self.source, self.folder, settings)
-            findings, figures = mechanism.limits(), mechanism.figures()
+            if isinstance(made, CamgenError):
+                raise made
+            findings, figures = made.limits(), made.figures()
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED
         name, sign = (self.wish.least, 1) if self.wish.least is not None else (str(self.wish.most), -1)
-        figures = {**figures, **{key: float(value) for key, value in zip(self.wish.vary, values, strict=True)}}
+        numbers = {key: value for (key, ends), value in zip(self.wish.vary.items(), values.tolist(), strict=True)
+                   if not isinstance(ends[0], str)}  # fmt: skip
+        figures = {**figures, **numbers}
         self._known(figures, name)
         failing = [finding for finding in findings if not finding.ok]
         short = sum(_short(finding) for finding in failing)

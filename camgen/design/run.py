@@ -294,8 +294,8 @@ def _checked(asked: Asked) -> Parts:
     return specs.validate(Linkage, any_one.data(1.0), asked.source).making
 
 
-def _beyond(asked: Asked, key: str, ends: tuple[float, float]) -> list[Fault]:
-    """What is wrong with a key that varies, at both ends by itself: no such key, or a value that it cannot have."""
+def _beyond(asked: Asked, key: str, ends: Sequence[float | str]) -> list[Fault]:
+    """What is wrong with a key that varies, at both ends or each word by itself: no such key, or a value that it cannot have."""
     for value in ends:
         try:
             changed(asked.rest, asked.source, asked.folder, [f"{key}={value!r}"])
@@ -303,7 +303,8 @@ def _beyond(asked: Asked, key: str, ends: tuple[float, float]) -> list[Fault]:
             own = [fault for fault in error.faults if fault.path.removeprefix("--set ") in (key, f"{key}={value!r}") or not value]
             own = own or [fault for fault in error.faults if fault.expected.startswith(UNKNOWN) or fault.path == "--set"]
             if own:
-                return [Fault(f"wanted.vary.{key}", f"{value:g}", fault.expected, fault.nearest) for fault in own]
+                shown = value if isinstance(value, str) else f"{value:g}"
+                return [Fault(f"wanted.vary.{key}", shown, fault.expected, fault.nearest) for fault in own]
     return []
 
 

@@ -24,6 +24,9 @@ Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
 Bounds = tuple[Annotated[float, Field(ge=-1e9, le=1e9)], Annotated[float, Field(ge=-1e9, le=1e9)]]
 
 
+Choices = Annotated[tuple[str, ...], Field(min_length=2, max_length=20)]
+
+
 class PathWish(Record):
     """A path that a point of a linkage is to trace; everything but [points], [links] and [[output]] is the spec's own."""
 
@@ -104,8 +107,8 @@ class FunctionWish(Record):
 class KeyWish(Record):
     """Values of keys by which all limits of a machine hold, and a figure is least or greatest."""
 
-    vary: Annotated[dict[str, Bounds], Field(min_length=1, max_length=8)] = Field(
-        description="keys that may change, each with its least and greatest value"
+    vary: Annotated[dict[str, Bounds | Choices], Field(min_length=1, max_length=8)] = Field(
+        description="keys that may change, each with its least and greatest value, or with words to choose from, such as laws"
     )
     least: str | None = Field(None, description="a figure, or a key that varies, that is to be as small as can be")
     most: str | None = Field(None, description="or as great as can be")
@@ -115,8 +118,13 @@ class KeyWish(Record):
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
-        found = [Fault(f"wanted.vary.{key}", f"[{low:g}, {high:g}]", "the least value first, then the greatest")
-                 for key, (low, high) in self.vary.items() if not low < high]  # fmt: skip
+        found = []
+        for key, ends in self.vary.items():
+            if isinstance(ends[0], str) and len(set(ends)) < len(ends):
+                found.append(Fault(f"wanted.vary.{key}", ", ".join(map(str, ends)), "each word once"))
+            elif not isinstance(ends[0], str) and not ends[0] < ends[1]:
+                said = f"[{ends[0]:g}, {ends[1]:g}]"
+                found.append(Fault(f"wanted.vary.{key}", said, "the least value first, then the greatest"))
         found += [Fault(f"wanted.vary.{key}", key, "a key of the spec, such as geometry.base_radius") for key in self.vary
                   if not re.fullmatch(r"[\w.\-]+", key)]  # fmt: skip
         if (self.least is None) == (self.most is None):

@@ -125,7 +125,8 @@ def read_gcode(path: Path) -> list[Wall]:
                 if number > _MOST_MOVES:
                     raise FileError(path, f"has more than {_MOST_MOVES} lines")
                 if b"\0" in raw or len(raw) == _LONGEST:
-                    raise FileError(path, f"has a line {number + 1} that is no text, or has no end: is the file damaged?")
+                    said = f"line {number + 1} is no text, or has no end"
+                    raise FileError(path, f"{said}; G-code as text was expected: is the file damaged?")
                 if len(state.points) > _MOST_POINTS:
                     said = f"has a wall of more than {_MOST_POINTS} moves"
                     raise FileError(path, f"{said}, before line {number + 1}: is the file damaged?")

@@ -83,6 +83,16 @@ def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str
     return made
 
 
+def prepare(made: Iterable[object]) -> None:
+    """Let mechanisms of one kind find together what each of them needs; what is no mechanism is passed over."""
+    alike: dict[type[Mechanism], list[Mechanism]] = {}
+    for each in made:
+        if isinstance(each, Mechanism):
+            alike.setdefault(type(each), []).append(each)
+    for kind, several in alike.items():
+        kind.prepare(several)
+
+
 @dataclass(frozen=True)
 class Case:
     """A mechanism and the folder of its files, `spec.toml` among them; another process reads it anew from there."""

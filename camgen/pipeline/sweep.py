@@ -30,7 +30,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, changed, read_tables, silent
+from camgen.pipeline.jobs import Progress, changed, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
@@ -75,24 +75,20 @@ class Task:
 def judged(task: Task, numbers: Sequence[int]) -> list[Row]:
     """A row of each variant: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
     made: list[Mechanism | CamgenError] = []
-    for number in numbers:
+    values = [task.variants.values(number) for number in numbers]
+    for each in values:
         try:
-            made.append(changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(number)]))
+            made.append(changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.set_to(each)]))
         except (SpecError, DesignError) as error:
             made.append(error)
     if not task.build:
-        alike: dict[type[Mechanism], list[Mechanism]] = {}
-        for each in made:
-            if isinstance(each, Mechanism):
-                alike.setdefault(type(each), []).append(each)
-        for kind, several in alike.items():
-            kind.prepare(several)
-    return [_row(task, number, each) for number, each in zip(numbers, made, strict=True)]
+        prepare(made)
+    return [_row(task, *each) for each in zip(numbers, values, made, strict=True)]
 
 
-def _row(task: Task, number: int, made: Mechanism | CamgenError) -> Row:
+def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | CamgenError) -> Row:
     row: Row = {"variant": number}
-    for each, value in zip(task.variants.axes, task.variants.values(number), strict=True):
+    for each, value in zip(task.variants.axes, values, strict=True):
         row[each.key] = _plain(value)
     try:
         if isinstance(made, CamgenError):

@@ -53,9 +53,9 @@ class Judged:
 
 def judged(spread: Spread, errors: Floats) -> list[Judged]:
     """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
-    bends = _bends(spread)
-    designed = _named(_of_copy(spread, np.zeros(len(spread.modes)), bends))
-    copies = [_named(_of_copy(spread, each, bends)) for each in errors]
+    bends, limits = _bends(spread), spread.mechanism.limits()
+    exact = np.zeros(len(spread.modes))
+    designed, *copies = (_named(_of_copy(spread, each, bends, limits)) for each in (exact, *errors))
     found = []
     for (code, what), finding in designed.items():
         made = [copy.get((code, what)) for copy in copies]
@@ -78,10 +78,11 @@ def _named(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
     return named
 
 
-def _of_copy(spread: Spread, errors: Floats, bends: Mapping[str, Bend]) -> Iterator[Finding]:
-    """All findings of one copy."""
+def _of_copy(
+    spread: Spread, errors: Floats, bends: Mapping[str, Bend], limits: Sequence[Finding]
+) -> Iterator[Finding]:  # fmt: skip
+    """All findings of one copy; limits: the design's own."""
     shifted = shifted_by(spread, errors)
-    limits = spread.mechanism.limits()
     steepest = min((each.limit for each in limits if each.code == "PRESSURE_ANGLE"), default=math.inf)
     for name, (outline, law) in laws_of(spread, errors, shifted).items():
         joint = spread.mechanism.model.joint(name)

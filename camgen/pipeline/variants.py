@@ -147,7 +147,11 @@ class Variants:
 
     def settings(self, number: int) -> list[str]:
         """The same as texts of `--set`."""
-        return [f"{each.key}={value}" for each, value in zip(self.axes, self.values(number), strict=True)]
+        return self.set_to(self.values(number))
+
+    def set_to(self, values: Sequence[str]) -> list[str]:
+        """Values of the keys, in the order of the axes, as texts of `--set`."""
+        return [f"{each.key}={value}" for each, value in zip(self.axes, values, strict=True)]
 
 
 def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0, grid: bool = False) -> Variants:

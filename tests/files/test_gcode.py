@@ -124,7 +124,7 @@ def test_what_is_refused(tmp_path):
         read_gcode(path)
     with open(path, "wb") as file:
         file.truncate(199_000_000)
-    with pytest.raises(FileError, match="a line 1 that is no text, or has no end"):
+    with pytest.raises(FileError, match="line 1 is no text, or has no end"):
         read_gcode(path)
 
 
