@@ -73,13 +73,15 @@ class Step:
 class Scene:
     """The machine in three dimensions.
 
-    glb: with one turn as its animation; copies: names of its parts' copies, in the order of its nodes.
+    glb: with one turn as its animation; copies: names of its parts' copies, in the order of its nodes; work: what the steps
+    are of.
     """
 
     glb: bytes
     copies: Sequence[str]
     plates: Sequence[Plate]
     steps: Sequence[Step]
+    work: str = "Assembly, step by step"
 
 
 @dataclass(frozen=True)

@@ -39,11 +39,13 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as print.size_error=0.05.")
 @click.option("--samples", type=int, default=100_000, help="Printed copies.  [default: 100000]")
 @click.option("--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]")
-@click.option("--worst", type=int, default=10, help="How many of the worst are really rolled and closed.  [default: 10]")
+@click.option("--worst", type=int, default=50, help="How many of the worst are really rolled and closed.  [default: 50]")
+@click.option("--judged", type=int, default=50, help="How many are judged by every finding.  [default: 50]")
 @click.option("--html", type=click.Path(path_type=Path), help="Write tables and curves to this page, too.")
 @json_option
 def tolerance(
-    spec: Path, settings: Sequence[str], samples: int, seed: int, worst: int, html: Path | None, as_json: bool
+    spec: Path, settings: Sequence[str], samples: int, seed: int, worst: int, judged: int, html: Path | None,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
     from camgen.pipeline import tolerance_report
@@ -51,7 +53,7 @@ def tolerance(
     from camgen.report.terminal import Bar
 
     with Bar() as progress:
-        report = tolerance_report.tolerance(spec, settings, samples, seed, worst, progress)
+        report = tolerance_report.tolerance(spec, settings, samples, seed, worst, progress, judged=judged)
     if html is not None:
         write_html(html, report)
     if as_json:

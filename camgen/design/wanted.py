@@ -12,8 +12,9 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import Fault, FileError, SpecError
+from camgen.motion.tables import read_table
 from camgen.numerics import Points
-from camgen.spec import Checked, Data, Length, Record, read_bytes, validate
+from camgen.spec import Checked, Data, Length, Record, validate
 
 _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
@@ -176,26 +177,12 @@ def without(data: Data) -> Data:
     return {key: value for key, value in data.items() if key != "wanted"}
 
 
-def _table(path: Path) -> list[tuple[float, float]]:
-    """Rows x, y of a CSV file, a line of names before them or not."""
-    try:
-        text = read_bytes(path, 10_000_000, "a table of points").decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(path, "is no table: it is not text in UTF-8") from None
-    rows: list[tuple[float, float]] = []
-    for number, line in enumerate(text.replace(";", ",").replace("\t", ",").splitlines(), 1):
-        row = line.split(",")
-        if not any(map(str.strip, row)):
-            continue
-        try:
-            x, y = (float(cell) for cell in row)
-        except ValueError:
-            if not rows and number == 1:
-                continue
-            raise FileError(path, f"line {number}: two numbers, x and y in mm, were expected") from None
+def _table(path: Path) -> Sequence[tuple[float, float]]:
+    """Rows x, y of a file, see `read_table`."""
+    rows = read_table(path, "x and y, mm")[1]
+    for x, y in rows:
         if not (abs(x) <= 1e5 and abs(y) <= 1e5):
-            raise FileError(path, f"line {number}: x and y within +-100000 mm were expected")
-        rows.append((x, y))
+            raise FileError(path, f"has a point at {x:g}, {y:g}: x and y within +-100000 mm were expected")
     if len(rows) > _MOST_POINTS:
         raise FileError(path, f"holds {len(rows)} points; {_MOST_POINTS} at most are taken")
     return rows

@@ -92,7 +92,7 @@ def _letters() -> itertools.chain[str]:
 
 
 def hole_of(contour: Contour) -> Hole:
-    """What a hole is: a circle, an arc slot, a circle with a keyway or flat, or else the size of its box."""
+    """What a hole is: a circle, an arc slot, a straight one, a circle with a keyway or flat, or else the size of its box."""
     round_one = as_circle(contour)
     if round_one:
         centre, radius = round_one
@@ -107,12 +107,32 @@ def hole_of(contour: Contour) -> Hole:
         shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° {'to' if low < turn else '-'} {high - turn:.1f}°"
         return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2))
     lower, upper = extent([fit_arcs(contour, 0.01)])
+    if ends := _round_ends(contour):
+        (a, b), radius = ends
+        lean = math.degrees(cmath.phase(b - a)) % 180
+        at = "" if min(lean, 180 - lean) < 1e-6 else f", at {lean:.4g}°"
+        shape = f"slot {number(abs(b - a) + 2 * radius)} × {number(2 * radius)}{at}"
+        return Hole((a + b) / 2, shape, (a + b) / 2, 0.0, (upper - lower) / 2)
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
     widest = max(arcs, key=lambda arc: abs(arc.sweep), default=None)
     if widest and abs(widest.sweep) > math.pi:
         shape = f"Ø{number(2 * widest.radius)}, {box} overall"
         return Hole(widest.centre, shape, widest.centre, widest.radius)
     return Hole((lower + upper) / 2, box, (lower + upper) / 2, 0.0, (upper - lower) / 2)
+
+
+def _round_ends(contour: Contour) -> tuple[tuple[complex, complex], float] | None:
+    """Centres and radius, mm, of the two equal half circles that end a straight slot; None of any other hole."""
+    turned: dict[tuple[float, float, float], float] = {}
+    for piece in contour.pieces:
+        if isinstance(piece, Arc):
+            key = round(piece.centre.real, 6), round(piece.centre.imag, 6), round(piece.radius, 6)
+            turned[key] = turned.get(key, 0.0) + piece.sweep
+    if len(turned) != 2 or any(abs(abs(sweep) - math.pi) > 1e-6 for sweep in turned.values()):
+        return None
+    (x0, y0, r0), (x1, y1, r1) = turned
+    straight = all(isinstance(piece, Line | Arc) for piece in contour.pieces) and r0 == r1
+    return ((complex(x0, y0), complex(x1, y1)), r0) if straight else None
 
 
 def number(value: float) -> str:

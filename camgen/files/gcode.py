@@ -29,6 +29,8 @@ _PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers 
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
 _OVERHANG = {"overhang perimeter", "overhang wall"}  # of outer and inner walls alike: one that is part of an outer loop counts
 _MOST_BYTES, _MOST_MOVES = 200_000_000, 20_000_000
+_LONGEST = 1_000_000  # bytes of a line; thumbnails and settings in comments take thousands
+_MOST_POINTS = 1_000_000  # of one wall
 _MOVES = {("G", 0.0), ("G", 1.0), ("G", 2.0), ("G", 3.0)}
 _EXPONENT = re.compile(r"[XYZIJ]\s*[-+]?[\d.]+E")  # no slicer writes one: a number that is damaged
 _NARROWEST, _WIDEST = 0.01, 10.0  # mm, of a line
@@ -119,9 +121,15 @@ def read_gcode(path: Path) -> list[Wall]:
             if file.read(4) == b"GCDE":
                 raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)")
             file.seek(0)
-            for number, raw in enumerate(file):
+            for number, raw in enumerate(iter(lambda: file.readline(_LONGEST), b"")):
                 if number > _MOST_MOVES:
                     raise FileError(path, f"has more than {_MOST_MOVES} lines")
+                if b"\0" in raw or len(raw) == _LONGEST:
+                    said = f"line {number + 1} is no text, or has no end"
+                    raise FileError(path, f"{said}; G-code as text was expected: is the file damaged?")
+                if len(state.points) > _MOST_POINTS:
+                    said = f"has a wall of more than {_MOST_POINTS} moves"
+                    raise FileError(path, f"{said}, before line {number + 1}: is the file damaged?")
                 line = raw.decode("latin-1").strip()
                 if line.startswith(";"):
                     mark, width, height = _MARK.match(line), _WIDTH.match(line), _HEIGHT.match(line)

@@ -34,7 +34,7 @@ _STEEP = np.cos(np.radians(45)) + 1e-6  # a chamfer of 45 deg prints
 _FLAT = 1e-3  # mm, by which a face that lies on the bed may be off it
 _CLEARLY = 0.01  # of the contact, by which another side has to be better than the part's own underside
 _TRIED = 12  # flat sides beyond the six along the axes
-_AT_ONCE = 100_000  # points of a hull that are turned at once
+_AT_ONCE = 20_000  # points of a hull that are turned at once
 _UNIT = 0.001  # mm in which rectangles are packed
 _SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numbers are rounded
 

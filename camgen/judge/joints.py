@@ -10,6 +10,7 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from camgen.tolerances import SAME_POINT
 
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
 _PRESSURE = math.radians(20)  # of gears' flanks
+_KNOWN = 8  # answers of a rolled follower that are kept
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
 
 
@@ -56,11 +58,22 @@ class Rolled:
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
         """s at theta, (n,), or its derivative."""
-        if order == 0:
-            return self.contact.angle(theta)
-        if order == 1:
-            return np.asarray((self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE))
-        return np.zeros(np.shape(theta))  # a facet has none; only the start of Newton's method asks for it
+        if order > 1:
+            return np.zeros(np.shape(theta))  # a facet has none; only the start of Newton's method asks for it
+        key = order, np.shape(theta), np.asarray(theta).tobytes()
+        if key not in self._known:
+            if len(self._known) >= _KNOWN:
+                del self._known[next(iter(self._known))]
+            self._known[key] = self._slope(theta) if order else self.contact.angle(theta)
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, tuple[int, ...], bytes], Floats]:
+        """What was asked last: where a cam turns evenly, each step of Newton's method and each output ask for the same."""
+        return {}
+
+    def _slope(self, theta: Floats) -> Floats:
+        return np.asarray((self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE))
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -18,15 +17,14 @@ from camgen import tolerances
 from camgen.errors import counted
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.findings import Finding, at_least, at_most
-from camgen.geometry.distances import point_to_ring, thinnest_wall
+from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.judge.as_printed import printed
+from camgen.judge.contours import contour_error
 
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
-_ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
-_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float
     if len(engraved) != len(wanted):
         return [f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"]
     pairs = zip(engraved, wanted, strict=True)
-    off = max((_contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
+    off = max((contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
     return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
 
 
@@ -329,7 +327,7 @@ def _section_error(
                 eyes.append((ring.centroid, found.centroid))
             if ring is not wanted.outer and _is_bore(ring, expected):
                 shift = bore_shift
-            off = max(off, _contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
+            off = max(off, contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
     return off
 
 
@@ -357,30 +355,3 @@ def _is_eye(ring: Ring, expected: Expected) -> bool:
     """Whether a contour that is meant is that of a joint, by its place and its size."""
     near, size = 2 * expected.chord_tolerance, 2 * math.sqrt(abs(ring.area) / math.pi)
     return any(abs(ring.centroid - at) <= near and abs(size - diameter) <= near for at, diameter in expected.eyes)
-
-
-def _contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
-    """How far a contour is from the one meant, mm: the largest distance either way of points along their edges, and the
-    difference of their areas over the length. Arcs are facetted within the tolerance, mm.
-    """
-    area = abs(abs(found.area) - abs(meant.area)) / meant.length
-    return max(area, _deviation(found.facetted(tolerance).tobytes(), meant.facetted(tolerance).tobytes()))
-
-
-@lru_cache(maxsize=128)  # one contour stands at several heights, in STL and 3MF alike
-def _deviation(one: bytes, other: bytes) -> float:
-    """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
-    a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
-    if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= tolerances.SAME_POINT:
-        return off
-    return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
-
-
-def _along(ring: Points) -> Points:
-    """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
-    way = np.roll(ring, -1) - ring
-    length = np.abs(way)
-    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
-    edge = np.repeat(np.arange(len(ring)), count)
-    step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
-    return np.asarray(ring[edge] + way[edge] * step / count[edge])

@@ -208,12 +208,14 @@ def judge_points(table: Path, points: Points, outline: Ring, limit: float) -> Fi
 
 
 def judge_path(
-    path: Path, table: Sequence[tuple[complex, complex, float]], outline: Ring, radius: float, limit: float
+    path: Path, table: Sequence[tuple[complex, complex, float]], outline: Ring, radius: float, limit: float,
+    within: bool = False,
 ) -> list[Finding]:
-    """A cutter's path round an outline: the same in DXF and CSV; CUTTER: how far what the cutter leaves is from the outline.
+    """A cutter's path round an outline, or within one, such as a groove's outer wall: the same in DXF and CSV; CUTTER: how far
+    what the cutter leaves is from the outline.
 
     table: ends and bulge of each piece. What it leaves is the area within the path less all that a disc of this radius, mm,
-    covers about its points.
+    covers about its points; or what is without both.
     """
     rings = read_dxf(path).cut
     if len(rings) != 1:
@@ -223,7 +225,7 @@ def judge_path(
     away = np.max(point_to_ring(written.samples(), ring.facetted(FACETS)), initial=0.0) if len(table) else math.nan
     said = f"{len(table)} lines and arcs, as in the DXF"
     findings = [at_most("ROUND_TRIP", max(gaps, float(away)), 2 * FACETS, "mm", path.with_suffix(".csv").name, said)]
-    left = _widened(ring, -radius, sharp=False)
+    left = _widened(ring, radius if within else -radius, sharp=False)
     target = outline.facetted(FACETS)
     off = point_to_ring(_along(target), left.points)
     worst = int(np.argmax(off))

@@ -25,8 +25,8 @@ def judge_sliced_copies(
         else:
             others.append(name)
     lacking, beyond = sliced - laid, laid - wanted
-    said = [f"{_listed(lacking)} of the list of parts on none of them"] if lacking else []
-    said += [f"{_listed(beyond)} more than the list of parts has: sliced twice?"] if beyond else []
+    said = [f"too few for the list of parts: {_listed(lacking)}"] if lacking else []
+    said += [f"too many, as if sliced twice: {_listed(beyond)}"] if beyond else []
     finding = at_most("ROUND_TRIP", (lacking + beyond).total(), 0, "copies", where,
                       "; ".join(said) or f"{laid.total()} copies on the plates that are sliced")  # fmt: skip
     absent = wanted - laid - lacking

@@ -64,7 +64,8 @@ function explore(numbers) {
     .map(n => [n.key, boxes.get(n.key).value.trim()]).filter(([, text]) => text !== ""));
 
   for (const number of numbers) {
-    const at = number.key.lastIndexOf("."), table = at < 0 ? "" : number.key.slice(0, at).replace(/(\.at|\.\d+)+$/, "") || number.key.slice(0, at);
+    const at = number.key.lastIndexOf("."), point = /^points\.(.+)\.([01])$/.exec(number.key);  // of a linkage: its x, its y
+    const table = point ? "points" : at < 0 ? "" : number.key.slice(0, at).replace(/(\.at|\.\d+)+$/, "") || number.key.slice(0, at);
     if (!tables.has(table)) {
       const details = document.createElement("details"), summary = document.createElement("summary");
       details.open = tables.size < 12;
@@ -77,9 +78,10 @@ function explore(numbers) {
     line.className = "number";
     line.dataset.key = number.key;
     label.htmlFor = box.id = id;
-    label.textContent = number.key.slice(table ? table.length + 1 : 0) + " ";
+    label.textContent = (point ? point[1] + " " + "xy"[point[2]] : number.key.slice(table ? table.length + 1 : 0)) + " ";
     label.title = number.about;
-    if (number.unit) label.append(Object.assign(document.createElement("small"), { textContent: number.unit }));
+    const unit = point ? "mm" : number.unit;
+    if (unit) label.append(Object.assign(document.createElement("small"), { textContent: unit }));
     line.append(label, box);
     if (number.choices.length) box.append(...number.choices.map(choice => new Option(choice, choice)));
     else {

@@ -16,7 +16,7 @@ from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Arc
-from camgen.machine.features import Apart, Asked, Feature, Mount, StandIn, Strand
+from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
@@ -132,6 +132,17 @@ class Included:
             for each in self.mechanism.contacts()
         ]  # fmt: skip
 
+    def balances(self) -> Sequence[Balance]:
+        """Its cranks with counterweights."""
+        m = self.module
+        return [
+            replace(
+                each, body=m.body(each.body), joint=m.name(each.joint),
+                density={m.part(name): heavy for name, heavy in each.density.items()},
+            )
+            for each in self.mechanism.balances()
+        ]  # fmt: skip
+
     def bought(self) -> Sequence[Bought]:
         """What is bought for it; what turns the shaft is bought once."""
         name = self.module.prefix
@@ -187,8 +198,9 @@ class Included:
 
     def _fastened(self) -> list[str]:
         """What a builder joins: a body that rides has no hole or post of its own for it."""
-        name = self.module.prefix
-        plate = f"{name} stands by itself, {self.module.z:g} mm up: nothing is made that joins its plate and shaft to the rest."
+        name, at = self.module.prefix, self.module.at
+        plate = f"{name} stands by itself, {self.module.z:g} mm up, its origin at ({at.real:g}, {at.imag:g}): nothing is made "
+        plate += "that joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
         if self.mounted:
             plate = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; "
             if self.merged:

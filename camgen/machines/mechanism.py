@@ -50,7 +50,7 @@ from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
-from camgen.parts.springs import Mounted
+from camgen.parts.springs import Mounted, wound
 from camgen.spec import Spec, validate
 from camgen.study import Study, Table
 
@@ -205,12 +205,21 @@ class Mechanism(Spec, ABC):
     @property
     def return_spring(self) -> Mounted | None:
         """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
+        return None if self.spring_asked is None else wound(*self.spring_asked)
+
+    @property
+    def spring_asked(self) -> tuple[float, float, float] | None:
+        """Rate, N/mm, least pull, N, and travel, mm, of one that the spec asks for and that is no part."""
         return None
 
     @property
     def balance(self) -> Balance | None:
         """What the solids of a crank with a counterweight are held to; None of a machine without one."""
         return None
+
+    def balances(self) -> Sequence[Balance]:
+        """That, and those of included machines."""
+        return () if self.balance is None else (self.balance,)
 
     def strands(self) -> Sequence[Strand]:
         """Threads that run from post to post."""

@@ -181,8 +181,10 @@ class StandingCams(Mechanism):
 
     @property
     def return_spring(self) -> Mounted | None:
-        """That of the bench."""
-        spring = self.bench.spring if self.standing else None
+        """That of the bench; of cams alone one to be wound."""
+        if not self.standing:
+            return super().return_spring
+        spring = self.bench.spring
         return None if spring is None else Mounted(spring, *self.bench.way)
 
     def posts(self) -> Sequence[Post]:

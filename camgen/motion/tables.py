@@ -25,16 +25,17 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
     return read_table(path)[1]
 
 
-def read_table(path: Path) -> tuple[Sequence[str], tuple[tuple[float, float], ...]]:
+def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Sequence[str], tuple[tuple[float, float], ...]]:
     """Heading of the first two columns, as far as there is one, and their rows; rows before the first number are headings.
 
     Columns part at commas, semicolons, tabs or spaces; with semicolons or tabs a comma in a number is its decimal point.
     Lines that start with # are left out. FileError where it cannot be read; SpecError with the lines that are no numbers.
+    columns: what messages call them.
     """
     try:
-        text = read_bytes(path, _MOST_BYTES, "a table of angle and displacement").decode("utf-8-sig")
+        text = read_bytes(path, _MOST_BYTES, f"a table of {columns}").decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise FileError(path, "is not text: a table of angle and displacement was expected") from None
+        raise FileError(path, f"is not text: a table of {columns} was expected") from None
     points: list[tuple[float, float]] = []
     heading: Sequence[str] = ()
     faults = []
@@ -53,11 +54,11 @@ def read_table(path: Path) -> tuple[Sequence[str], tuple[tuple[float, float], ..
             points.append((x, y))
         except (ValueError, IndexError):
             if points:
-                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], "two numbers: angle and displacement"))
+                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], f"two numbers: {columns}"))
             else:
                 heading = wide if len(wide) > 1 else line.split(",") if "," in line else line.split()
     if faults or not points:
-        nothing = Fault(path.name, f"{len(text)} characters", "rows of two numbers: angle and displacement")
+        nothing = Fault(path.name, f"{len(text)} characters", f"rows of two numbers: {columns}")
         raise SpecError(faults or [nothing], str(path))
     return heading[:2], tuple(points)
 

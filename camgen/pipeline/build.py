@@ -49,6 +49,7 @@ def build(
         made = make_parts(case, only, workers, progress)
         reading = read_parts(case, kinds, workers)
         plates, seen = put_together(case, only, made, progress), None
+        del made
         if "report" in only and only & set(SOLID):
             from camgen.pipeline.shown import scene
 

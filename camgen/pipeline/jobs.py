@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from camgen import spec as specs
-from camgen.errors import DesignError
+from camgen.errors import DesignError, FileError
 from camgen.files.formats import FORMATS
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
@@ -158,8 +158,14 @@ class Workers:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=error is not None)
+        if self._pool is None:
+            return
+        from concurrent.futures import BrokenExecutor
+
+        self._pool.shutdown(cancel_futures=error is not None)
+        if isinstance(error, BrokenExecutor):
+            said = "was ended from outside, as where memory runs out; --jobs 1 takes less"
+            raise FileError("a process of this run", said) from None
 
 
 def _left_to_the_parent() -> None:

@@ -134,7 +134,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
         stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
-    if mechanism.balance is not None:
+    if mechanism.balances():
         stages.append(Stage(("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank))
     if mechanism.strands():
         codes = ("THREAD_HELD", "THREAD_CLEAR")
@@ -232,8 +232,8 @@ def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
     """BALANCE of the crank that carries a counterweight."""
     from camgen.judge.balance import judge_balance
 
-    balance = case.mechanism.balance
-    return Outcome([] if balance is None else [judge_balance(case.file("assembly", "3mf"), case.mechanism.moved(), balance)])
+    assembly, moved = case.file("assembly", "3mf"), case.mechanism.moved()
+    return Outcome([judge_balance(assembly, moved, balance) for balance in case.mechanism.balances()])
 
 
 def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:

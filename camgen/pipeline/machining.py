@@ -1,7 +1,8 @@
 """Tables for machine tools: a cam's profile by its angle, and the path of a cutter's centre round it as exact lines and arcs.
 
     <name>-<part>-profile.csv    contact, normal, curvature and pressure angle at each cam angle, in the part's frame
-    <name>-<part>-path.dxf .csv  where the centre of a cutter of `output.cutter_radius` runs, counter-clockwise
+    <name>-<part>-path.dxf .csv  where the centre of a cutter of `output.cutter_radius` runs, counter-clockwise: round the cam, or
+                                 within the outer wall of a groove
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ import csv
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Points, Region, end_point, start_point
 from camgen.judge.sheets import judge_path, judge_points
 from camgen.machine.cams.machine import CamTouch
-from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import CamOutline, Mount
 from camgen.machine.model import Cam
 from camgen.machines.mechanism import Mechanism
@@ -32,9 +31,10 @@ _PROFILE = ("theta_deg", "radius_mm", "angle_deg", "x_mm", "y_mm", "normal_deg",
 _PATH = ("piece", "x0_mm", "y0_mm", "x1_mm", "y1_mm", "centre_x_mm", "centre_y_mm", "radius_mm", "sweep_deg")
 
 
-def cams_of(mechanism: Mechanism) -> dict[str, tuple[DiscCam[Any], Mount]]:
-    """Cams that are touched by their own follower, by the part that each is, and how the part stands on its body."""
-    found: dict[str, tuple[DiscCam[Any], Mount]] = {}
+def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
+    """Where cams and outer walls of grooves are touched by their own follower, by the part that each is, how it stands on its
+    body, and how far it is off that follower, mm."""
+    found: dict[str, tuple[CamTouch, Mount, float]] = {}
     told: dict[str, int] = {}
     for feature in mechanism.features():
         if not isinstance(feature, CamOutline):
@@ -44,9 +44,9 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[DiscCam[Any], Mount]]:
         mount = [mount for mount in mechanism.mounts() if mount.part == feature.part][feature.copy]
         assert isinstance(joint, Cam), f"{feature.joint} is no cam"
         touch = joint.touches[k] if k < len(joint.touches) else None
-        left_out = mount.flipped or feature.inside or feature.part in found
+        left_out = mount.flipped or feature.part in found
         if isinstance(touch, CamTouch) and (touch.turn, touch.at) == (1, 0) and not left_out:  # in the cam's own frame
-            found[feature.part] = touch.cam, mount
+            found[feature.part] = touch, mount, feature.free if touch.outer else 0.0
     return found
 
 
@@ -56,14 +56,16 @@ def make_tables(case: Case) -> None:
     DesignError where the cutter's path falls apart.
     """
     output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
-    for name, (cam, mount) in cams_of(case.mechanism).items():
+    for name, (touch, mount, free) in cams_of(case.mechanism).items():
         if output.profile_step_deg is not None:
-            rows = _profile(cam, mount, output.profile_step_deg)
+            rows = _profile(touch, mount, free, output.profile_step_deg)
             _write(case.file(f"{name}-profile", "csv"), _PROFILE, rows)
         if output.cutter_radius is not None:
-            outer = fit_arcs(case.parts[name].region.outer.counter_clockwise(), tolerance)
+            region = case.parts[name].region
+            wall = max(region.holes, key=lambda hole: hole.length) if touch.outer else region.outer
+            outline = fit_arcs(wall.counter_clockwise(), tolerance)
             try:
-                path = offset(outer, output.cutter_radius, f"outline of {name}")
+                path = offset(outline, output.cutter_radius * (-1 if touch.outer else 1), f"outline of {name}")
             except DesignError as error:
                 raise DesignError(
                     error.quantity, error.value, error.limit, error.unit, error.where,
@@ -85,14 +87,14 @@ def _text(value: float) -> str:
     return "" if math.isnan(value) else f"{round(value, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
 
 
-def _profile(cam: DiscCam[Any], mount: Mount, step_deg: float) -> Iterable[Sequence[object]]:
+def _profile(touch: CamTouch, mount: Mount, free: float, step_deg: float) -> Iterable[Sequence[object]]:
     """Rows of a cam's table over a turn; on an undercut's corner there is no normal and no curvature."""
-    theta = np.radians(np.arange(0, 360, step_deg))
-    place, normal = cam.profile(theta), cam.follower.normal(theta, cam.program)
-    radius, pressure = cam.radius(theta), cam.pressure_angle(theta)
+    theta, cam = np.radians(np.arange(0, 360, step_deg)), touch.cam
+    place, normal = touch(theta)
+    place, radius, pressure = place - free * normal, touch.radius(theta) - free, cam.pressure_angle(theta)
     with np.errstate(divide="ignore"):
         curvature = 1 / radius
-    for cut in cam.undercuts:
+    for cut in () if touch.outer else cam.undercuts:
         rides = np.mod(theta - cut.begin, math.tau) < cut.end - cut.begin
         place[rides], normal[rides], curvature[rides] = cut.corner_cam, np.nan, np.nan
     turn = np.exp(-1j * mount.turned)
@@ -126,17 +128,18 @@ def judge_tables(case: Case) -> list[Finding]:
     """Whether tables lie on the outlines in the parts' own DXF, and whether the cutter on its path leaves those outlines."""
     output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
     findings: list[Finding] = []
-    for name in cams_of(case.mechanism):
-        outline = max(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: abs(ring.area), default=None)
-        if outline is None:
+    for name, (touch, *_) in cams_of(case.mechanism).items():
+        rings = sorted(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: -abs(ring.area))[touch.outer :]
+        if not rings:
             continue  # told as the drawing is judged
+        outline = rings[0]
         table = case.file(f"{name}-profile", "csv")
         if output.profile_step_deg is not None:
             findings.append(judge_points(table, _points(table), outline, 2 * tolerance))
         path = case.file(f"{name}-path", "dxf")
         if output.cutter_radius is not None:
             pieces = _contour(path.with_suffix(".csv"))
-            findings += judge_path(path, pieces, outline, output.cutter_radius, 2 * tolerance)
+            findings += judge_path(path, pieces, outline, output.cutter_radius, 2 * tolerance, touch.outer)
     return findings
 
 

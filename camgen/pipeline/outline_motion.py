@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -192,6 +192,7 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
         if compared is not None:
             own = recover(compared.wanted, follower, request.harmonics)
             report, columns = _with_comparison(report, columns, compared, found.s, own.s, follower)
+    report = replace(report, remarks=list(_told(report, follower)))
     with Staged(out / report.name) as folder:
         if columns:
             progress("writing the report")
@@ -199,7 +200,22 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
             write_html(folder / "report.html", report)
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
-    return report
+    return replace(report, folder=out / report.name)
+
+
+def _told(report: Report, follower: FollowerTable) -> Iterator[str]:
+    """What a person asked for, in a few lines: the rest is in the report."""
+    found, unit = report.numbers, follower.unit[0]
+    moved = next((found[key] for key in (f"swing_{unit}", f"stroke_{unit}") if key in found), None)
+    if moved is not None:
+        said = f"the follower moves {moved:.4g} {unit}"
+        level = found.get(f"edge_level_in_motion_{unit}")
+        yield said + (f"; the level at which the edge is taken may shift it by {level:.2g} {unit}" if level is not None else "")
+    if f"motion_error_max_{unit}" in found:
+        error, rms = (found[f"motion_error_{what}_{unit}"] for what in ("max", "rms"))
+        least, most = found["deviation_min_mm"], found["deviation_max_mm"]
+        yield (f"against the spec's cam it is {error:.3g} {unit} off at most, {rms:.2g} rms; the outline lies {least:+.3f} to "
+               f"{most:+.3f} mm outside; {report.notes[0]}")  # fmt: skip
 
 
 def _report(

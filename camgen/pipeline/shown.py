@@ -12,7 +12,7 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.machine.features import PartPose
-from camgen.machine.model import Pose, unit_of
+from camgen.machine.model import Path, Pose, unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
 from camgen.report.animation import Animation, Body
@@ -54,9 +54,8 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
     unit, scale = unit_of(output)
-    value = scale * mechanism.reachable(theta)
-    name = f"{output.name} x" if np.iscomplexobj(value) else output.name
-    return Animation(theta, bodies, value.real, name, unit, mechanism.shown_turns)
+    name = f"{output.name} x" if isinstance(output.of, Path) else output.name
+    return Animation(theta, bodies, scale * mechanism.reachable(theta), name, unit, mechanism.shown_turns)
 
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
@@ -84,7 +83,8 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         words = f"{row[1]}: {row[2]}" if table.columns[2] == "how" else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
         words += f"; {row[3]}" if table.columns[3:4] == ("where",) and row[3] else ""
         steps.append(Step(words, found))
-    return Scene(glb(mechanism.name, shapes, moving, mechanism.shown_turns), order, plates, steps)
+    made = glb(mechanism.name, shapes, moving, mechanism.shown_turns)
+    return Scene(made, order, plates, steps, Scene.work if table.title.startswith("Assembly") else table.title)
 
 
 def _over(pose: Pose, frames: int) -> tuple[Floats, Points]:

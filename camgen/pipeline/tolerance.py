@@ -17,6 +17,7 @@ import numpy as np
 
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape
+from camgen.judge.joints import Rolled
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, judged_outputs
@@ -202,19 +203,19 @@ def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
     return {output.name: np.array([each[output.name] - exact[output.name] for each in made]) for output in spread.outputs}
 
 
-def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
-    """Outputs of one copy."""
+def laws_of(spread: Spread, errors: Floats, shifted: Machine) -> dict[str, tuple[CamOutline, Rolled]]:
+    """Of each cam of one copy what its follower rolls to on the displaced outline, and the outline with its own tip; shifted: the
+    machine with its joints' centres off, see `shifted_by`."""
     from camgen.judge.cams import rolled as rolled_on
 
-    mechanism, machine = spread.mechanism, spread.mechanism.model
+    mechanism = spread.mechanism
     given: dict[str, dict[str, list[float]]] = {}
     for mode, error in zip(spread.modes, errors, strict=True):
         given.setdefault(mode.where, {}).setdefault(mode.kind, []).append(float(error))
-    shifted = _shifted(machine, spread, errors)
     laws = {}
     parts = {part.name: part for part in mechanism.parts()}
     first = mechanism.outlines()
-    for joint in machine.joints:
+    for joint in shifted.joints:
         own = given.get(f"{joint.name}, 1")
         if not isinstance(joint, Cam) or own is None:
             continue
@@ -233,15 +234,23 @@ def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
             radius = None if outline.radius is None else outline.radius + wider
             tip = replace(outline.tip, diameter=outline.tip.diameter + 2 * wider)
             outline = replace(outline, tip=tip if outline.radius is None else outline.tip, radius=radius)
-        laws[joint.name] = rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1]
-    joints = tuple(replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in shifted.joints)
+        laws[joint.name] = outline, rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1]
+    return laws
+
+
+def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
+    """Outputs of one copy."""
+    shifted = shifted_by(spread, errors)
+    laws = laws_of(spread, errors, shifted)
+    joints = tuple(replace(j, law=laws[j.name][1]) if isinstance(j, Cam) and j.name in laws else j for j in shifted.joints)
     system = Constraints(replace(shifted, joints=joints))
-    closed = close(system, spread.theta, solve(machine, spread.theta, 0).poses(), 1)
+    closed = close(system, spread.theta, solve(spread.mechanism.model, spread.theta, 0).poses(), 1)
     return {output.name: system.output(output.name, closed.q)[0] for output in spread.outputs}
 
 
-def _shifted(machine: Machine, spread: Spread, errors: Floats) -> Machine:
+def shifted_by(spread: Spread, errors: Floats) -> Machine:
     """The machine with its joints' centres off by the errors."""
+    machine = spread.mechanism.model
     moved: dict[str, complex] = {}
     for mode, error in zip(spread.modes, errors, strict=True):
         if mode.kind == "centre":

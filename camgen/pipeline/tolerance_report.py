@@ -11,6 +11,8 @@ from camgen.machine.model import Output, unit_of
 from camgen.numerics import Floats
 from camgen.pipeline.jobs import Progress, Source, read_mechanism, silent
 from camgen.pipeline.tolerance import Copies, Spread, copies_of, drawn_again, rolled, spread_of
+from camgen.pipeline.tolerance_findings import Judged
+from camgen.pipeline.tolerance_findings import judged as copies_judged
 from camgen.pipeline.tolerance_targets import MOST, Kept, Loop, loops, targets
 from camgen.pipeline.tolerance_timing import Timing, timings
 from camgen.report.report import Report
@@ -18,12 +20,15 @@ from camgen.study import Plot, Table
 
 _SHARES = (0.5, 0.9, 0.99, 0.997)  # of copies
 _BARS = 60
+_SHOWN = 10  # of the worst copies
 _MOST = 10_000_000  # copies
 _NOTES = (
     "Standard deviations: print.size_error, place_error, form_error; unless given the usual tolerance of the plastic, taken as "
     "three of them (FDM tolerance guide, toolsfast.app). Print a part and measure it for your own.",
     "First order: errors along the normal over the contact's lever, and centres by the joints' slopes. Means are taken as right: "
     "what is always too small is the compensation's to mend.",
+    "MOTION_ERROR and UNDERCUT have the limits of files: of copies the quantiles tell. Walls, and what a machine works out of "
+    "its own lengths (thread, unloader), are not judged on copies.",
 )
 
 
@@ -36,16 +41,15 @@ _TIMED = (
 
 def tolerance(
     spec: Source, overrides: Sequence[str] = (), samples: int = 100_000, seed: int = 1, worst: int = 10,
-    progress: Progress = silent,
+    progress: Progress = silent, *, judged: int = 0,
 ) -> Report:  # fmt: skip
-    """So many printed copies of a mechanism, and the worst of each output really rolled and closed; nothing is written.
+    """So many printed copies of a mechanism, the worst of each output really rolled and closed, and the first `judged` of all
+    judged by each finding; nothing is written.
 
     SpecError for counts that are none; DesignError where no joint of the model bears an error.
     """
-    faults = [
-        Fault(key, str(value), f"from {least} to {_MOST}")
-        for key, value, least in (("--samples", samples, 1), ("--worst", worst, 0)) if not least <= value <= _MOST
-    ]  # fmt: skip
+    counts = (("--samples", samples, 1), ("--worst", worst, 0), ("--judged", judged, 0))
+    faults = [Fault(key, str(n), f"from {least} to {_MOST}") for key, n, least in counts if not least <= n <= _MOST]
     if seed < 0:
         faults.append(Fault("--seed", str(seed), "0 or more"))
     if faults:
@@ -68,6 +72,9 @@ def tolerance(
     tables += _timings(struck, numbers)
     few = drawn_again(spread, seed, range(min(samples, MOST)))
     tables += _kept(targets(spread, few), numbers) + _loops(loops(spread, few, seed), numbers)
+    if judged:
+        progress("judging copies", 0.5)
+        tables += _findings(copies_judged(spread, drawn_again(spread, seed, range(min(samples, judged)))), numbers)
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
@@ -138,6 +145,19 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
     return told
 
 
+def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]:
+    """Each finding of copies that were judged one by one."""
+    rows = []
+    for each in found:
+        limit, good = f"{'>=' if each.floor else '<='} {each.limit:.4g}", 100 * float(np.mean(each.holds))
+        mean, size = float(np.nanmean(each.values)), float(np.nanstd(each.values))
+        rows.append((each.code, each.what, each.unit, limit, each.designed, mean, size, good))
+        key = f"{each.code.lower()}_yield_percent"
+        numbers[key] = min(good, numbers.get(key, 100.0))
+    heads = ("finding", "of", "unit", "limit", "as designed", "mean", "standard deviation", "copies that hold, %")
+    return [Table(f"Findings of the first {len(found[0].values)} copies, each judged", heads, rows)] if found else []
+
+
 def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
     """Share of copies that keep what is wanted of the outputs by value."""
     rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds))) for each in found]
@@ -182,7 +202,9 @@ def _worst(
     rows = [(int(k), float(copies.errors[output.name][k]) * scale, float(real)) for k, real in zip(order, made, strict=True)]
     if len(made):
         numbers[f"{_named(output)}_error_worst_{unit}"] = float(np.max(made))
-    return Table(f"Worst copies of {output.name}, {unit}", ("copy", "first order", "rolled and closed"), rows)
+    title = f"Worst copies of {output.name}, {unit}"
+    title += f": the first {_SHOWN} of {count} that were rolled" if count > _SHOWN else ""
+    return Table(title, ("copy", "first order", "rolled and closed"), rows[:_SHOWN])
 
 
 def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:

@@ -55,6 +55,13 @@ class Animation:
     output_unit: str = ""
     turns: int = 1
 
+    @property
+    def moves(self) -> bool:
+        """Whether anything moves at all: a coupon does not."""
+        poses = [pose for body in self.bodies for pose in body.poses]
+        changes = any(np.ptp(values) > 0 for pose in poses for values in (pose.angle, np.real(pose.place), np.imag(pose.place)))
+        return changes or any(body.course is not None for body in self.bodies)
+
 
 def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
     """A still picture of the mechanism at frame `frame`, as an SVG file of its own."""
@@ -258,9 +265,10 @@ def player(animation: Animation, scene: bool = False) -> str:
     return (
         '<figure class="player"><div class="view">'
         f'<svg id="mechanism" viewBox="{box}" role="img" aria-labelledby="drawn drawn-what">'
-        '<title id="drawn">The mechanism in motion</title><desc id="drawn-what">Seen along the axes, y up: '
+        f'<title id="drawn">{"The mechanism in motion" if animation.moves else "The parts"}</title>'
+        '<desc id="drawn-what">Seen along the axes, y up: '
         f"{escape(names)}.</desc>{drawing}</svg>{_CANVAS if scene else ''}</div>"
-        '<div class="controls"><button type="button" id="play" hidden>Play</button>'
+        f'<div class="controls"{"" if animation.moves else " hidden"}><button type="button" id="play" hidden>Play</button>'
         '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
         f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>'
         f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'

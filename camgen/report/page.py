@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 _FIRST_PLOTS = 9  # more curves than this are folded away
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
+_NOISE = {"mm": 1e-6, "deg": 1e-6, "N": NOISE, "N m": NOISE, "W": NOISE}  # what is less is rounding: 1 nm, a millionth of a deg
 _NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
 
 
@@ -60,7 +61,7 @@ def to_html(report: Report) -> str:
         plots=_section("Curves", _plots(report.plots)),
         parts=_section("Parts", _parts(report))
         + _section("Plates, ready to print", _plates(scene), "plates")
-        + _section("Assembly, step by step", _steps(scene), "steps"),
+        + _section(scene.work if scene else "", _steps(scene), "steps"),
         findings=_section("Margins", margins(report.findings)),
         numbers=_section("Figures", figure_lists(report.numbers)),
         tables=_section("Tables", "".join(map(_folded, report.all_tables))),
@@ -145,7 +146,8 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]])
 
     rows = list(rows)
     models = rows[0] if rows else columns
-    heads = (f'<th scope="col"{kind(m)}>{escape(c)}</th>' if c else "<td></td>" for c, m in zip(columns, models, strict=True))
+    named = (column.replace("^2", "²").replace("^3", "³") for column in columns)
+    heads = (f'<th scope="col"{kind(m)}>{escape(c)}</th>' if c else "<td></td>" for c, m in zip(named, models, strict=True))
     head = "".join(heads)
     head = f"<caption>{escape(title)}</caption><thead><tr>{head}</tr></thead>"
     return _scrolling(title, f"<table>{head}<tbody>{''.join(map(line, rows))}</tbody></table>")
@@ -183,7 +185,7 @@ def _key_figures(report: Report) -> str:
     for key, words in (("peak_torque", "Peak torque"), ("mass", "Mass printed"), ("print_time", "Time to print")):
         found += [(words, f.values[""], f.unit, "") for f in listed if "" in f.values and f.name == name(key)]
     items = [
-        f"<div><dt>{escape(words)}</dt><dd>{rounded(value, 3)}{_unit(unit)} <small>{escape(limit)}</small></dd></div>"
+        f"<div><dt>{escape(words)}</dt><dd>{_rounded(value, unit, 3)}{_unit(unit)} <small>{escape(limit)}</small></dd></div>"
         for words, value, unit, limit in found[:5]
     ]
     return f'<dl class="key">{"".join(items)}</dl>' if items else ""
@@ -268,10 +270,11 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         cells = "".join(_cell([f for f in group if _kind(f) == kind], kind) for kind in kinds)
         state = "ok" if worst.ok else "bad"
         verdict = "holds" if worst.ok else "FAILS"
+        limit = f"{'≥' if worst.floor else '≤'}&nbsp;{rounded(worst.limit, 4)}{_unit(worst.unit)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
             f"<p>{escape(worst.message)} <small>{escape(worst.where)}</small></p></th>{cells}"
-            f'<td class="n" data-of="limit">{"≥" if worst.floor else "≤"} {rounded(worst.limit, 4)}{_unit(worst.unit)}</td></tr>'
+            f'<td class="n" data-of="limit">{limit}</td></tr>'
         )
     columns = "".join(f'<th scope="col">{words}</th>' for words in head)
     head_row = f"<thead><tr>{columns}</tr></thead>"
@@ -309,8 +312,8 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
     over their marks."""
     kept: list[Plot] = []
     for plot in plots:
-        known = re.search(r"\b(mm|deg|N|N m|W)$", plot.y_label)
-        if known and all(np.nanmax(np.abs(y), initial=0.0) < NOISE for _, _, y in plot.series):
+        noise = next((size for unit, size in _NOISE.items() if re.search(rf"(^|\W){unit}$", plot.y_label)), 0.0)
+        if noise and all(np.nanmax(np.abs(y), initial=0.0) < noise for _, _, y in plot.series):
             continue
         at = next((k for k, other in enumerate(kept) if _shows(other, plot)), None)
         if at is None:
@@ -363,8 +366,12 @@ def _row(each: Figure, kinds: Sequence[str]) -> tuple[str, ...]:
 
 def _known(each: Figure, kind: str) -> str:
     """A figure's value, 0 for less than a nanometre or a millionth of a degree."""
-    value = each.values[kind]
-    return "0" if each.unit in ("mm", "deg") and abs(value) < 1e-6 else rounded(value)
+    return _rounded(each.values[kind], each.unit, 4)
+
+
+def _rounded(value: float, unit: str, digits: int) -> str:
+    """The same of any value and unit."""
+    return "0" if abs(value) < _NOISE.get(unit, 0.0) else rounded(value, digits)
 
 
 # ---- parts, plates, steps --------------------------------------------------------------------------------------------
@@ -381,7 +388,7 @@ def _parts(report: Report) -> str:
         drawing = f"{report.name}-{label}-drawing.pdf"
         links += [_link(drawing, "PDF")] if drawing in report.files else []
         facts = [str(part["title"])] if part.get("title") else []
-        facts += [f"{rounded(_float(part['thickness_mm']), 3)} mm thick"] if "thickness_mm" in part else []
+        facts += [f"{rounded(_float(part['thickness_mm']), 3)} mm high"] if "thickness_mm" in part else []
         facts += [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"] if "material_mm3" in part else []
         title = label.replace("_", " ") + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))

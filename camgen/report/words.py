@@ -38,12 +38,23 @@ NAMES = {
     "swing_by_play_of_axle": "swing by the play of the axle",
     "uniform_share": "share of uniform motion",
     "residual_share": "share of the shaking force left",
-}
+    "supports": "area that needs supports",
+    "pv_greatest": "pressure times speed of bearings, greatest",
+    "hertz_pressure": "Hertz pressure",
+    "flywheel_for_2_percent": "flywheel for a speed within 2 %",
+    "flywheel_for_10_percent": "flywheel for a speed within 10 %",
+    "balance_weight_at": "direction of the balance weight",
+    "balance_spring_at": "direction of the balance spring",
+    "print_error": "off by print errors",
+    "source_r": "R of the source, AC",
+    **{f"source_{sign}_{k}": f"{word}{'₁₂'[k - 1]} of the source" for k in (1, 2)
+       for sign, word in (("r", "r"), ("alpha", "α"), ("beta", "β"))},
+}  # fmt: skip
 
 # Groups of figures, each with what its keys hold, in the order of the page; the first that matches counts.
 GROUPS = (
     ("From the files", r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf|_step(?=_|$)"),
-    ("Making", r"^mass|print_time|shaft_length|area|outline|section"),
+    ("Making", r"^mass|print_time|supports|shaft_length|area|outline|section"),
     ("Forces and drive", r"torque|force|reaction|energy|inertia|"
      r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
      r"kick|spring|wear|weight|shaking|harmonic|residual"),
@@ -87,8 +98,10 @@ def name(stem: str) -> str:
     words = re.sub(r"_(min|least)_at$", ", where least", words)
     words = re.sub(r"_(max|greatest)$", ", greatest", words)
     words = re.sub(r"_(min|least)$", ", least", words)
-    words = words.replace("_", " ")
-    return words[:1].upper() + words[1:]
+    words = re.sub(r"within (\d+) (\d+)", r"within \1.\2", words.replace("_", " "))
+    if re.search(r"\b(reaction|wear)\b", words):  # of a joint, whose point has a capital letter
+        words = re.sub(r"\b[a-w]\b", lambda letter: letter[0].upper(), words)
+    return words if words[1:2] in "₁₂" else words[:1].upper() + words[1:]
 
 
 def rounded(value: float, digits: int = 4) -> str:

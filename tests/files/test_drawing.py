@@ -98,6 +98,16 @@ def test_holes_are_named_and_described():
     }  # fmt: skip
 
 
+def test_a_straight_slot_is_told_by_its_length_its_width_and_how_it_leans():
+    """30 mm from middle to middle, 5 mm wide: 35 mm over all, wherever it points; a box says nothing of a leaning one."""
+    for lean, told in ((0, ""), (30, ", at 30°"), (90, ", at 90°"), (210, ", at 30°")):
+        way = cmath.rect(1, math.radians(lean))
+        ((_, hole),) = holes_of([hull([(4 + 0j, 2.5), (4 + 30 * way, 2.5)])])
+        assert (hole.shape, abs(hole.place - (4 + 15 * way)) < 1e-5) == (f"slot 35 × 5{told}", True)
+    ((_, tapered),) = holes_of([hull([(0j, 2.5), (30 + 0j, 2.0)])])
+    assert "slot" not in tapered.shape
+
+
 def test_a_slot_across_the_axis_is_told_from_below_to_above():
     ((_, hole),) = holes_of([kidney(0, 18, 4, math.radians(-17.4), math.radians(34.8))])
     assert hole.shape == "slot 8 on R18, -17.4° to 17.4°"

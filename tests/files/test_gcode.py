@@ -122,6 +122,10 @@ def test_what_is_refused(tmp_path):
         file.truncate(201_000_000)
     with pytest.raises(FileError, match="is 201 MB large, 200 MB at most"):
         read_gcode(path)
+    with open(path, "wb") as file:
+        file.truncate(199_000_000)
+    with pytest.raises(FileError, match="line 1 is no text, or has no end"):
+        read_gcode(path)
 
 
 def test_an_outline_of_a_plate_of_two(tmp_path):

@@ -120,7 +120,7 @@ def several(folder: Path, *glasses: Glass, edges: tuple[Points, ...] | None = No
 def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
     """One axis 0.3 % long and 1 deg of skew; the caliper reads the true cam."""
     edges, wanted = cam()
-    first, others = several(tmp_path, Glass(turn_deg=1, **SKEW), Glass(turn_deg=91.3, **SKEW))
+    first, others = several(tmp_path, Glass(dpi=450, turn_deg=1, **SKEW), Glass(dpi=450, turn_deg=91.3, **SKEW))
     width = max(float(np.abs(edges[0] - z).max()) for z in edges[0])
     outline = read_outline(first, scanning=Scanning(others=others))
     assert outline.ring is not None

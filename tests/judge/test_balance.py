@@ -130,3 +130,25 @@ def test_a_thread_that_meets_a_head_or_a_guide_is_told(tmp_path: Path) -> None:
     share = np.clip(((n - eye) * way.conj()).real / np.abs(way) ** 2, 0, 1)
     apart = float(np.abs(n - eye - share * way).min()) - 1.0 - 2.0  # less the groove's radius and that of the other's head
     assert crossed.measured == pytest.approx(max(apart, -1.0), abs=5e-3)
+
+
+def test_the_crank_of_an_included_machine_is_weighed(tmp_path: Path) -> None:
+    """By the names, the phase and the place that it has in the whole; without its counterweight it fails."""
+    for name, more in (("thread-take-up", "[counterweight]\n"), ("linkage", '[[include]]\nspec = "thread-take-up.toml"\n'
+                       "at = [0, 300]\nphase_deg = 30\n")):  # fmt: skip
+        text = (SPECS / f"{name}.toml").read_text("utf-8")
+        (tmp_path / f"{name}.toml").write_text(f"{text}\n{more}", encoding="utf-8")
+    whole = pipeline.read_mechanism(tmp_path / "linkage.toml", ["accuracy.chord_tolerance=0.02"])
+    (balance,) = whole.balances()
+    assert (balance.body, balance.joint) == ("thread_take_up_crank", "thread_take_up_O")
+    on, parts = [mount for mount in whole.mounts() if mount.body == balance.body], {part.name: part for part in whole.parts()}
+    pose = whole.poses(np.zeros(1))
+    items = []
+    for name in (mount.part for mount in on):
+        (place,) = pose[name]
+        at = placing(float(place.angle[0]), complex(place.place[0]), place.z, parts[name].thickness, place.flipped)
+        items.append(Placed(name, name, at))
+    meshes = {mount.part: solid(parts[mount.part], 0.02) for mount in on}
+    for left, holds in ((items, True), ([item for item in items if "counterweight" not in item.name], False)):
+        write_3mf(tmp_path / "a.3mf", {item.name: meshes[item.name] for item in left}, left, "a")
+        assert judge_balance(tmp_path / "a.3mf", whole.moved(), balance).ok is holds

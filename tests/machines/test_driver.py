@@ -95,7 +95,6 @@ def test_files_of_a_cam_that_turns_unevenly(tmp_path: Path) -> None:
         report = build(SPECS / "indexing-cam.toml", tmp_path / name, frozenset({"dxf"}), settings)
         assert report.ok, [finding for finding in report.findings if not finding.ok]
     folder = tmp_path / "uneven" / "indexing-cam"
-    assert all(finding.ok for finding in check(folder).findings)
     shutil.copy(tmp_path / "even" / "indexing-cam" / "indexing-cam-cam.dxf", folder)
     assert "MOTION_ERROR" in {finding.code for finding in check(folder).findings if not finding.ok}
 

@@ -132,12 +132,12 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
             assert (first ^ second).volume() < 1e-3, (a, b, math.degrees(angle))
 
 
-@pytest.mark.parametrize("keys", MACHINES)
+@pytest.mark.parametrize("keys", MACHINES[1:])
 def test_other_machines_build_and_move_as_asked(keys: dict[str, Any], tmp_path: Path) -> None:
     overrides = [f"{path.replace('__', '.')}={value}" for path, value in keys.items()]
     # their heavier rods ask for more than oil at this speed
     more = ["limits.stroke=[1, 10]", "limits.pv_mpa_m_s=10"]
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*overrides, *more])
+    report = pipeline.build(SPEC, tmp_path, frozenset({"stl"}), [*overrides, *more])
     assert [f for f in report.findings if not f.ok] == []
 
 

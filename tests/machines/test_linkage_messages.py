@@ -13,7 +13,7 @@ import pytest
 from camgen.cli import main
 from camgen.errors import DesignError, SpecError
 from camgen.geometry.rings import Ring
-from camgen.judge.round_trip import _contour_error
+from camgen.judge.contours import contour_error
 from camgen.machine.targets import Course, Straight
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.gears import pair
@@ -132,7 +132,7 @@ def square(size: float, notch: float) -> Ring:
 def test_contours_of_a_machine_of_a_hundred_metres_are_compared_in_bounded_time() -> None:
     """What is off is found all the same; a point every quarter millimetre would take 1.6 million of them."""
     begin = time.process_time()
-    assert _contour_error(square(1e5, 0.5), square(1e5, 0.0), 1e-3) == pytest.approx(0.5, abs=1e-9)
+    assert contour_error(square(1e5, 0.5), square(1e5, 0.0), 1e-3) == pytest.approx(0.5, abs=1e-9)
     assert time.process_time() - begin < 4.0
 
 

@@ -19,6 +19,7 @@ from camgen.judge.joints import keyed
 from camgen.judge.measured import Measured, Readings
 from camgen.machine.features import Eye, Keyed, Mount, Steady
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.loads.assess import assess
 from camgen.pipeline.build import build, check
 from camgen.spec import read, validate
 
@@ -55,6 +56,20 @@ def single(tmp_path_factory: pytest.TempPathFactory) -> Path:
                      for name in ("points", "links"))  # fmt: skip
     links |= {"ground": ["O", "C"], "crank": ["O", "A"]}
     return made(tmp_path_factory.mktemp("one"), {**TWO, "points": points, "links": links, "output": TWO["output"][:1]}, "3mf")
+
+
+def test_a_shaft_of_steel_has_crank_pins_of_steel() -> None:
+    """All that is the shaft, and its pins are judged as steel; printed, PIN_STRESS names the key for both."""
+    parts = dict(TWO["parts"])
+    for made, asked in (("turned of steel", {"shaft_made": "steel"}), ("printed", {})):
+        machine = linkage(parts={**parts, **asked}, limits={"pin_stress_mpa": 1e-6})
+        shaft = {part.made for part in machine.parts() if part.name.startswith(("shaft", "crank-pin"))}
+        assert shaft == {made} and {part.made for part in machine.parts() if part.name.startswith("pin")} == {"printed"}
+        told = {f.where: f.message for f in assess(machine).findings if f.code == "PIN_STRESS" and not f.ok}
+        assert told and [where for where, said in told.items() if "shaft_made" in said] == [
+            where for where in told if where in ("pin O", "pin A", "pin Q") and not asked
+        ]
+        assert all("parts.pin_diameter" in said for where, said in told.items() if where in ("pin A", "pin Q"))
 
 
 def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:

@@ -107,7 +107,6 @@ def test_programs_backwards_keep_breaks_jumps_and_their_beginning() -> None:
     [
         ("disc-cam", 60, ("geometry.closure='conjugate'",)),
         ("indexing-cam", 30, ()),
-        ("eccentric-drive", 13000, ()),
         ("thread-take-up", 5000, ("load.friction=0",)),  # its ring rubs so much that one way loads the pins more
         ("chain-stitch-looper", 3000, ()),
         ("uniform-swing", 30, ("parts.make='cams'", "parts.bore=8")),

@@ -52,8 +52,8 @@ def walls(m: UniformSwing) -> tuple[float, list[float]]:
 
 
 @pytest.mark.parametrize("shaft", SHAFTS)
-@pytest.mark.parametrize("wall", [1.0, 2.0, 3.0])
-@pytest.mark.parametrize("count", [0, 1, 3, 5, 12])
+@pytest.mark.parametrize("wall", [1.0, 3.0])
+@pytest.mark.parametrize("count", [0, 1, 5])
 def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
     m = design(parts__shaft=shaft, parts__wall=wall, parts__windows=count, parts__pin_diameter=2.0, parts__bore=6.0)
     region = m.parts()[0].region

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -68,6 +69,15 @@ def test_same_bytes_with_several_cores(built: Callable[..., Path], tmp_path: Pat
     assert told == sorted(told) and told[0] == 0 and told[-1] < 1, "the bar never runs back"
     one, other = ({path.name: path.read_bytes() for path in each.iterdir()} for each in (tmp_path / name, built(name, *changes)))
     assert one == other
+
+
+def end(number: int) -> None:
+    os.kill(os.getpid(), number)
+
+
+def test_a_process_that_is_ended_from_outside_is_told() -> None:
+    with pytest.raises(FileError, match="--jobs 1 takes less"), Workers(2) as workers:
+        workers.start(end, signal.SIGTERM)()
 
 
 @pytest.mark.parametrize("changes, kinds, worth", [([], {"stl"}, True), ([], {"dxf"}, False), (CAMS, {"stl"}, False)])

@@ -111,6 +111,24 @@ def test_a_cutter_too_large_for_a_fillet_is_told(tmp_path):
     assert findings[1].measured > 1 and "x 0.0" in findings[1].message.replace("-0.0", "0.0")  # the deepest place
 
 
+def test_both_walls_of_a_groove(tmp_path):
+    """The outer wall stands 0.2 mm off a roller of 5 mm on a base circle of 25; a cutter of 3 mm runs 3 mm within it."""
+    from conftest import ROOT
+
+    groove = ("geometry.closure='groove'", "parts.hub_height=0", *SETTINGS)
+    report = build(ROOT / "specs" / "disc-cam.toml", tmp_path, DXF, groove)
+    assert report.ok
+    place = [float(rows(report.folder / f"disc-cam-{part}-profile.csv")[0]["radius_mm"]) for part in ("inner", "outer")]
+    assert place == pytest.approx([25, 35.2])
+    ends = [rows(report.folder / f"disc-cam-{part}-path.csv")[0] for part in ("inner", "outer")]
+    radii = [math.hypot(float(row["x0_mm"]), float(row["y0_mm"])) for row in ends]
+    assert radii == pytest.approx([28, 32.2])
+    hollow = Ring(*bulges(circle(0j, 10)))
+    for radius, fits in ((7.0, True), (7.1, False)):
+        table = drawn(tmp_path / "p.dxf", circle(0j, radius))
+        assert judge_path(tmp_path / "p.dxf", table, hollow, 3.0, 0.002, within=True)[1].ok is fits
+
+
 def test_a_path_that_is_not_the_one_in_its_table_is_told(tmp_path):
     outline = rectangle(-10 - 10j, 10 + 10j)
     table = drawn(tmp_path / "p.dxf", offset(outline, 3.0))

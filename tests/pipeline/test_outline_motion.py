@@ -725,3 +725,11 @@ def test_what_is_switched_off_does_not_count(tmp_path: Path) -> None:
     doc.saveas(path)
     outline = read_outline(path)
     assert outline.ring is not None and outline.ring.area == pytest.approx(math.pi * 900)
+
+
+def test_what_was_asked_for_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The disc lifts a roller by twice its eccentricity; the terminal says so, and where the report is."""
+    with pytest.raises(SystemExit):
+        main(["motion", str(disc(tmp_path / "disc.dxf")), "--follower", "translating,radius=6", "-o", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert f"the follower moves {2 * E:g} mm" in said and "disc-motion/report.html" in said.replace("\n", "")

@@ -110,7 +110,7 @@ def test_a_folder_of_before_without_plates_still_holds(made: Path, tmp_path: Pat
     assert report.ok and [f.where for f in report.findings if f.code == "BED_FIT"] == ["cam"]
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in SPEC.parent.glob("*.toml") if path.stem != "coupon"))
+@pytest.mark.parametrize("name", sorted({path.stem for path in SPEC.parent.glob("*.toml")} - {"coupon", "four-leg-walker"}))
 def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str) -> None:
     machine = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml", CAMS[:1] if name == "uniform-swing" else ())
     steps, poses = machine.steps(), machine.poses(np.zeros(1))

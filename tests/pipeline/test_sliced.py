@@ -211,7 +211,7 @@ def test_a_plate_is_given_once(folder):
             check_gcode(folder, twice)
     again.write_text(again.read_text() + "\n; sliced an hour later")
     (finding,) = (finding for finding in check_gcode(folder, [plate, again]).findings if not finding.ok)
-    assert finding.unit == "copies" and finding.measured == 1 and "1 of collar more than" in finding.message
+    assert finding.unit == "copies" and finding.measured == 1 and "sliced twice: 1 of collar" in finding.message
 
 
 PARTS = Counter({"cam": 1, "pin": 4, "link": 3})
@@ -222,13 +222,13 @@ PLATES = {"plate": Counter({"cam": 1, "pin": 2}), "plate-2": Counter({"pin": 2, 
     ("laid", "wrong", "said", "unknown"),
     [
         ({"cam": 1, "pin": 4, "link": 3}, 0, "8 copies", None),
-        ({"cam": 1, "pin": 3, "link": 3}, 1, "1 of pin of the list", None),  # the person prints one pin too few
-        ({"cam": 1, "pin": 5, "link": 3}, 1, "1 of pin more", None),
-        ({"cam": 1, "pin": 5, "link": 2}, 2, "1 of link of the list", None),
-        ({"pin": 4, "link": 3}, 1, "1 of cam of the list", None),  # forgotten on its own plate, of which two thirds are there
+        ({"cam": 1, "pin": 3, "link": 3}, 1, "too few for the list of parts: 1 of pin", None),  # one is not printed
+        ({"cam": 1, "pin": 5, "link": 3}, 1, "sliced twice: 1 of pin", None),
+        ({"cam": 1, "pin": 5, "link": 2}, 2, "list of parts: 1 of link; too many, as if sliced twice: 1 of pin", None),
+        ({"pin": 4, "link": 3}, 1, "list of parts: 1 of cam", None),  # forgotten on its own plate, of which two thirds are there
         ({"cam": 1, "pin": 2}, 0, "", "plate-2"),  # one plate alone
         ({"pin": 2, "link": 3}, 0, "", "plate"),
-        ({"pin": 1, "link": 3}, 1, "1 of pin of the list", "plate"),
+        ({"pin": 1, "link": 3}, 1, "too few for the list of parts: 1 of pin", "plate"),
         ({"link": 1}, 0, "", "plate, plate-2"),  # one link is printed anew
     ],
 )

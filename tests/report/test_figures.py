@@ -150,6 +150,8 @@ def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
     assert found["Peak torque"].unit == "N m" and found["Strokes"].unit == "1/s"
     assert found["Spring rate needed"].unit in ("N/mm", "N m/rad") and found["Feed, where greatest"].unit == "deg"
     assert name("let_down_ratio") == "Payout ratio"
+    assert name("reaction_c_of_shoulder") == "Reaction C of shoulder" and name("source_r_1") == "r₁ of the source"
+    assert name("dwell_within_0_25") == "Dwell within 0.25" and name("foot_x_stroke") == "Foot x stroke"
 
 
 @pytest.mark.parametrize(

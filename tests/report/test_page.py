@@ -18,6 +18,8 @@ from test_report import EVIL, Page, made_up
 from camgen.files.gltf import Moving, Shape, glb
 from camgen.findings import NotJudged, at_least, at_most, told_once
 from camgen.geometry.mesh import Mesh
+from camgen.machine.features import PartPose
+from camgen.report.animation import Animation, Body, player
 from camgen.report.page import margins, once, to_html
 from camgen.report.report import Report
 from camgen.study import Plate, Plot, Scene, Step, Table
@@ -144,7 +146,7 @@ def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
     parsed = Page(margins([*found, at_least("WALL", 0.5, 0.8, "mm", "design", "thin"), at_most("X", math.nan, 1, "", "", "?")]))
     rows = [attributes.get("class") for tag, attributes in parsed.elements if tag == "tr"]
     assert rows == [None, "bad", "bad", "ok"]
-    text = parsed.text()
+    text = parsed.text().replace("\xa0", " ")
     assert "Design, assembly" in text and "DXF" in text and "STL" in text and "3MF" not in text
     assert "0.6tightest of 2" in text.replace(" tight", "tight") and "0.7" in text and "0.1" not in text
     assert text.index("WALL") < text.index("ERR") and "≥ 0.8" in text and "≤ 1" in text
@@ -165,3 +167,11 @@ def test_no_curve_is_shown_twice() -> None:
     noise = replace(other, title="Noise", series=[("error", x, 1e-33 * np.sin(x))])
     kept = once([noise, lift, again, faster, other])
     assert [plot.title for plot in kept] == ["Lift", "Velocity", "Other"] and kept[0].marks == [("rise", 0.0)]
+
+
+def test_what_does_not_move_has_no_controls() -> None:
+    """A coupon's bodies rest: neither a button to play nor an angle; what moves has both."""
+    still, away = PartPose(np.zeros(1, complex), np.zeros(1)), PartPose(np.array([0j, 1 + 0j]), np.zeros(2))
+    ring = [(np.array([0, 1, 1j]), np.zeros(3))]
+    pages = [player(Animation(np.zeros(2), [Body("a", [pose], ring)])) for pose in (still, away)]
+    assert ['<div class="controls" hidden>' in page for page in pages] == [True, False]

@@ -42,7 +42,6 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
-from camgen.parts.springs import Mounted, wound
 from camgen.study import Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
@@ -215,11 +214,11 @@ class DiscCamDrive(StandingCams):
         return loaded(pulled(self), self.cam, self._load or FollowerLoad(), theta)
 
     @property
-    def return_spring(self) -> Mounted | None:
-        """Of a machine that of the bench; of a cam alone one beside a sliding stem, as [spring] asks."""
+    def spring_asked(self) -> tuple[float, float, float] | None:
+        """Of a cam alone beside a sliding stem, as [spring] says."""
         if self.standing or self.spring is None or not self.spring.preload or self._unit[0] != "mm":
-            return super().return_spring
-        return wound(self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0])
+            return None
+        return self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0]
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 

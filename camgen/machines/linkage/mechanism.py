@@ -311,6 +311,10 @@ class Linkage(Mechanism):
         at, asked = made.layout.at(link, made.layout.shaft_of(link)), whole - self.counterweight.other
         return balance_of(link, pivot_of(made.layout, link), at, asked, made.parts, made.mounts, self.density)
 
+    def balances(self) -> Sequence[Balance]:
+        """Its own crank's, and those of what is included."""
+        return (*super().balances(), *(balance for each in self.modules for balance in each.balances()))
+
     @property
     def _layout(self) -> Layout:
         cams = {Drawing.cam_name(cam): cam for cam in self.cams}

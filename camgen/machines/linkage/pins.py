@@ -43,7 +43,7 @@ def refuse(layout: Layout) -> None:
             "a roller or a spring sits on it": kind == "bearing" and point in layout.riders and point not in layout.shafts,
             "it is the motor's shaft": layout.on_motor(point, GROUND), "a roller hangs on it": kind == "shoulder" and hangs,
             "it joins webs of the shaft": layout.kind(point) == "keyed",
-            "it is a shaft, printed or in a bearing": kind in ("shoulder", "dowel") and point in layout.shafts,
+            'it is a shaft (of steel: parts.shaft_made = "steel")': kind in ("shoulder", "dowel") and point in layout.shafts,
         }  # fmt: skip
         for why in (why for why, wrong in said.items() if wrong):
             raise DesignError(f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out")

@@ -18,6 +18,7 @@ from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import Weighed, weighed
+from camgen.parts.springs import WIRES
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:
@@ -76,6 +77,10 @@ def assess(mechanism: Mechanism) -> Assessment:
     posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
     paired = pairs.told(forces, machine, outlines)
     left += paired.left
+    if mechanism.spring_asked is not None and mechanism.return_spring is None:
+        rate, least, _ = mechanism.spring_asked
+        why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
+        left.append(NotJudged("SPRING_STRESS", why, "another spring.preload or spring.rate, or a spring of another kind"))
     for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
         held += borne.findings
         left += borne.left
@@ -94,7 +99,8 @@ def assess(mechanism: Mechanism) -> Assessment:
 def _masses(found: Weighed) -> Table:
     """Mass, centre and inertia of each body, and where they come from."""
     rows = [
-        (body.name, 1e3 * body.mass, f"{body.centre.real:.4g}, {body.centre.imag:.4g}", body.inertia, found.sources[body.name])
+        (body.name, 1e3 * body.mass, ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in (body.centre.real, body.centre.imag)),
+         body.inertia, found.sources[body.name])
         for body in found.machine.moving
     ]  # fmt: skip
     return Table("Masses", ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"), rows)

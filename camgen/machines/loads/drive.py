@@ -20,6 +20,7 @@ from camgen.parts.motors import SHAFTS, STEPPERS, Motor
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Plot
 
+_LEAST_SAID = 1e-4  # N m; of what is less no motor's maker speaks
 _NOTHING = 1e-12  # N m
 _SHOWN = (0.02, 0.1)  # swings of the speed for which the flywheel is told
 
@@ -93,10 +94,11 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
         why = "nothing is known of what the drive moves: there is no part, mass or load"
         return borne, [NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass")]
     if motor is None:
-        why = f"{peak:.3g} N m are needed at {abs(speed) * 60 / math.tau:.4g} rpm, and nothing says what the motor gives"
+        torque_said = f"{peak:.3g}" if peak >= _LEAST_SAID else f"less than {_LEAST_SAID:g}"
+        why = f"{torque_said} N m are needed at {abs(speed) * 60 / math.tau:.6g} rpm, and nothing says what the motor gives"
         return borne, [NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model")]
     fast = float(rate[worst])
-    said = f"needed at {fast * 60 / math.tau:.4g} rpm with the friction of all joints; {motor.said}"
+    said = f"needed at {fast * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
     where = f"drive, {math.degrees(float(theta[worst])):.1f} deg"
     borne.findings.append(at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said))
     return borne, []

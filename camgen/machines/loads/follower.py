@@ -64,7 +64,7 @@ def elastic(run: Run, load: Weight | None) -> Borne:
         push = still + heavy * cam.leaves * bend
         worst = int(np.argmin(push))
         fast = model.loses_contact(cam.leaves * law, speed, heavy, still) * 60 / math.tau
-        said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz; contact is lost from {fast:.4g} rpm" \
+        said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz; contact is lost from {fast:.6g} rpm" \
             if math.isfinite(fast) else f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"  # fmt: skip
         borne.findings.append(at_least("LIFT_OFF", float(push[worst]), 0.0, "N" if cam.slide else "N m",
                                        f"{cam.name}, cam angle {degrees[worst]:.1f} deg", said))  # fmt: skip

@@ -58,7 +58,6 @@ from camgen.numerics import greatest
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
-from camgen.parts.springs import Mounted, wound
 from camgen.study import Plot, Sketch, Study, Table
 
 _ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
@@ -296,12 +295,12 @@ class UniformSwing(Mechanism):
         return self.frame.bearing if self.making.make == "machine" else None
 
     @property
-    def return_spring(self) -> Mounted | None:
+    def spring_asked(self) -> tuple[float, float, float] | None:
         """Of force closure: a straight one on the spec's lever, as [spring] asks."""
         spring, lever = self.spring, self.spring.lever
         if self.geometry.closure != "force" or not spring.preload:
             return None
-        return wound(1e3 * spring.rate / lever**2, 1e3 * spring.preload / lever, lever * math.radians(self.geometry.swing_deg))
+        return 1e3 * spring.rate / lever**2, 1e3 * spring.preload / lever, lever * math.radians(self.geometry.swing_deg)
 
     def journals(self) -> Mapping[str, Journal]:
         """The frames' axle in the base."""

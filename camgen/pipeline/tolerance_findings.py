@@ -1,0 +1,160 @@
+"""How many printed copies hold each finding: copies are made and judged as the machine itself is.
+
+    rolled   the displaced outlines under the judge's own contact: SPEED_RIPPLE, FACE_WIDTH, PRESSURE_ANGLE
+    closed   the model with its centres off and its cams' motion as it then is: TRANSMISSION_ANGLE, LIFT_OFF, and all that the
+             machine bears at its speed: drive, contacts, bearings, pins
+
+A cam's motion under loads is the wanted one and the sum of its modes, a smooth curve: facets have no acceleration. What a print
+cannot change (a motor's shaft, a material) is left out; so is what is judged on the design's own lengths alone.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.findings import Finding, at_least, at_most
+from camgen.judge.cams import Followed
+from camgen.judge.joints import Outline
+from camgen.machine.constraints import Constraints
+from camgen.machine.model import Along, Angle, Cam, Law, Machine, Output
+from camgen.machine.print_errors import sensitivities
+from camgen.machine.reach import folds
+from camgen.machine.run import solve
+from camgen.machines.loads.assess import assess
+from camgen.machines.loads.weights import pulled
+from camgen.machines.mechanism import Mechanism
+from camgen.numerics import Floats
+from camgen.pipeline.tolerance import Spread, laws_of, shifted_by
+
+_SAME = 1e-6  # share of a value, by which copies differ where the print does nothing
+_LITTLE = 1e-3  # of its limit, of what needs no yield
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A finding of copies: what it is of, its limit, the least where floor is set; values, (copies,), as designed first."""
+
+    code: str
+    what: str
+    unit: str
+    limit: float
+    floor: bool
+    designed: float
+    values: Floats
+    holds: Floats
+
+
+def judged(spread: Spread, errors: Floats) -> list[Judged]:
+    """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
+    bends, limits = _bends(spread), spread.mechanism.limits()
+    exact = np.zeros(len(spread.modes))
+    designed, *copies = (_named(_of_copy(spread, each, bends, limits)) for each in (exact, *errors))
+    found = []
+    for (code, what), finding in designed.items():
+        made = [copy.get((code, what)) for copy in copies]
+        values = np.array([math.nan if each is None else each.measured for each in made])
+        holds = np.array([each is not None and each.ok for each in made])
+        little = not finding.floor and finding.limit > 0 and np.all(np.abs(values) < _LITTLE * finding.limit)
+        if not little and not np.all(np.abs(values - finding.measured) <= _SAME * abs(finding.measured)):
+            found.append(Judged(code, what, finding.unit, finding.limit, finding.floor, finding.measured, values, holds))
+    return sorted(found, key=lambda each: float(np.mean(each.holds)))
+
+
+def _named(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
+    """By code and place, less the angle there; of several at one place the worst."""
+    named: dict[tuple[str, str], Finding] = {}
+    for each in findings:
+        key = each.code, re.sub(r",? *(cam|crank)? ?(angle )?-?[0-9.]+ deg$", "", each.where)
+        margin = (each.measured - each.limit) * (1 if each.floor else -1)
+        if key not in named or margin < (named[key].measured - named[key].limit) * (1 if each.floor else -1):
+            named[key] = each
+    return named
+
+
+def _of_copy(
+    spread: Spread, errors: Floats, bends: Mapping[str, Bend], limits: Sequence[Finding]
+) -> Iterator[Finding]:  # fmt: skip
+    """All findings of one copy; limits: the design's own."""
+    shifted = shifted_by(spread, errors)
+    steepest = min((each.limit for each in limits if each.code == "PRESSURE_ANGLE"), default=math.inf)
+    for name, (outline, law) in laws_of(spread, errors, shifted).items():
+        joint = spread.mechanism.model.joint(name)
+        assert isinstance(joint, Cam)
+        followed = Followed(joint, Outline(outline, law, law), name, 0.0)
+        yield from (each for each in followed.findings() if each.code != "UNDERCUT")  # it would count all that a print does
+        yield at_most("PRESSURE_ANGLE", followed.pressure_angle, steepest, "deg", name, "")
+    machine = replace(shifted, joints=tuple(
+        replace(joint, law=bends[joint.name].law(joint.law, errors)) if joint.name in bends and isinstance(joint, Cam) else joint
+        for joint in shifted.joints
+    ))  # fmt: skip
+    copy = spread.mechanism.model_copy()
+    copy.__dict__["model"] = machine  # parts and places stay those of the design: what they weigh and how wide they are
+    with suppress(DesignError):  # one that does not close any more holds none of these
+        yield from (*assess(copy).findings, *_of_model(copy, machine, limits))
+
+
+def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> Iterator[Finding]:
+    """Limits of the design that its model tells as well."""
+    asked = {each.code: each for each in limits}
+    if "TRANSMISSION_ANGLE" in asked:
+        sines = [fold.determinant for fold in folds(machine, *copy.range)]
+        least = math.degrees(math.asin(min(1.0, *map(abs, sines)))) if sines else math.nan
+        limit = asked["TRANSMISSION_ANGLE"]
+        yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
+    forced = [joint.name for joint in machine.joints if isinstance(joint, Cam) and joint.closure == "force"]
+    if "LIFT_OFF" in asked and forced:
+        forces = solve(pulled(copy), np.linspace(*copy.range, 1441)).forces()
+        least = min(float(np.nanmin(forces.pressing[name])) for name in forced)
+        yield at_least("LIFT_OFF", least, asked["LIFT_OFF"].limit, "N", "contact", "")
+
+
+# ---- the motion of a copy's cams ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Bend:
+    """What each mode does to a follower's s over its cam's angle: a periodic curve through all of them at once."""
+
+    curves: object
+
+    def law(self, wanted: Law, errors: Floats) -> Law:
+        """The wanted law and the sum of the modes times their errors, mm."""
+
+        def law(theta: Floats, order: int = 0) -> Floats:
+            bent = self.curves(np.mod(theta, math.tau), order) @ errors  # type: ignore[operator]
+            return np.asarray(wanted(theta, order) + bent)
+
+        return law
+
+
+def _bends(spread: Spread) -> dict[str, Bend]:
+    """Of each cam that says how it is touched and makes one turn, always the same way."""
+    from scipy.interpolate import CubicSpline
+
+    machine, exact = spread.mechanism.model, []
+    cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
+    if spread.mechanism.roller_bearing:
+        exact = [joint.name for joint in machine.joints if isinstance(joint, Cam)]
+    outputs = [Output(f"s of {cam.name}", Angle(cam.follower) if cam.slide is None else Along(cam.slide)) for cam in cams]
+    if not cams:
+        return {}
+    followed = replace(machine, outputs=tuple(outputs))
+    run = solve(followed, spread.theta, 0)
+    _, found = sensitivities(run, [each.name for each in outputs], spread.sizes, exact)
+    system, poses, bends = Constraints(followed), run.poses(), {}
+    for cam, output in zip(cams, outputs, strict=True):
+        angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase
+        turned = float(angle[-1] - angle[0])
+        if abs(abs(turned) - math.tau) < 1e-9 and np.all(np.diff(angle) * turned > 0):
+            at, first = np.unique(np.mod(angle[:-1], math.tau), return_index=True)
+            rows = found[output.name].modes.T[:-1][first]
+            closed = np.append(at, at[0] + math.tau), np.concatenate([rows, rows[:1]])
+            bends[cam.name] = Bend(CubicSpline(*closed, bc_type="periodic"))
+    return bends

@@ -1,0 +1,75 @@
+"""Findings of printed copies against closed forms: lengths that are off, an outline that stands out, a bore beside its centre."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from test_tolerance import SPECS, spread
+
+from camgen.machine.model import Pin
+from camgen.pipeline.tolerance import Spread
+from camgen.pipeline.tolerance_findings import Judged, judged
+from camgen.pipeline.tolerance_report import tolerance
+
+SPRUNG = ("load.mass_kg=0.3", "spring={rate=1,preload=0.1}")
+
+
+def errors(found: Spread, **sizes: float) -> Any:
+    """Of one copy, (1, modes): by kind the size of the first mode of it."""
+    made = np.zeros(len(found.modes))
+    for kind, size in sizes.items():
+        made[next(k for k, mode in enumerate(found.modes) if mode.kind == kind)] = size
+    return made[None]
+
+
+def only(found: list[Judged], code: str) -> Judged:
+    (each,) = [each for each in found if each.code == code]
+    return each
+
+
+def test_transmission_angle_of_a_copy_is_that_of_its_lengths() -> None:
+    """cos mu = (b^2 + c^2 - d^2) / (2 b c), d = frame -+ crank, of the four-bar whose pin A is 2 mm off in its crank."""
+    found = spread("linkage")
+    k = next(k for k, mode in enumerate(found.modes) if mode.where == "A, crank")
+    made = np.zeros((1, len(found.modes)))
+    made[0, k] = 2.0
+    pins = {joint.name: {side.body: side.at for side in (joint.a, joint.b)} for joint in found.mechanism.model.joints
+            if isinstance(joint, Pin)}  # fmt: skip
+    pins["A"]["crank"] += 2.0 * found.modes[k].along
+    links = (("O", "C", "ground"), ("O", "A", "crank"), ("A", "B", "coupler"), ("B", "C", "rocker"))
+    frame, crank, coupler, rocker = (abs(pins[a][body] - pins[b][body]) for a, b, body in links)
+    corners = [math.degrees(math.acos((coupler**2 + rocker**2 - d**2) / (2 * coupler * rocker)))
+               for d in (frame - crank, frame + crank)]  # fmt: skip
+    angle = only(judged(found, made), "TRANSMISSION_ANGLE")
+    assert angle.values[0] == pytest.approx(min(min(mu, 180 - mu) for mu in corners), abs=1e-4)
+    assert abs(angle.values[0] - angle.designed) > 1 and angle.holds[0]
+
+
+def test_an_outline_that_stands_out_presses_its_spring() -> None:
+    """In the low dwell it lifts the follower by as much: force = preload + rate x 0.1 mm; 0.2 mm too small, it is let go."""
+    found = spread("disc-cam", *SPRUNG)
+    for off, left, holds in ((0.05, 0.15, True), (-0.2, -0.1, False)):
+        lift_off = only(judged(found, errors(found, offset=off)), "LIFT_OFF")
+        assert lift_off.designed == pytest.approx(0.1, abs=1e-3) and lift_off.values[0] == pytest.approx(left, abs=2e-3)
+        assert bool(lift_off.holds[0]) is holds
+    (own,) = [each for each in found.mechanism.limits() if each.code == "LIFT_OFF"]
+    assert own.measured == pytest.approx(lift_off.designed, abs=1e-6)
+
+
+def test_a_bore_beside_its_centre_ripples_the_speed() -> None:
+    """It moves the follower by a sine of 0.1 mm over the turn, more where the pressure angle changes: 0.1 mm/rad of the greatest
+    speed of the modified sine, 1.76 x 12 mm in 100 deg."""
+    found = spread("disc-cam")
+    ripple = only(judged(found, errors(found, bore=0.1)), "SPEED_RIPPLE")
+    share = 0.1 / (1.7596 * 12 / math.radians(100))
+    assert share < ripple.values[0] < 1.6 * share and ripple.holds[0] == (ripple.values[0] <= 0.01)
+
+
+def test_yields_are_in_the_report() -> None:
+    report = tolerance(SPECS / "disc-cam.toml", SPRUNG, 200, 1, 0, judged=4)
+    (table,) = [each for each in report.tables if each.title.startswith("Findings of the first 4 copies")]
+    assert {"SPEED_RIPPLE", "LIFT_OFF", "HERTZ", "PRESSURE_ANGLE"} <= {str(row[0]) for row in table.rows}
+    assert report.numbers["lift_off_yield_percent"] in (0, 25, 50, 75, 100)
