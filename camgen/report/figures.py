@@ -78,8 +78,8 @@ def plot_svg(plot: Plot, log: bool = False) -> str:
         if x > _LEFT and x + wide > _RIGHT:
             rows.append("")
             x = _LEFT
-        y = -12 * (len(rows) + 1)
         rows += [] if rows else [""]
+        y = -12 * len(rows)
         rows[-1] += (
             f'<g class="s{k % 6}"><path class="curve" d="M{x:g} {y}h18"/><text x="{x + 22:g}" y="{y + 4}">{escape(curve.label)}'
             "</text></g>"

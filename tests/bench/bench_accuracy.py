@@ -128,8 +128,8 @@ def copies(told: Callable[[str], None]) -> str:
             worth = f"{statistics.mean(kept):.4g}"
             rows.append([name, f"{samples:,}", f"{1e3 * took:.2g} ms", worth, f"{100 * varies[-1]:.2g} %"])
             told(" | ".join(rows[-1]))
-        series.append((name, np.array(SAMPLES, float), 100 * np.array(varies)))
-    steady = ("1 / square root", np.array(SAMPLES, float), 20 / np.sqrt(SAMPLES))
+        series.append((name.partition("-")[0], np.array(SAMPLES, float), 100 * np.array(varies)))
+    steady = ("1 / root n", np.array(SAMPLES, float), 20 / np.sqrt(SAMPLES))
     plot = Plot("Scatter of the error that 95 % of copies keep", "copies", "%", [*series, steady])
     (HERE / "accuracy-copies.svg").write_text(plot_svg(plot, log=True) + "\n", encoding="utf-8")
     return table(heads, rows)
