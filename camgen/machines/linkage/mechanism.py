@@ -254,8 +254,8 @@ class Linkage(Mechanism):
         return np.asarray(low + (high - low) * (1 - np.cos(phase)) / 2)
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad."""
-        return solve(self._whole, theta, order)
+        """The machine at theta, (n,) rad; its solids are made only for its forces."""
+        return solve(self._whole, theta, order, self.loaded)
 
     @cached_property
     def _whole(self) -> m.Machine:
