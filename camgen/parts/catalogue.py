@@ -214,6 +214,12 @@ def dowel(diameter: float, longest: float) -> float:
     return float(max((length for length in _DOWEL_LENGTHS if low <= length <= min(high, longest + 1e-9)), default=0))
 
 
+def next_dowel(diameter: float, shortest: float) -> float:
+    """Shortest dowel pin of a diameter that is sold and at least so long, mm; 0 where there is none."""
+    low, high = DOWELS.get(diameter, (1, 0))
+    return float(min((length for length in _DOWEL_LENGTHS if max(low, shortest - 1e-9) <= length <= high), default=0))
+
+
 def _square(
     name: str, side: float, spacing: float, boss: float, height: float, thread: str, shaft: float, **holes: Any
 ) -> MotorFace:

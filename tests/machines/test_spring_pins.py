@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import pytest
@@ -64,3 +65,19 @@ def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) ->
     assert len(ends) > 2 and ends == sorted(ends)
     room = sum(high - under for under, high in zip(ends[::2], ends[1::2], strict=True))
     assert room < (top - low) / 2, "with or without the spring's eye it stays on"
+
+
+@pytest.mark.parametrize("machine", [bench(), bench(bodies={"pin": "dowel"}), own_linkage()], ids=["bench", "dowel", "linkage"])
+def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: Mechanism) -> None:
+    """Its eyes are 1.1 pins wide, the heads of a pin of 5 are 8: what of pins and caps ends above the eyes comes later."""
+    table, parts, number = machine.steps(), {part.name: part for part in machine.parts()}, Counter[str]()
+    (step,) = (k for k, row in enumerate(table.rows) if row[1] == "extension spring")
+    eye, over = float(str(table.rows[step][5])), set()
+    for mount in machine.mounts():
+        number[mount.part] += 1
+        headed = mount.part.startswith("cap") or mount.part.startswith("pin") and mount.flipped
+        if headed and mount.z + parts[mount.part].thickness > eye:
+            over.add(f"{mount.part}-{number[mount.part]}")
+    before = {copy for laid in table.copies[:step] for copy in laid}
+    assert len(over) == 2 and not over & before and over <= {copy for laid in table.copies[step:] for copy in laid}
+    assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))

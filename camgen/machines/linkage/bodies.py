@@ -23,6 +23,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
+from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import (
@@ -160,7 +161,7 @@ class Bodies:
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
         fixed = [point for point in layout.points_of(link) if point in layout.pivots and layout.pressed_in(point) == link]
-        return [f"pressed in here: {', '.join(fixed)}"] if fixed else []
+        return [f"{listed('hole', fixed)} for {'a pin' if len(fixed) == 1 else 'pins'} pressed in tight"] if fixed else []
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 

@@ -114,7 +114,8 @@ class Layout(Joined):
             screw, least = self.sizes.shoulder, self._least
             step = least + self.fits.slide_clearance
             return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
-        return (0, 1) if point in self.hung else (1, 0)
+        taken = 1 + (point in self.tall)
+        return (0, taken) if point in self.hung else (taken, 0)
 
     def heads(self) -> list[Layout]:
         """It, and where one plate holds the ground's pins, it with their heads under that."""

@@ -43,6 +43,7 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
+from camgen.machines.linkage.spring_steps import with_springs
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -54,7 +55,7 @@ from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
-from camgen.study import Study, together
+from camgen.study import Study, Table, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
@@ -407,6 +408,11 @@ class Linkage(Mechanism):
             ))  # fmt: skip
         found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
         return [*found, *(finding for each in self.modules for finding in each.limits())]
+
+    def steps(self) -> Table:
+        """By height, springs before the heads of their pins."""
+        table = super().steps()
+        return with_springs(table, self.bodies.layout, self.mounts(), {}) if self.springs else table
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
