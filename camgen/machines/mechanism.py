@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from camgen.errors import DesignError
-from camgen.findings import Finding
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import (
     Apart,
@@ -152,6 +152,10 @@ class Mechanism(Spec, ABC):
     @abstractmethod
     def limits(self) -> Sequence[Finding]:
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
+
+    def unpressed(self) -> Sequence[NotJudged]:
+        """Of cams that are closed by force those of which nothing says what presses them."""
+        return ()
 
     def proven(self) -> Self:
         """Itself, whose limits all hold; DesignError with the first that fails."""

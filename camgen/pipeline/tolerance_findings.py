@@ -28,6 +28,7 @@ from camgen.machine.print_errors import sensitivities
 from camgen.machine.reach import folds
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
+from camgen.machines.loads.pressed import by_force
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -108,7 +109,9 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
         least = math.degrees(math.asin(min(1.0, *map(abs, sines)))) if sines else math.nan
         limit = asked["TRANSMISSION_ANGLE"]
         yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
-    forced = [joint.name for joint in machine.joints if isinstance(joint, Cam) and joint.closure == "force"]
+    forced = [cam.name for cam in by_force(machine)]
+    if len(forced) > 1:  # of several that are judged, each says its name
+        forced = [name for name in forced if any(each.code == "LIFT_OFF" and name in each.where for each in limits)]
     if "LIFT_OFF" in asked and forced:
         forces = solve(pulled(copy), np.linspace(*copy.range, 1441)).forces()
         least = min(float(np.nanmin(forces.pressing[name])) for name in forced)
