@@ -189,7 +189,10 @@ class Bench:
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
         if self.beneath is not None:
             found = [*self.beneath.bought(), *(each for each in found if each.name != "drive")]
-        found += [] if self.spring is None else [self.spring.bought(*self.way)]
+        if self.spring is not None:
+            told = self.spring.bought(*self.way)
+            given = self.load.rate or self.load.preload or self.gears  # what a gear drives has no [spring]
+            found.append(told if given else replace(told, size=f"{told.size}; {self._of_a_shop()}"))
         return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
 
     @cached_property
@@ -389,6 +392,20 @@ class Bench:
         free = shortest - low / rate if rate > 0 else 0.0
         found = extension_spring(rate, free, longest, eye, hook) if free > 0 else None
         return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
+
+    def _of_a_shop(self) -> str:
+        """Which other springs do as well, and what [spring] is with one."""
+        shortest, longest = self.way
+        first, last = self._lever[np.argmin(self._lengths[0])], self._lever[np.argmax(self._lengths[0])]
+        least, pull = self._least(), f"R ({shortest:.5g} - L)"
+        keys = f"preload = {pull}, rate = R"
+        if not isinstance(self.cam.follower, SlidingTip | SlidingFace):
+            stroke = float(np.ptp(self.cam.program(_SAMPLES)))
+            keys = f"preload = {first:.5g} {pull}, rate = ({last:.5g} R ({longest:.5g} - L) - preload) / {stroke:.5g}"
+        return (
+            f"or of a shop, R N/mm and L mm free inside its eyes: {pull} at least {least:.4g} N, and it may be stretched to "
+            f"{longest:.4g}; put it into [spring], beside a [load], and build again: {keys}"
+        )
 
     def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way

@@ -226,7 +226,9 @@ def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) ->
 
     thread.start()
     try:
-        assert after(1)["folder"] == str(tmp_path / "out" / "disc-cam")
+        state = after(1)
+        assert state["folder"] == str(tmp_path / "out" / "disc-cam")
+        assert state["ok"] and state["open"] and "NOT JUDGED" in state["verdict"]
         first = page.get("/out/report.html").text
         new = tmp_path / "new"  # as editors do: a new file takes the old one's place
         new.write_text(spec.read_text(encoding="utf-8").replace("base_radius = 25", "base_radius = 27"), encoding="utf-8")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -138,6 +139,21 @@ def test_an_arm_bears_the_torque_that_the_spec_gives_its_spring() -> None:
     machine = drive(geometry={"follower": arm}, load={"inertia_kg_m2": 1e-4}, spring={"rate": 0.3, "preload": 0.1})
     torque = machine.solve(np.radians([320.0, 130.0])).forces().contacts["contact"]
     assert torque == pytest.approx([0.1, 0.1 + 0.3 * math.radians(12)])
+
+
+@pytest.mark.parametrize("follower", [{}, {"motion": "oscillating", "pivot_distance": 60.0, "arm": 50.0}])
+def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(follower: dict[str, Any]) -> None:
+    """Rate and free length come back as they were put in; a machine whose spec names its spring is told of no other."""
+    shape = {"motion": "translating", "shape": "roller", "radius": 5.0, **follower}
+    (told,) = (each.size for each in drive(geometry={"follower": shape}).bought() if each.name == "extension spring")
+    preload, rate = (text.replace(" (", " * (").replace(" R", " * R") for text in re.split(r"preload = |, rate = ", told)[1:])
+    values = {"R": 0.05, "L": 48.0}
+    values["preload"] = eval(preload, values)
+    spring = {"preload": values["preload"], "rate": eval(rate, values)}
+    mine = drive(geometry={"follower": shape}, load={}, spring=spring)
+    found = mine.bench.spring
+    assert found is not None and (found.rate, found.free) == (pytest.approx(0.05, rel=1e-3), pytest.approx(48, abs=0.02))
+    assert not any("of a shop" in each.size for each in mine.bought())
 
 
 def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_told() -> None:
