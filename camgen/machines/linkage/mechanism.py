@@ -167,7 +167,7 @@ class Linkage(Mechanism):
         """Springs between links; DesignError where one of them cannot be made."""
         if not self.springs:
             return ()
-        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making.pin_diameter)
+        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making)
 
     @cached_property
     def chain(self) -> m.Machine:
