@@ -46,9 +46,12 @@ def folder() -> Path:
 
 
 def examples() -> list[str]:
-    """Names of further specs that stand alone: the gallery, and machines of the class linkage."""
-    files = {path.stem: path for path in folder().rglob("*.toml") if path.stem not in MECHANISMS}
-    return sorted(name for name, path in files.items() if "\n[[include]]" not in path.read_text(encoding="utf-8"))
+    """Names of further specs that stand alone: the gallery, and machines of the class linkage; without those of a front."""
+    files = {path.stem: path for part in (".", "gallery") for path in (folder() / part).glob("*.toml")}
+    return sorted(
+        name for name, path in files.items()
+        if name not in MECHANISMS and "\n[[include]]" not in path.read_text(encoding="utf-8")
+    )  # fmt: skip
 
 
 def text(name: str) -> str:

@@ -76,6 +76,10 @@ WRONG = [
     (lambda out: camgen.load(tables() | {"name": np.arange(3)}), camgen.SpecError, "name"),
     (lambda out: camgen.load(tables() | {"motor": {"speed_rpm": math.nan}}), camgen.SpecError, "motor.speed_rpm"),
     (lambda out: camgen.build(DISC, out, only="dfx"), camgen.SpecError, "did you mean 'dxf'"),
+    (lambda out: camgen.build(DISC, out, only=[]), camgen.SpecError, "only: none"),
+    (lambda out: camgen.build(DISC, out, only=""), camgen.SpecError, "only"),
+    (lambda out: camgen.build(DISC, out, only="dxf", jobs=-3), camgen.SpecError, "jobs: -3"),
+    (lambda out: camgen.build(DISC, out, only="dxf", jobs="2"), camgen.SpecError, "jobs: '2'"),  # type: ignore[arg-type]
     (lambda out: camgen.build(DISC, out / "file" / "x", only="dxf"), camgen.FileError, "file"),
     (lambda out: camgen.check(out / "none"), camgen.FileError, "spec.toml"),
     (lambda out: camgen.motion(out / "none.dxf", "translating,radius=5"), camgen.FileError, "none.dxf"),

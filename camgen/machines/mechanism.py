@@ -45,7 +45,9 @@ from camgen.machines.assembly import order
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.pins import stronger
+from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.loads.weights import weighed
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
@@ -74,8 +76,18 @@ class Mechanism(Spec, ABC):
         return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
-        return solve(self.model, theta, order)
+        """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
+
+        Its forces are those of the report: see `loaded`.
+        """
+        return solve(self.model, theta, order, self.loaded)
+
+    def loaded(self) -> Machine:
+        """The model with all that it bears: loads, springs and gravity of the spec, masses of its solids, friction in its joints.
+
+        DesignError where a linkage's solids cannot be made.
+        """
+        return rough(weighed(self).machine, self.journals(), self.load)
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:

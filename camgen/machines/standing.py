@@ -93,12 +93,12 @@ class StandingCams(Mechanism):
         return self._stood()
 
     def idle(self) -> Sequence[str]:
-        """Keys of [parts] that are set and that those of [bodies] replace."""
+        """Keys of [parts] that are set, not as the starter sets them, and that those of [bodies] replace."""
         making = getattr(self, "making", None)
         if making is None or not self.standing:
             return ()
-        asked = {key for key, field in type(making).model_fields.items() if getattr(making, key) != field.default}
-        return [f"parts.{key}" for key in type(making).model_fields if key in asked - {"make"}]
+        fields = {key: (getattr(making, key), field) for key, field in type(making).model_fields.items() if key != "make"}
+        return [f"parts.{key}" for key, (value, field) in fields.items() if value not in (field.default, *(field.examples or ()))]
 
     # ---- either -----------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from camgen import spec as specs
-from camgen.errors import FileError, SpecError
+from camgen.errors import Fault, FileError, SpecError
 from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
 from camgen.files.formats import FORMATS, SOLID, USUAL
 from camgen.findings import at_most
@@ -35,6 +35,8 @@ def build(
     wrong = sorted(map(str, only - set(ANY_KIND)))
     if wrong:
         raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
+    if not only:
+        raise SpecError([Fault("only", "none", f"at least one of {', '.join(ANY_KIND)}")])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
     if said := mechanism.beforehand(len(only & FORMATS.keys())):
@@ -42,8 +44,8 @@ def build(
     hints, mechanism = mechanism.hints, mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
         only |= {"step"}
-    staged = Staged(out / mechanism.name)
-    with staged as folder, Workers(cores(jobs, mechanism, only)) as workers:
+    staged, shared = Staged(out / mechanism.name), cores(jobs, mechanism, only)
+    with staged as folder, Workers(shared) as workers:
         (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
         case, kinds = Case(mechanism, folder), [kind for kind in ANY_KIND if kind in only]
         made = make_parts(case, only, workers, progress)
@@ -58,11 +60,11 @@ def build(
         report, columns = judge(case, kinds, reading, workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
+        for name, text in mechanism.texts().items():
+            (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
         if "report" in only:
             from camgen.pipeline.shown import animation
 
-            for name, text in mechanism.texts().items():
-                (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
             write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
         write_json(folder / "report.json", report)

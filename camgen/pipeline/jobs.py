@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from camgen import spec as specs
-from camgen.errors import DesignError, FileError
+from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.formats import FORMATS
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
@@ -119,9 +119,14 @@ def _reopened(folder: Path) -> Case:
 
 
 def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int:
-    """How many to use: as many as somebody says, else one unless there are several solids, which two make in less time."""
+    """How many to use: as many as somebody says, 0: all, else one unless there are several solids, which two make in less time.
+
+    SpecError where what is said is no such number.
+    """
     if jobs is not None:
-        return jobs
+        if not isinstance(jobs, int) or jobs < 0:
+            raise SpecError([Fault("jobs", repr(jobs), "a whole number of cores, 0: all of them")])
+        return jobs or all_cores()
     several = len(mechanism.parts()) > _FEW and any(kind in FORMATS and FORMATS[kind].solid for kind in kinds)
     return min(all_cores(), _MOST) if several else 1
 

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.facets import facet_contour
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
@@ -233,10 +235,18 @@ def test_the_report_names_the_spring(sound: Path) -> None:
     assert report["numbers"]["least_contact_force_n"] > 0
 
 
-@pytest.mark.parametrize(("parts", "idle"), [({}, ["parts.hub_height"]), ({"rim": 9.0, "hub_height": 0.0}, ["parts.rim"])])
+def test_a_groove_of_no_base_radius_gets_room_for_its_pins() -> None:
+    """Each hole of the cam as made lies inside it, with a wall of limits.min_wall or more."""
+    made = drive(geometry={"closure": "groove", "base_radius": None})
+    cam = next(part for part in made.parts() if "inner" in part.name)
+    outer, *holes = (facet_contour(contour, 1e-3) for contour in (cam.layers[0].region.outer, *cam.layers[0].region.holes))
+    assert len(holes) == 3 and all(np.min(point_to_ring(hole, outer)) >= made.allowed.min_wall for hole in holes)
+
+
+@pytest.mark.parametrize(("parts", "idle"), [({"hub_height": 7.0}, ["parts.hub_height"]), ({"rim": 9.0}, ["parts.rim"])])
 def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
-    """The starter's hub of a cam alone, and one that is set; with the cams alone they all act."""
-    assert drive(parts=parts).idle() == idle
+    """What is set, and not what the starter brings, the hub of a cam alone; with the cams alone they all act."""
+    assert drive().idle() == [] and drive(parts=parts).idle() == idle
     told = [each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each]
     assert len(told) == 1 and all(key in told[0] for key in idle)
     alone = read(SPECS / "disc-cam.toml")

@@ -145,7 +145,7 @@ def test_it_is_built_and_proven_like_any_part(tmp_path: Path) -> None:
     lines = "\n".join(f'"{name}" = {size:.2f}' for name, size in sizes.items())
     text = starters.text("coupon").replace("\n# \"hole 3\"", f"\n{lines}\n# \"hole 3\"")
     spec.write_text(text, encoding="utf-8")
-    report = build(read_mechanism(spec, ()), tmp_path, frozenset({"dxf", "stl", "report"}))
+    report = build(read_mechanism(spec, ()), tmp_path, frozenset({"dxf", "stl"}))
     assert report.ok and {"ROUND_TRIP", "WATERTIGHT", "VOLUME", "MIN_WALL", "CALIBRATION"} <= {f.code for f in report.findings}
     assert report.remarks[0] == "for [print] of your specs:"
     pasted = tomllib.loads((tmp_path / "coupon" / "coupon-print.toml").read_text(encoding="utf-8"))["print"]

@@ -135,7 +135,7 @@ class DiscCamDrive(StandingCams):
 
     @cached_property
     def base_radius(self) -> float:
-        """The spec's, or the smallest that keeps to the allowed pressure angle and least radius."""
+        """The spec's, or the smallest that keeps to the allowed pressure angle and least radius, with room for its holes."""
         g, f = self.geometry, self.geometry.follower
         if g.base_radius is not None:
             return g.base_radius
@@ -155,8 +155,21 @@ class DiscCamDrive(StandingCams):
                 if f.shape == "flat"
                 else (max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm))
             )
+        held = self._room + radius
+        within = math.sqrt(max(0.0, held**2 - f.offset**2)) if f.motion == "translating" and f.shape != "flat" else held
+        low = min(max(low, within), high)
         size = smallest(make, math.radians(self.allowed.pressure_angle_deg), self.allowed.least_radius, low, high)
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
+
+    @property
+    def _room(self) -> float:
+        """Radius of the circle that holds the cam's shaft, its hub and a groove's pins, with walls, mm."""
+        p, sizes, wall = self.making, self.sizes, 2 * self.allowed.min_wall
+        shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.hole()[1]
+        pin = sizes.pin_diameter if self.standing else p.pin_diameter
+        pins = wall / 2 + 1.5 * pin if self.geometry.closure == "groove" else 0.0
+        hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
+        return max(shaft + pins, hub / 2) + wall
 
     def found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""

@@ -99,7 +99,7 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][2]
         return top if self.collar is None else top + self.collar.height
 
     @property
@@ -213,7 +213,7 @@ class Bodies:
         yield from bearings(layout, point)
         for (_, under), (high, _) in (pair for stub in stubs(layout, point) for pair in pairwise(stub.held)):
             height, step = high - under - 2 * play, s.thickness + play
-            rings = round((height + play) / step) if s.of_sheet else 1  # of sheet one a level
+            rings = int((height + play) / step + 1e-9) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
                 ring_part = spacer("spacer", "Spacer", hole, wide, s.thickness if s.of_sheet else height, self.min_wall)

@@ -27,11 +27,13 @@ GROUND = m.GROUND
 
 @dataclass(frozen=True)
 class Stretched:
-    """A spring between a body's point and another's, body and point each; diameter: outside, mm. Pins hold its eyes."""
+    """A spring between a body's point and another's, body and point each; diameter: outside, wire: of it, mm. Pins hold its
+    eyes."""
 
     a: tuple[str, str]
     b: tuple[str, str]
     diameter: float
+    wire: float
 
 
 @dataclass(frozen=True)

@@ -167,7 +167,7 @@ class Linkage(Mechanism):
         """Springs between links; DesignError where one of them cannot be made."""
         if not self.springs:
             return ()
-        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making.pin_diameter)
+        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making)
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -253,8 +253,8 @@ class Linkage(Mechanism):
         return np.asarray(low + (high - low) * (1 - np.cos(phase)) / 2)
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad."""
-        return solve(self._whole, theta, order)
+        """The machine at theta, (n,) rad; its solids are made only for its forces."""
+        return solve(self._whole, theta, order, self.loaded)
 
     @cached_property
     def _whole(self) -> m.Machine:

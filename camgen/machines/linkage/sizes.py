@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
@@ -23,6 +24,7 @@ from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
+HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
 
 Name = Annotated[
     str,
@@ -119,6 +121,14 @@ class Parts(Record):
     def shoulder(self) -> ShoulderScrew:
         """The thinnest shoulder screw that is as thick as a pin."""
         return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def hook(self) -> float:
+        """Least length of a spring's hooks, inside, mm: its coils begin beside what holds their eyes on the pins."""
+        wide = self.pin_diameter / 2 + self.head
+        if "shoulder" in (self.pin, *self.pins.values()):
+            wide = max(wide, self.shoulder.diameter / 2 + self.head, self.shoulder.head / 2, self.shoulder.flats / math.sqrt(3))
+        return self.pin_diameter / 2 + wide + HOOK_ROOM
 
     @property
     def post_screw(self) -> Screw | None:
