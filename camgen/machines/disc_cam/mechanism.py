@@ -300,9 +300,10 @@ class DiscCamDrive(StandingCams):
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
         limits, f = self.allowed, self.geometry.follower
+        further = "an offset towards the rise" if f.motion == "translating" else "another arm or pivot_distance"
         allowed = Allowed(
             limits.pressure_angle_deg, limits.undercut, limits.least_radius,
-            "a larger base_radius, a longer span or an offset towards the rise",
+            f"a larger base_radius, a longer span or {further}",
             "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
         )  # fmt: skip
         findings, facets = [], None if self._clears_axle else self.accuracy.chord_tolerance
