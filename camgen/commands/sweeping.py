@@ -51,4 +51,4 @@ def sweep(
         swept = sweeps.sweep(task, table, local if workers == "local" else sweeps.Cluster(workers), jobs, progress)
     for line in swept.lines(table):
         click.echo(printable(line))
-    raise click.exceptions.Exit(0 if swept.verdicts.get(sweeps.HOLDS) else 1)
+    raise click.exceptions.Exit(0 if swept.verdicts.keys() & {sweeps.HOLDS, sweeps.LIMITS} else 1)

@@ -141,6 +141,10 @@ class Mechanism(Spec, ABC):
     def limits(self) -> Sequence[Finding]:
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
 
+    def forecast(self) -> Sequence[Finding]:
+        """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
+        return self.limits()
+
     def proven(self) -> Self:
         """Itself, whose limits all hold; DesignError with the first that fails."""
         failed = next((finding for finding in self.limits() if not finding.ok), None)

@@ -34,6 +34,7 @@ from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
+from camgen.machines.disc_cam.walls import walls
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.pairs import air_faults
 from camgen.machines.standing import StandingCams
@@ -303,6 +304,10 @@ class DiscCamDrive(StandingCams):
         if self._loaded and self.geometry.closure == "force":
             findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
         return [*findings, *self._jumps()]
+
+    def forecast(self) -> Sequence[Finding]:
+        """The same, and of cams alone what bore and hub leave of them."""
+        return [*self.limits(), *([] if self.standing else walls(self))]
 
     def _jumps(self) -> list[Finding]:
         """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""
