@@ -30,7 +30,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, changed, prepare, read_tables, silent
+from camgen.pipeline.jobs import Progress, changed, end_with_parent, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
@@ -227,7 +227,7 @@ class Processes:
         again: list[range] = []
         while True:
             pending: dict[Any, range] = {}
-            with ProcessPoolExecutor(self.jobs) as pool:
+            with ProcessPoolExecutor(self.jobs, initializer=end_with_parent) as pool:
                 try:
                     while True:
                         while len(pending) < 2 * self.jobs and (chunk := again.pop() if again else next(chunks, None)):
