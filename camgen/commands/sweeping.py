@@ -53,4 +53,4 @@ def sweep(
         swept = sweeps.sweep(task, table, engine, jobs, progress, lambda key: unit_at(task.data, key))
     for line in swept.lines(table):
         click.echo(printable(line))
-    raise click.exceptions.Exit(0 if swept.verdicts.get(sweeps.HOLDS) else 1)
+    raise click.exceptions.Exit(0 if swept.verdicts.keys() & {sweeps.HOLDS, sweeps.LIMITS} else 1)

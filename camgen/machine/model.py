@@ -58,7 +58,9 @@ class Body:
     inertia: float = 0.0
 
     def at(self, point: str) -> Place:
-        """The named point as a place."""
+        """The named point as a place; ValueError where there is none."""
+        if point not in self.points:
+            raise ValueError(f"{point} is no point of {self.name}; there are: {', '.join(self.points) or 'none'}")
         return Place(self.name, complex(self.points[point]))
 
 

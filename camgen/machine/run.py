@@ -67,6 +67,13 @@ class Lazy(Mapping[str, T]):
             self._made[name] = self._make(name)
         return self._made[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """What belongs to the name, the default where there is no such name."""
+        return self[name] if name in self._names else default
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
 
@@ -75,7 +82,10 @@ class Lazy(Mapping[str, T]):
 
 
 class Run:
-    """What a machine does at theta, (n,) rad. run["name"] is an output: rad, mm, or complex mm for a path, (n,)."""
+    """What a machine does at theta, (n,) rad. run["name"] is an output: rad, mm, or complex mm for a path, (n,).
+
+    `list(run)` are the outputs' names. ValueError for a name that the machine does not have.
+    """
 
     def __init__(
         self, machine: Machine, theta: Floats, order: int, loaded: Callable[[], Machine] | None = None
@@ -84,6 +94,12 @@ class Run:
         chain = chain_of(machine)
         self._states = [chain.state(theta[k : k + BLOCK], order) for k in range(0, max(theta.size, 1), BLOCK)]
         self._outputs: dict[str, Floats | Points] = {}
+
+    def __iter__(self) -> Iterator[str]:
+        return (output.name for output in self.machine.outputs)
+
+    def __contains__(self, name: object) -> bool:
+        return name in tuple(self)
 
     def __getitem__(self, name: str) -> Floats | Points:
         rows: Floats | Points = self.derivatives(name)[0]
@@ -120,24 +136,28 @@ class Run:
         """The outputs' time derivatives of one order, by name."""
         if order > self.order:
             raise ValueError(f"solved with order {self.order}; order={order} is needed")
-        names = (output.name for output in self.machine.outputs)
-        return Lazy(names, lambda name: self.derivatives(name)[order] * self.machine.speed**order)
+        return Lazy(self, lambda name: self.derivatives(name)[order] * self.machine.speed**order)
 
     def pose(self, body: str) -> Pose:
         """A body's frame on the ground: place (n,) complex mm, angle (n,) rad, continuous."""
+        self.machine.body(body)
         return Pose(self._rows(lambda state: state.origin(body), complex)[0], self.angle(body)[0])
 
     def point(self, body: str, point: str | complex) -> Points:
         """A body's named point, or a place in its frame (complex mm), with derivatives to theta, (order + 1, n) complex mm."""
-        place = self.machine.body(body).at(point) if isinstance(point, str) else Place(body, point)
+        of = self.machine.body(body)
+        place = of.at(point) if isinstance(point, str) else Place(body, point)
         return np.asarray(self._rows(lambda state: state.point(place), complex))
 
     def length(self, slide: str) -> Floats:
         """Place along a slide or slot with derivatives to theta, (order + 1, n) mm."""
+        if slide not in (known := self._states[0].lengths):
+            raise ValueError(f"{slide} is no slide or slot of this machine; there are: {', '.join(known) or 'none'}")
         return np.asarray(self._rows(lambda state: state.lengths[slide], float))
 
     def angle(self, body: str) -> Floats:
         """A body's angle, continuous, with derivatives to theta, (order + 1, n) rad."""
+        self.machine.body(body)
         groups = self._states[0].chain.groups
         rows: Floats = self._rows(lambda state: state.angle(groups.of[body]), float)
         rows[0] += groups.excess[body]

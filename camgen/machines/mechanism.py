@@ -157,6 +157,10 @@ class Mechanism(Spec, ABC):
         """Of cams that are closed by force those of which nothing says what presses them."""
         return ()
 
+    def forecast(self) -> Sequence[Finding]:
+        """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
+        return self.limits()
+
     def proven(self) -> Self:
         """Itself, whose limits all hold; DesignError with the first that fails."""
         failed = next((finding for finding in self.limits() if not finding.ok), None)

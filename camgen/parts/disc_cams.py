@@ -117,12 +117,7 @@ def holes_in(
     """
     bore, reach = made.hole()
     rim = facet_contour(outline, _LAYOUT)
-    room, widest = float(np.min(point_to_ring(np.zeros(1, complex), rim))), max(reach, hub / 2)
-    if widest >= room:
-        raise DesignError(
-            "parts.hub_diameter" if widest > reach else "parts.bore", 2 * widest, 2 * room, "mm", f"the nearest side of {name}",
-            "it leaves the cam: use a smaller one, or a larger base_radius",
-        )  # fmt: skip
+    refuse_wide(name, float(np.min(point_to_ring(np.zeros(1, complex), rim))), reach, hub)
     holes = (bore, *more(rim, reach))
     thinnest = thinnest_wall(rim, [facet_contour(hole, _LAYOUT) for hole in holes])
     if not thinnest > 0:
@@ -131,6 +126,16 @@ def holes_in(
             "holes meet or leave the cam: use a smaller bore, key or pin_diameter, or a larger base_radius",
         )  # fmt: skip
     return holes
+
+
+def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
+    """DesignError where the bore, by its reach, or the hub, by its diameter, leaves a cam; room: to the cam's side, mm."""
+    widest = max(reach, hub / 2)
+    if widest >= room:
+        raise DesignError(
+            "parts.hub_diameter" if widest > reach else "parts.bore", 2 * widest, 2 * room, "mm", f"the nearest side of {name}",
+            "it leaves the cam: use a smaller one, or a larger base_radius",
+        )  # fmt: skip
 
 
 def disc_parts(

@@ -173,9 +173,26 @@ class Workers:
             raise FileError("a process of this run", said) from None
 
 
+def end_with_parent() -> None:
+    """Let this process end as soon as the one that began it is gone, killed ones too: whatever it makes, nobody waits for."""
+    from multiprocessing import parent_process
+    from multiprocessing.connection import wait
+    from threading import Thread
+
+    if (parent := parent_process()) is not None:
+        watched = parent.sentinel
+
+        def watch() -> None:
+            wait([watched])
+            os._exit(1)
+
+        Thread(target=watch, daemon=True).start()
+
+
 def _left_to_the_parent() -> None:
-    """Ctrl-C and a request to end reach the parent, which ends its workers."""
+    """Ctrl-C and a request to end reach the parent, which ends its workers; without it they end by themselves."""
     import signal
 
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

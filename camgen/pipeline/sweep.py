@@ -30,7 +30,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, changed, prepare, read_tables, silent
+from camgen.pipeline.jobs import Progress, changed, end_with_parent, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
@@ -42,8 +42,11 @@ _LARGEST = 2_000  # variants in a chunk
 _CROWDS = (8, 64, 512)  # variants that are tried together, to see what each takes
 _TRIES = 3  # of a chunk whose worker dies
 
-HOLDS, FAILS, REFUSED, WRONG = "holds", "fails", "refused", "wrong"
-_TOLD = {HOLDS: "hold", FAILS: "fail", REFUSED: "refused, cannot be made", WRONG: "wrong, no valid spec"}
+HOLDS, LIMITS, FAILS, REFUSED, WRONG = "holds", "limits hold", "fails", "refused", "wrong"  # LIMITS: no file was made
+_TOLD = {
+    HOLDS: "hold", LIMITS: "hold their limits (no file made)", FAILS: "fail", REFUSED: "refused, cannot be made",
+    WRONG: "wrong, no valid spec",
+}  # fmt: skip
 _REASONS = 5  # that are told, the most frequent
 
 
@@ -99,13 +102,13 @@ def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | Camge
             report = build(made, task.out / f"{number:08d}", frozenset(task.build))
             findings, numbers = report.findings, report.numbers
         else:
-            findings, numbers = made.limits(), made.figures()
+            findings, numbers = made.forecast(), made.figures()
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
         return row | {"verdict": REFUSED, "fails": "", "reason": str(error)}
     failing = list(dict.fromkeys(finding.code for finding in findings if not finding.ok))
-    row |= {"verdict": FAILS if failing else HOLDS, "fails": " ".join(failing), "reason": ""}
+    row |= {"verdict": FAILS if failing else HOLDS if task.build else LIMITS, "fails": " ".join(failing), "reason": ""}
     return row | {name: _figure(numbers.get(name, math.nan)) for name in task.keep or numbers}
 
 
@@ -224,7 +227,7 @@ class Processes:
         again: list[range] = []
         while True:
             pending: dict[Any, range] = {}
-            with ProcessPoolExecutor(self.jobs) as pool:
+            with ProcessPoolExecutor(self.jobs, initializer=end_with_parent) as pool:
                 try:
                     while True:
                         while len(pending) < 2 * self.jobs and (chunk := again.pop() if again else next(chunks, None)):

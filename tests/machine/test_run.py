@@ -141,3 +141,15 @@ def test_names_that_are_not_there() -> None:
         replace(machine, joints=(*machine.joints, Pin("P", Place("nobody"), Place("rod"))))
     with pytest.raises(ValueError, match="without a start: rod"):
         replace(machine, start={name: pose for name, pose in machine.start.items() if name != "rod"})
+
+
+def test_a_run_lists_its_outputs_and_says_which_names_it_has() -> None:
+    run = solve(slider_crank(), TURN[:3])
+    names = [output.name for output in run.machine.outputs]
+    assert list(run) == names == list(run.velocity) and names[0] in run and "nix" not in run
+    assert "nix" not in run.velocity and run.acceleration.get("nix") is None
+    asked = [run.__getitem__, run.pose, run.angle, run.length, run.play, lambda name: run.point(name, 0j),
+             lambda name: run.point("rod", name)]  # fmt: skip
+    for ask in asked:
+        with pytest.raises(ValueError, match="nix is no .* there are: "):
+            ask("nix")

@@ -22,6 +22,7 @@ from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.files.stl import read_stl
 from camgen.findings import Finding
 from camgen.geometry.arcs import fit_arcs
+from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, shape_of
@@ -277,6 +278,13 @@ def test_every_follower_is_proved_from_its_files(sound: Callable[[str], Any], ki
         assert all(scale * clearance <= f.measured <= scale * clearance * way + 0.005 for f in pairs)
     # what judges the files once more begins with the spec beside them
     assert pipeline.read_mechanism(folder / "spec.toml") == mechanism("name='c'", *KINDS[kind]).resolved()
+
+
+@pytest.mark.parametrize("kind", ["offset roller", "knife", "swinging flat", "flat pair", "swinging flat pair", "swinging pair"])
+def test_the_nearest_side_by_arithmetic_is_that_of_the_outline(kind: str) -> None:
+    for cam in mechanism(*KINDS[kind]).cams:
+        rim = facet_contour(cam.outline, 1e-3)
+        assert cam.nearest == pytest.approx(float(np.min(point_to_ring(np.zeros(1, complex), rim))), abs=1.1e-3)
 
 
 def test_it_can_be_shown(tmp_path: Path) -> None:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
@@ -78,6 +81,30 @@ def end(number: int) -> None:
 def test_a_process_that_is_ended_from_outside_is_told() -> None:
     with pytest.raises(FileError, match="--jobs 1 takes less"), Workers(2) as workers:
         workers.start(end, signal.SIGTERM)()
+
+
+ORPHANS = """
+import os, signal, time
+from camgen.pipeline.jobs import Workers
+with Workers(2) as workers:
+    workers.start(os.getpid)()
+    workers.start(time.sleep, 600)
+    print("begun", flush=True)
+    time.sleep(0.5)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
+def test_workers_end_where_their_parent_is_killed() -> None:
+    """Each of them holds the pipe's end that they were born with: it closes when the last has ended."""
+    with subprocess.Popen([sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE, text=True, start_new_session=True) as parent:
+        try:
+            assert parent.communicate(timeout=15)[0] == "begun\n"
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(parent.pid, signal.SIGKILL)
+    assert parent.returncode == -signal.SIGKILL
 
 
 @pytest.mark.parametrize("changes, kinds, worth", [([], {"stl"}, True), ([], {"dxf"}, False), (CAMS, {"stl"}, False)])

@@ -29,7 +29,7 @@ from camgen.settings import override
 from camgen.starters import unit_at
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
-VARY = ["geometry.base_radius=8:32:7", "segment.0.law=cycloidal,modified-sine"]
+VARY = ["geometry.base_radius=9:33:7", "segment.0.law=cycloidal,modified-sine"]
 
 
 def task(*vary: str, **further: object) -> Task:
@@ -100,11 +100,11 @@ def test_each_row_is_what_the_variant_says_by_itself(tmp_path: Path) -> None:
     swept = sweep(task(), tmp_path / "t.csv")
     found = rows(tmp_path / "t.csv")
     assert len(found) == swept.count == 14 and sum(swept.verdicts.values()) == 14
-    assert {row["verdict"] for row in found} == {"holds", "fails"}
+    assert {row["verdict"] for row in found} == {"limits hold", "fails"}
     for row in found:
         own = read_mechanism(SPEC, [f"{key}={row[key]}" for key in ("geometry.base_radius", "segment.0.law")])
         assert float(row["pressure_angle_deg"]) == pytest.approx(own.study().numbers["pressure_angle_deg"], rel=1e-11)
-        assert row["fails"].split() == list(dict.fromkeys(f.code for f in own.limits() if not f.ok))
+        assert row["fails"].split() == list(dict.fromkeys(f.code for f in own.forecast() if not f.ok))
     assert [row["variant"] for row in found] == [str(k) for k in range(14)]
     assert not (tmp_path / "t.csv.journal").exists()
 
@@ -112,13 +112,24 @@ def test_each_row_is_what_the_variant_says_by_itself(tmp_path: Path) -> None:
 def test_what_cannot_be_made_is_a_row_with_its_reason(tmp_path: Path) -> None:
     sweep(task("geometry.base_radius=-5,20", "parts.bore=8,9"), tmp_path / "t.csv")
     verdicts = [(row["verdict"], row["reason"]) for row in rows(tmp_path / "t.csv")]
-    assert [verdict for verdict, _ in verdicts] == ["wrong", "wrong", "holds", "holds"]
+    assert [verdict for verdict, _ in verdicts] == ["wrong", "wrong", "limits hold", "limits hold"]
     assert "geometry.base_radius: -5" in verdicts[0][1]
     spec = SPEC.parent / "uniform-swing.toml"
     steep = prepared(spec, variants(["geometry.swing_deg=20,179"]), (), (), (), Path())
     sweep(steep, tmp_path / "u.csv")
-    assert [row["verdict"] for row in rows(tmp_path / "u.csv")] == ["holds", "refused"]
+    assert [row["verdict"] for row in rows(tmp_path / "u.csv")] == ["limits hold", "refused"]
     assert "swing" in rows(tmp_path / "u.csv")[1]["reason"]
+
+
+@pytest.mark.parametrize("key, values, verdicts", [
+    ("parts.hub_diameter=50", "18,23,28", ["refused", "refused", "limits hold"]),
+    ("parts.bore=38,parts.hub_height=0", "18,19.5,19.9,25", ["refused", "fails", "limits hold", "limits hold"]),
+])  # fmt: skip
+def test_bore_and_hub_that_leave_no_wall_are_told_without_files(key: str, values: str, verdicts: list[str]) -> None:
+    asked = prepared(SPEC, variants([f"geometry.base_radius={values}"]), key.split(","), (), (), Path())
+    found = sweeps.judged(asked, range(len(verdicts)))
+    assert [row["verdict"] for row in found] == verdicts
+    assert all(row["fails"] == "MIN_WALL" for row in found if row["verdict"] == "fails")
 
 
 def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
@@ -287,14 +298,15 @@ def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> None:
     table = tmp_path / "t.csv"
-    asked = ["--vary", "geometry.base_radius=8,20", "--keep", "stroke_mm", "-o", str(table)]
+    asked = ["--vary", "geometry.base_radius=9,20", "--keep", "stroke_mm", "-o", str(table)]
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 0, ran.output
-    assert "2 variants: 1 hold, 1 fail." in ran.output and "1 x PRESSURE_ANGLE" in ran.output and str(table) in ran.output
+    assert "2 variants: 1 hold their limits (no file made), 1 fail." in ran.output
+    assert "1 x PRESSURE_ANGLE" in ran.output and str(table) in ran.output
 
 
 def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
-    asked = ["--vary", "geometry.base_radius=8,-5", "--keep", "stroke_mm", "-o", str(tmp_path / "t.csv")]
+    asked = ["--vary", "geometry.base_radius=9,-5", "--keep", "stroke_mm", "-o", str(tmp_path / "t.csv")]
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 1 and (tmp_path / "t.csv").exists(), ran.output
     assert "1 fail, 1 wrong, no valid spec." in ran.output  # by the words of the table
@@ -329,7 +341,7 @@ def test_bad_input_writes_nothing(
 
 @pytest.mark.parametrize("line", ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', '{"variant":1.5}', '{"variant":-1}'])
 def test_a_damaged_journal_is_judged_anew(line: str, tmp_path: Path) -> None:
-    two = task("geometry.base_radius=8,20")
+    two = task("geometry.base_radius=9,20")
     sweep(two, tmp_path / "whole.csv")
     journal = sweeps.Journal(tmp_path / "t.csv.journal", two)
     journal.add(sweeps.judged(two, [1]))

@@ -77,6 +77,11 @@ def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
     return follower.place(motion(theta, 0), point)
 
 
+def _still(s: float, theta: Any, order: int) -> Floats:
+    """The motion of a follower that stands at s."""
+    return np.asarray(0.0 if order else s)
+
+
 F = TypeVar("F", bound=Follower, default=SwingingArm)
 
 
@@ -87,6 +92,12 @@ class DiscCam(Generic[F]):
     program: Program
     follower: F
     air: float = 0.0  # mm, between the follower's tip and the profile; below 0 it presses on it
+
+    @cached_property
+    def nearest(self) -> float:
+        """Distance of the profile from the axis, mm, below 0 where the axis is cut away: what stands nearest cuts deepest."""
+        low, high = (self.cutter.clear(0.0, partial(_still, end)) for end in self.program.extremes)
+        return float(min(low, high))
 
     @cached_property
     def cutter(self) -> F:

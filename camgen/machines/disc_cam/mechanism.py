@@ -34,6 +34,7 @@ from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
+from camgen.machines.disc_cam.walls import walls
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.pairs import air_faults
 from camgen.machines.standing import StandingCams
@@ -324,6 +325,10 @@ class DiscCamDrive(StandingCams):
             return ()
         why = "nothing says what the follower weighs and what presses it on its cam"
         return (NotJudged("LIFT_OFF", why, "[load] and [spring]"),)
+
+    def forecast(self) -> Sequence[Finding]:
+        """The same, and of cams alone what bore and hub leave of them."""
+        return [*self.limits(), *([] if self.standing else walls(self))]
 
     def _jumps(self) -> list[Finding]:
         """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""
