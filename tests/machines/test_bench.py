@@ -218,11 +218,12 @@ def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
 
 def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
     """NEMA 17: four screws M3 on a square of 31, a boss of 22 about the shaft; the shaft turns the crank."""
-    motor = ["parts.motor=nema-17", "parts.shaft_diameter=5"]
+    motor = ["parts.motor=nema-17"]
     report = build(SPECS / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), motor)
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     folder = tmp_path / "linkage"
-    assert "NEMA 17 frame" in (folder / "linkage-parts.csv").read_text(encoding="utf-8")
+    listed = (folder / "linkage-parts.csv").read_text(encoding="utf-8")
+    assert "NEMA 17 frame" in listed and "shaft of 5 with a flat 0.5 deep" in listed  # usual: 4.5 over the flat
     assert not (folder / "linkage-shaft.dxf").exists()
     drawing = ezdxf.readfile(folder / "linkage-ground.dxf")
     circles = list(drawing.modelspace().query("CIRCLE"))
@@ -237,7 +238,8 @@ def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("sizes", "said"),
-    [({"motor": "nema-17"}, "shaft_diameter: 6 - expected 5 mm"),
+    [({"motor": "nema-17", "shaft_diameter": 6.0}, 'shaft_diameter: 6 - expected 5 mm, the shaft of motor = "nema-17"'),
+     ({"motor": "nema-17", "shaft_flat": 0.8}, 'shaft_flat: 0.8 - expected 0.5 mm, .* motor = "nema-17", 4.5 over its flat'),
      ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 2.0}, "base_thickness: 2 - expected at least 2.65"),
      ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 200.0}, "base_thickness: 200 - .* that is sold")],
 )  # fmt: skip

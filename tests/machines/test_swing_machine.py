@@ -414,6 +414,7 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
         (["frame.axle_flange=6"], "frame.axle_flange"),
         (["base.motor='flange'", "base.screw_circle=20"], "base.screw_circle"),
         (["base.motor='nema-42'"], "base.motor"),
+        (["parts.shaft='d-flat'", "parts.bore=5", "parts.flat_depth=0.8"], "parts.flat_depth"),  # NEMA 17: 0.5
         (["base.screws=1"], "base.screws"),
         (["base.screw='M7'"], "base.screw"),
         (["base.window=1"], "base.window"),

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Annotated, Literal
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from camgen.errors import Fault
 from camgen.parts.catalogue import (
@@ -92,6 +92,15 @@ class Parts(Record):
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_motor(cls, data: Any) -> Any:
+        """The shaft is the motor's, where nothing else is said."""
+        face = MOTOR_FACES.get(str(data.get("motor"))) if isinstance(data, Mapping) else None
+        if face is None:
+            return data
+        return {"shaft_diameter": face.shaft, **({"shaft_flat": face.flat} if face.flat else {}), **data}
 
     @property
     def shapes(self) -> dict[str, Shape]:
@@ -184,8 +193,12 @@ class Parts(Record):
             found.append(Fault("parts.set_screw", repr(self.set_screw), said))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
-                right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"
+                right = f'{self.face.shaft:g} mm, the shaft of motor = "{self.motor}"; left out, it is'
                 found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
+            elif self.face.flat and self.shaft_flat != self.face.flat:
+                over = f"{self.face.shaft - self.face.flat:g} over its flat"
+                right = f'{self.face.flat:g} mm, the flat of the shaft of motor = "{self.motor}", {over}; left out, it is'
+                found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
             if self.base_thickness < self.pocket + 2 * nozzle:
                 right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
