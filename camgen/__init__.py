@@ -13,21 +13,45 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from camgen import motion as _wing  # noqa: F401  loaded first: later on it would take the place of the function of its name
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
 
 if TYPE_CHECKING:
+    from camgen.findings import Finding
+    from camgen.machine.forces import Forces
+    from camgen.machine.run import Play, Run
     from camgen.machines.mechanism import Mechanism
     from camgen.pipeline.outline_motion import Recovered
     from camgen.report.report import Report
 
+    class Loaded(Mechanism):
+        """A mechanism whose spec's tables are attributes: which ones, its kind says as the program runs."""
+
+        def __getattr__(self, name: str) -> Any: ...
+
+
 __version__ = "0.1.0"
-__all__ = ["CamgenError", "DesignError", "Fault", "FileError", "SpecError", "build", "check", "load", "motion"]
+__all__ = [
+    "CamgenError", "DesignError", "Fault", "FileError", "Finding", "Forces", "Play", "Report", "Run", "SpecError", "build",
+    "check", "load", "motion",
+]  # fmt: skip
+_LATER = {
+    "Finding": "findings", "Forces": "machine.forces", "Play": "machine.run", "Report": "report.report", "Run": "machine.run",
+}  # fmt: skip
 
 
-def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Mechanism:
+def __getattr__(name: str) -> Any:
+    """Types of what calls give, for annotations: imported when they are asked for."""
+    if name not in _LATER:
+        raise AttributeError(f"module 'camgen' has no attribute '{name}'")
+    from importlib import import_module
+
+    return getattr(import_module(f"camgen.{_LATER[name]}"), name)
+
+
+def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
     """The mechanism that a spec describes: a TOML file by its path, or its tables as a dict.
 
     It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
@@ -38,7 +62,7 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Mechanism:
     from camgen.pipeline.jobs import read_mechanism
 
     with file_errors():
-        return read_mechanism(spec)
+        return cast("Loaded", read_mechanism(spec))
 
 
 def build(

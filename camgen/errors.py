@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -93,6 +94,12 @@ class DesignError(CamgenError):
         else:
             told = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
         super().__init__(f"{told}; {remedy}" if remedy else told)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What fails, for programs: None in place of a number that is not finite, which JSON does not have."""
+        numbers = {name: each if math.isfinite(each) else None for name, each in (("value", self.value), ("limit", self.limit))}
+        return {"quantity": self.quantity, **numbers, "unit": self.unit, "where": self.where, "remedy": self.remedy}
 
 
 def listed(thing: str, names: Sequence[str], most: int = 10) -> str:

@@ -197,7 +197,8 @@ def test_json_of_one_and_of_several(run: Run, results: dict[str, Any]) -> None:
     code, out, err = run("build", "a", "b", "c", "--json")
     first, second, third = json.loads(out)
     assert (code, first["ok"], second["ok"], third["ok"]) == (3, True, False, False)
-    assert (second["source"], second["exit_code"], second["faults"]) == ("b", 3, [])
+    facts = {name: getattr(NO_SUCH, name) for name in ("quantity", "value", "limit", "unit", "where", "remedy")}
+    assert (second["source"], second["exit_code"], second["faults"]) == ("b", 3, [facts])
     assert second["error"] == str(NO_SUCH) and str(NO_SUCH) in err
 
 

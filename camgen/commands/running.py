@@ -141,4 +141,6 @@ def complain(error: CamgenError, source: Path | None = None) -> None:
 def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
     """What --json prints in place of a report that could not be made."""
     faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
+    if isinstance(error, DesignError):
+        faults = [error.facts]
     return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}

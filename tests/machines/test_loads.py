@@ -119,6 +119,12 @@ def test_drive_torque_holds_and_fails() -> None:
     assert not fast.ok and fast.limit == 0  # it never gets there
 
 
+@pytest.mark.parametrize(("name", "turns"), [("disc-cam", False), ("eccentric-drive", True)])
+def test_a_torque_of_rounding_is_none_and_asks_for_no_spring(name: str, turns: bool) -> None:
+    given = numbers(name)
+    assert (given["drive_torque_n_m"] > 0, "balance_spring_n_m" in given, "drive_torque_balanced_n_m" in given) == (turns,) * 3
+
+
 def test_power_is_what_friction_eats() -> None:
     """Over a turn nothing is stored: the mean power of the drive is the heat of all joints."""
     given = numbers("linkage", "drive.speed_rpm=600")

@@ -10,7 +10,7 @@ import numpy as np
 from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import flywheel
 from camgen.machine.forces import Forces
-from camgen.machine.model import MM, Turning
+from camgen.machine.model import GROUND, MM, Pin, Turning
 from camgen.machine.run import Run
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Drives
@@ -22,6 +22,7 @@ from camgen.study import Plot
 
 _LEAST_SAID = 1e-4  # N m; of what is less no motor's maker speaks
 _NOTHING = 1e-12  # N m
+_ROUNDING = 1e-9  # of what the forces in the pins could do at the longest lever: a torque below that is rounding, and 0
 _SHOWN = (0.02, 0.1)  # swings of the speed for which the flywheel is told
 
 
@@ -57,6 +58,8 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
     borne, speed, theta = Borne(), run.machine.speed, run.theta
     drive = run.machine.drives[0]
     torque, asked = _on_shaft(run, forces.smooth), _on_shaft(run, forces.drives)
+    if np.max(np.abs(asked)) <= max(_NOTHING, _ROUNDING * _could(run, forces)):
+        torque, asked = np.zeros_like(torque), np.zeros_like(asked)
     rate = np.abs(drive.law(theta, 1)) * abs(speed)
     if np.any(forces.locks):
         locked, turn = float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))), math.degrees(float(np.ptp(theta)))
@@ -78,7 +81,8 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
     if isinstance(drive.law, Turning) and abs(float(np.ptp(theta)) - math.tau) < 1e-9 and energy:
         size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), asked)
         told = {"balance_spring_n_m": size, "balance_spring_at_deg": math.degrees(place), "drive_torque_balanced_n_m": left}
-        borne.numbers |= told if left < float(np.max(np.abs(asked))) else {}
+        peak = float(np.max(np.abs(asked)))
+        borne.numbers |= told if left < peak and size > _ROUNDING * peak else {}
     curves: list[tuple[str, Floats, Floats]] = [("with friction", np.degrees(theta), asked)]
     curves += [("without", np.degrees(theta), torque)]
     title = "Torque that the motor gives, with friction in the joints and without"
@@ -102,6 +106,13 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
     where = f"drive, {math.degrees(float(theta[worst])):.1f} deg"
     borne.findings.append(at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said))
     return borne, []
+
+
+def _could(run: Run, forces: Forces) -> float:
+    """Peak forces in all pins at the longest lever to one, N m: what they would ask of the drive if none met another."""
+    pins = [joint for joint in run.machine.joints if isinstance(joint, Pin)]
+    lever = max((abs(place.at) for pin in pins for place in (pin.a, pin.b) if place.body != GROUND), default=0.0)
+    return lever * MM * sum(float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.reactions.values())
 
 
 def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
