@@ -15,7 +15,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -32,6 +31,7 @@ from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
+from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.disc_cam.walls import walls
@@ -43,12 +43,11 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program, program_faults
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
-from camgen.study import Plot, Sketch, Study, Table
+from camgen.study import Sketch, Study
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
 
-_BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 
 
@@ -356,8 +355,10 @@ class DiscCamDrive(StandingCams):
     def study(self) -> Study:
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
         forces = self._forces
+        who = [name.strip() or "exact profile" for name in self._names]
+        curves = plots(self.program, self.cams, who, self._unit, self.speed, self.base_radius)
         return Study(
-            self.figures(), (*self._plots(self.speed), *forces.plots), (self._table(),),
+            self.figures(), (*curves, *forces.plots), (segments_table(self.program, self._unit),),
             () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
             (*self._notes(), *forces.notes),
         )  # fmt: skip
@@ -400,40 +401,6 @@ class DiscCamDrive(StandingCams):
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes
-
-    def _plots(self, speed: float) -> tuple[Plot, ...]:
-        unit, scale = self._unit
-        theta = np.union1d(np.linspace(0, math.tau, 1441), [b - 1e-9 for b in self.program.breaks if b > 0])
-        degrees, label = np.degrees(theta), "cam angle, deg"
-        names = ("Displacement", "Velocity", "Acceleration", "Jerk")
-        units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
-        marks = [(s.kind, math.degrees(at)) for s, at in zip(self.program.segments, self.program.joints, strict=False)]
-        svaj = [
-            Plot(name, label, text, [("wanted", degrees, scale * speed**k * self.program(theta, k))], marks)
-            for k, (name, text) in enumerate(zip(names, units, strict=True))
-        ]
-        steep = [np.degrees(cam.pressure_angle(theta)) for cam in self.cams]
-        who = [name.strip() or "exact profile" for name in self._names]
-        pressure = Plot("Pressure angle", label, "deg", [(name, degrees, y) for name, y in zip(who, steep, strict=True)])
-        radius = np.clip(self.cam.radius(theta), -10 * self.base_radius, 10 * self.base_radius)
-        curvature = Plot("Radius of curvature", label, "mm", [("profile, cut off at 10 base radii", degrees, radius)])
-        z = np.where(self.cam.reachable(theta) == self.program(theta), self.cam.profile(theta), np.nan)  # less what is cut off
-        coloured = [
-            (f"{a:g} to {b:g} deg", z.real, np.where((steep[0] >= a) & (steep[0] <= b), z.imag, np.nan))
-            for a, b in pairwise(_BANDS)
-            if np.any((steep[0] >= a) & (steep[0] <= b))
-        ]
-        return (*svaj, pressure, curvature, Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True))
-
-    def _table(self) -> Table:
-        unit, scale = self._unit
-        columns = ("segment", "from, deg", "to, deg", f"from, {unit}", f"to, {unit}", "law", "C_v", "C_a", "C_j")
-        rows: list[list[object]] = []
-        for s, begin in zip(self.program.segments, self.program.joints, strict=False):
-            law = [s.law.name, s.law.c_v, s.law.c_a, s.law.c_j] if s.scale else ["", "", "", ""]
-            ends = [math.degrees(begin), math.degrees(begin + s.span), scale * s.start, scale * s.end]
-            rows.append([s.kind, *ends, *law])
-        return Table("Program", columns, rows)
 
     def _sketch(self) -> Sketch:
         """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""

@@ -1,0 +1,58 @@
+"""Curves of a disc cam over its turn, and the segments of its program, for the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from camgen.machine.cams.followers import Follower
+from camgen.machine.cams.profile import DiscCam
+from camgen.motion.program import Program
+from camgen.study import Plot, Table
+
+_BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
+
+
+def plots(
+    program: Program, cams: Sequence[DiscCam[Follower]], who: Sequence[str], of: tuple[str, float], speed: float, base: float
+) -> tuple[Plot, ...]:
+    """The wanted motion with three derivatives to time, pressure angle and curvature, and the profile coloured by the former.
+
+    who: names of the cams; of: the output's unit, and how many of it make a mm or rad; speed: rad/s; base: radius, mm.
+    """
+    unit, scale = of
+    theta = np.union1d(np.linspace(0, math.tau, 1441), [b - 1e-9 for b in program.breaks if b > 0])
+    degrees, label = np.degrees(theta), "cam angle, deg"
+    names = ("Displacement", "Velocity", "Acceleration", "Jerk")
+    units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
+    marks = [(s.kind, math.degrees(at)) for s, at in zip(program.segments, program.joints, strict=False)]
+    svaj = [
+        Plot(name, label, text, [("wanted", degrees, scale * speed**k * program(theta, k))], marks)
+        for k, (name, text) in enumerate(zip(names, units, strict=True))
+    ]
+    steep = [np.degrees(cam.pressure_angle(theta)) for cam in cams]
+    pressure = Plot("Pressure angle", label, "deg", [(name, degrees, y) for name, y in zip(who, steep, strict=True)])
+    radius = np.clip(cams[0].radius(theta), -10 * base, 10 * base)
+    curvature = Plot("Radius of curvature", label, "mm", [("profile, cut off at 10 base radii", degrees, radius)])
+    z = np.where(cams[0].reachable(theta) == program(theta), cams[0].profile(theta), np.nan)  # less what is cut off
+    coloured = [
+        (f"{a:g} to {b:g} deg", z.real, np.where((steep[0] >= a) & (steep[0] <= b), z.imag, np.nan))
+        for a, b in pairwise(_BANDS)
+        if np.any((steep[0] >= a) & (steep[0] <= b))
+    ]
+    return (*svaj, pressure, curvature, Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True))
+
+
+def segments_table(program: Program, of: tuple[str, float]) -> Table:
+    """Segments with their ends in the output's unit, and their laws."""
+    unit, scale = of
+    columns = ("segment", "from, deg", "to, deg", f"from, {unit}", f"to, {unit}", "law", "C_v", "C_a", "C_j")
+    rows: list[list[object]] = []
+    for s, begin in zip(program.segments, program.joints, strict=False):
+        law = [s.law.name, s.law.c_v, s.law.c_a, s.law.c_j] if s.scale else ["", "", "", ""]
+        ends = [math.degrees(begin), math.degrees(begin + s.span), scale * s.start, scale * s.end]
+        rows.append([s.kind, *ends, *law])
+    return Table("Program", columns, rows)
