@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from camgen import spec as specs
 from camgen.errors import file_errors
-from camgen.machines import MECHANISMS
+from camgen.machines import MECHANISMS, load
 from camgen.schemas import step_below, tables_of
+from camgen.settings import split_setting
 
 if TYPE_CHECKING:
     from camgen.schemas import Data
@@ -45,9 +46,12 @@ def folder() -> Path:
 
 
 def examples() -> list[str]:
-    """Names of further specs that stand alone: the gallery, and machines of the class linkage."""
-    files = {path.stem: path for path in folder().rglob("*.toml") if path.stem not in MECHANISMS}
-    return sorted(name for name, path in files.items() if "\n[[include]]" not in path.read_text(encoding="utf-8"))
+    """Names of further specs that stand alone: the gallery, and machines of the class linkage; without those of a front."""
+    files = {path.stem: path for part in (".", "gallery") for path in (folder() / part).glob("*.toml")}
+    return sorted(
+        name for name, path in files.items()
+        if name not in MECHANISMS and "\n[[include]]" not in path.read_text(encoding="utf-8")
+    )  # fmt: skip
 
 
 def text(name: str) -> str:
@@ -107,6 +111,17 @@ def described(cls: type[Spec], mechanism: str) -> Data:
                 if "description" in each:  # a table: what its class says, where the starter says nothing
                     node.setdefault("description", each["description"].partition("\n")[0])
     return root
+
+
+def unit_at(data: Mapping[str, Any], path: str) -> str:
+    """Unit of a dotted key of a spec; "" where it has none."""
+    kind = specs.choose(dict(data), MECHANISMS)
+    root = described(load(kind), kind)
+    node: Data | None = root
+    for step in split_setting(f"{path}=")[0]:
+        node = step_below(node, int(step) if step.isdigit() else step, root)
+    unit = (node or {}).get("unit", "")
+    return "" if unit == "1" else str(unit)
 
 
 def schema_name(mechanism: str) -> str:

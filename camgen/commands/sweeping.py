@@ -40,6 +40,7 @@ def sweep(
     from camgen.pipeline import sweep as sweeps
     from camgen.pipeline.variants import variants
     from camgen.report.terminal import Bar
+    from camgen.starters import unit_at
 
     table = out or Path("out") / f"{spec.stem}-sweep.csv"
     folder = table.with_suffix("").with_name(f"{table.stem}-files")
@@ -48,7 +49,8 @@ def sweep(
     jobs = jobs or os.cpu_count() or 1
     local = sweeps.Processes(jobs) if jobs > 1 else sweeps.here
     with Bar() as progress:
-        swept = sweeps.sweep(task, table, local if workers == "local" else sweeps.Cluster(workers), jobs, progress)
+        engine = local if workers == "local" else sweeps.Cluster(workers)
+        swept = sweeps.sweep(task, table, engine, jobs, progress, lambda key: unit_at(task.data, key))
     for line in swept.lines(table):
         click.echo(printable(line))
     raise click.exceptions.Exit(0 if swept.verdicts.keys() & {sweeps.HOLDS, sweeps.LIMITS} else 1)

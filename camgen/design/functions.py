@@ -4,8 +4,10 @@
     K1 = d / a     K2 = d / c     K3 = (a^2 - b^2 + c^2 + d^2) / (2 a c)
 
 a crank, b coupler, c rocker, d frame O-C; phi, psi: angles of crank and rocker from the way O to C. Where the first pair
-stands, phi0 and psi0, is free; given both, the K are linear: closed form for three pairs, least squares for more. The search
-takes them from a grid, and polishes the best ones by the rocker's own errors.   [Freudenstein 1955]
+stands, phi0 and psi0, is free; given both, the K are linear: closed form for three pairs, least squares for more. A grid of
+both gives drawings to start from, their lengths brought within the bounds. From there two problems are solved by SLSQP, in
+phi0 and the lengths: the least worst error with the transmission angle and the lengths within bounds, and the greatest
+transmission angle with the error within one.   [Freudenstein 1955]
 """
 
 from __future__ import annotations
@@ -27,18 +29,25 @@ from camgen.spec import Data
 
 ROCKER, CRANK = "rocker", "crank"
 _GRID = 90  # places of each of phi0 and psi0
-_BEST = 24  # that are polished
+_APART = 4  # places of the grid between two drawings to start from
+_STARTS = 16  # by their error; half as many by their transmission angle
+_LEVELS = 8  # transmission angles between both ends of the front
 _BETWEEN = 181  # crank angles over the range at which a chain must close and its transmission angle counts
-_SLACK = 0.5  # deg, to which a design of the grid may fall short of the transmission angle before it is polished
+_COARSE = 31  # of them while a design is polished
+_MARGIN = math.radians(0.05)  # of the transmission angle, for what lies between those
+_WIDE = math.radians(1)  # error up to which the transmission angle is raised where no tolerance is wanted, or _TIMES the least
+_TIMES = 4.0
+_ROUNDING = 1e-9  # by which a length may leave its bounds
 _DIGITS = 6  # of a coordinate, mm
 
 
 @dataclass(frozen=True)
 class Generator:
-    """A four-bar on a frame of length 1: phi0, psi0, rad; crank, coupler, rocker; worst error, rad, least transmission, rad."""
+    """A four-bar on a frame of length 1: phi0, rad; side, +1 or -1, of the branch, see `_closed`; crank, coupler, rocker;
+    worst error, rad; least transmission angle, rad."""
 
     phi0: float
-    psi0: float
+    side: float
     lengths: tuple[float, float, float]
     error: float
     transmission: float
@@ -49,7 +58,7 @@ class Generator:
     def points(self) -> Mapping[str, list[float]]:
         """Points by name, mm, as drawn: at the first pair."""
         crank, _, rocker = self.lengths
-        psi = self._rocker(np.zeros(1))[0]  # psi0 itself is where the equation has it, not where the lengths do
+        psi = self._rocker(np.zeros(1))[0]
         places = {"O": 0j, "C": 1 + 0j, "A": crank * np.exp(1j * self.phi0), "B": 1 + rocker * np.exp(1j * psi)}
         size = self.wish.frame
         return {name: [round(size * float(z.real), _DIGITS) + 0.0, round(size * float(z.imag), _DIGITS) + 0.0]
@@ -57,7 +66,7 @@ class Generator:
 
     def _rocker(self, turns: Floats) -> Floats:
         """Its angle after turns of the crank, (m,) rad."""
-        return np.asarray(_closed(np.array([self.phi0, self.psi0, *self.lengths])[:, None], turns)[0][:, 0])
+        return np.asarray(_closed(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0])
 
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, its own error and a fiftieth unless given."""
@@ -95,38 +104,114 @@ class Generator:
 
 def search(wish: FunctionWish, tables: Data) -> list[Generator]:
     """Four-bars for the function: a front from the least error to the greatest least transmission angle; DesignError."""
-    from scipy.optimize import least_squares
-
-    pairs = np.radians(np.array(wish.turns))
-    places = math.tau * np.arange(_GRID) / _GRID
-    phi0, psi0 = (each.ravel() for each in np.meshgrid(places, places))
-    given = np.concatenate([np.stack([phi0, psi0]), _freudenstein(phi0, psi0, pairs)])
-    error, transmission = _judged(given, pairs, wish)
-    least = math.radians(wish.transmission_deg)
-    fine = np.flatnonzero(np.isfinite(error) & (transmission > least - math.radians(_SLACK)))
-    near, steep = fine[np.argsort(error[fine], kind="stable")], fine[np.argsort(-transmission[fine], kind="stable")]
-    close = near[error[near] <= max(1e-9, 2 * float(error[near[0]]))] if near.size else near
-    close = close[np.argsort(-transmission[close], kind="stable")]
-    picked = dict.fromkeys([*near[:_BEST].tolist(), *close[:_BEST].tolist(), *steep[: _BEST // 4].tolist()])
-    tried = [given[:, k] for k in picked]
-    for begin in tried[:_BEST]:
-        end = least_squares(lambda x: _residuals(x, pairs, least), _packed(begin), xtol=1e-12, ftol=1e-12, max_nfev=60)
-        tried.append(_unpacked(end.x))
-    numbers = np.array(tried).reshape(-1, 5).T
+    pairs, least = np.radians(np.array(wish.turns)), math.radians(wish.transmission_deg)
+    starts = _starts(pairs, wish)
+    pool = [_polished(begin, pairs, wish, angle=least) for begin in starts]
+    numbers = np.array(pool).T
+    error, transmission = _judged(numbers, pairs, wish)
+    steep_enough = transmission >= least
+    nearest = float(np.min(error[steep_enough] if steep_enough.any() else error))
+    borne = math.radians(wish.tolerance or 0)
+    useless = 0.5 * float(np.max(np.abs(pairs[:, 1])))  # a rocker that rests is off by twice that
+    if nearest > 0.98 * borne:  # none wanted, or none within it
+        borne = min(max(_WIDE, _TIMES * nearest), useless)
+    order = np.lexsort([error, np.maximum(0, least - transmission)])
+    begins = [*numbers.T[order[: _STARTS // 2]], *starts[_STARTS:]]
+    steep = [_polished(begin, pairs, wish, error=0.98 * borne) for begin in begins]
+    _, angles = _judged(np.array(steep).T, pairs, wish)
+    pool += steep
+    top, first = steep[int(np.argmax(angles))], max(least, float(transmission[order[0]]))
+    for angle in np.linspace(max(angles), first, _LEVELS + 2)[1:-1]:  # down from the best transmission angle
+        top = _polished(top, pairs, wish, angle=angle)
+        pool += [top, _polished(numbers[:, order[0]], pairs, wish, angle=angle)]
+    numbers = np.array(pool).T
     error, transmission = _judged(numbers, pairs, wish)
     found: list[Generator] = []
-    for k in sorted(np.flatnonzero(transmission >= least), key=lambda k: (round(float(error[k]), 9), -transmission[k])):
+    useful = error <= useless
+    fit = np.flatnonzero(useful & (transmission >= least))
+    for k in sorted(fit, key=lambda k: (round(float(error[k]), 9), -transmission[k])):
         if not found or transmission[k] > found[-1].transmission + math.radians(0.5):
-            phi, psi, *lengths = (float(each) for each in numbers[:, k])
-            found.append(Generator(phi, psi, (lengths[0], lengths[1], lengths[2]), float(error[k]), float(transmission[k]),
+            phi, side, *lengths = (float(each) for each in numbers[:, k])
+            found.append(Generator(phi, side, (lengths[0], lengths[1], lengths[2]), float(error[k]), float(transmission[k]),
                                    wish, tables))  # fmt: skip
+    remedy = f"{wish.further}, or a function that turns less or bends less"
+    if not useful.any():
+        off = math.degrees(min(error))
+        raise DesignError("error at the pairs", off, math.degrees(useless), "deg", "wanted.function", remedy)
     if not found:
-        best = math.degrees(float(np.max(transmission, initial=0.0, where=np.isfinite(transmission))))
-        raise DesignError(
-            "least transmission angle", best, wish.transmission_deg, "deg", "wanted.function",
-            "a smaller wanted.transmission_deg, or a function that turns less or bends less",
-        )  # fmt: skip
+        best = math.degrees(float(np.max(transmission[useful])))
+        raise DesignError("least transmission angle", best, wish.transmission_deg, "deg", "wanted.function", remedy)
     return found
+
+
+def _starts(pairs: Floats, wish: FunctionWish) -> list[Floats]:
+    """Drawings to polish, (5,) each, apart from each other: those of least error first, then those that transmit best."""
+    places = math.tau * np.arange(_GRID) / _GRID
+    phi0, psi0 = (each.ravel() for each in np.meshgrid(places, places))
+    lengths = np.clip(_freudenstein(phi0, psi0, pairs), *wish.shares)
+    back = lengths[0] * np.exp(1j * phi0) - 1  # from C to the crank's end
+    side = np.sign(np.imag(np.conj(back) * np.exp(1j * psi0)))
+    drawn = np.stack([phi0, np.where(side == 0, 1.0, side), *lengths])
+    error, transmission = _judged(drawn, pairs, wish)
+    short = np.maximum(0, math.radians(wish.transmission_deg) - transmission)
+    near = error <= max(math.radians(wish.tolerance or 0), 2 * float(np.min(error)), 1e-9)
+    found: list[int] = []
+    for worth, many in ((error + short, _STARTS), (np.where(near, -transmission, math.inf), _STARTS // 2)):
+        free = np.isfinite(worth)
+        free[found] = False
+        for _ in range(many):
+            left = np.flatnonzero(free)
+            if not left.size:
+                break
+            found.append(int(left[np.argmin(worth[left])]))
+            away = [np.abs((each[found[-1]] - each + math.pi) % math.tau - math.pi) for each in (phi0, psi0)]
+            free &= np.maximum(*away) > _APART * math.tau / _GRID
+    return [drawn[:, k] for k in found]
+
+
+def _polished(
+    begin: Floats, pairs: Floats, wish: FunctionWish, angle: float | None = None, error: float | None = None
+) -> Floats:  # fmt: skip
+    """A design, (5,), of least worst error with at least that transmission angle, or of greatest angle within that error, rad.
+
+    Unknowns: phi0, the lengths' logarithms, the worst error, the greatest cosine of a transmission angle. That cosine goes on
+    smoothly where the chain does not close, above 1.
+    """
+    from scipy.optimize import minimize
+
+    goal = 4 if error is None else 5
+    turns = np.concatenate([pairs[:, 0], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _COARSE)])
+
+    def bounded(x: Floats) -> Floats:
+        """What lies within plus and minus the error, and within plus and minus the cosine, (k, n), of unknowns (4, n)."""
+        numbers = np.stack([x[0], np.full(x.shape[1], begin[1]), *np.exp(x[1:])])
+        psi, cosine = _closed(numbers, turns)
+        return np.concatenate([_wrapped(psi[1 : len(pairs)] - psi[:1] - pairs[1:, 1:]), cosine[len(pairs) :]])
+
+    own = np.arange(len(pairs) - 1 + _COARSE) < len(pairs) - 1
+    limits = np.stack([own, ~own], axis=1).astype(float)  # which of error and cosine limits what
+
+    def room(x: Floats) -> Floats:
+        value, borne = bounded(x[:4, None])[:, 0], limits @ x[4:]
+        return np.concatenate([borne - value, borne + value])
+
+    def slopes(x: Floats) -> Floats:
+        step = 1e-6 * np.eye(4)
+        ends = bounded(np.concatenate([x[:4, None] + step, x[:4, None] - step], axis=1))
+        slope = (ends[:, :4] - ends[:, 4:]) / 2e-6
+        return np.block([[-slope, limits], [slope, limits]])
+
+    lengths = np.log(np.array(wish.shares))
+    most = math.pi if error is None else error
+    flattest = 1.0 if angle is None else math.cos(min(angle + _MARGIN, math.pi / 2))
+    bounds = [(None, None), *[(lengths[0], lengths[1])] * 3, (0.0, most), (0.0, flattest)]
+    start = np.concatenate([begin[:1], np.clip(np.log(begin[2:]), *lengths)])
+    values = np.abs(bounded(start[:, None])[:, 0])
+    start = np.append(start, [min(most, max(values[own])), min(flattest, max(values[~own]))])
+    within = {"type": "ineq", "fun": room, "jac": slopes}
+    end = minimize(lambda x: x[goal], start, jac=lambda x: np.eye(6)[goal], bounds=bounds, constraints=within, method="SLSQP",
+                   options={"maxiter": 40, "ftol": 1e-12})  # fmt: skip
+    return np.array([end.x[0], begin[1], *np.exp(end.x[1:4])]) if np.isfinite(end.x).all() else begin
 
 
 def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
@@ -144,52 +229,34 @@ def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
 
 
 def _closed(numbers: Floats, turns: Floats) -> tuple[Floats, Floats]:
-    """Rocker's angle, and sine of its transmission angle with its sign, (m, n), of designs (5, n) after turns of the crank, (m,).
+    """Rocker's angle, and cosine of the transmission angle, (m, n), of designs (5, n) after turns of the crank, (m,).
 
-    The sign is that of the branch; the rocker stays on that of its first position.
+    The rocker stays to one side of the way from its pivot to the crank's end: +1 counter-clockwise of it. A cosine beyond
+    -1 to 1 is that of a chain that does not close there.
     """
-    phi0, psi0, crank, coupler, rocker = numbers
-    back = crank * np.exp(1j * phi0) - 1  # from C to the crank's end
-    side = np.sign(np.imag(np.conj(back) * np.exp(1j * psi0)))
+    phi0, side, crank, coupler, rocker = numbers
     way = 1 - crank * np.exp(1j * (phi0 + turns[:, None]))  # from the crank's end to C
-    span = np.abs(way)
-    cosine = (span**2 + rocker**2 - coupler**2) / (2 * span * rocker)  # at C, between the way back and the rocker
-    with np.errstate(invalid="ignore"):
-        psi = np.angle(-way) + side * np.arccos(cosine)
-        sine = np.sqrt(1 - np.minimum(1, ((rocker**2 + coupler**2 - span**2) / (2 * rocker * coupler)) ** 2))
-    return psi, np.where(np.abs(cosine) <= 1, sine, -1.0)
+    span = np.maximum(np.abs(way), 1e-12)
+    at_pivot = (span**2 + rocker**2 - coupler**2) / (2 * span * rocker)  # between the way back and the rocker
+    psi = np.angle(-way) + side * np.arccos(np.clip(at_pivot, -1, 1))
+    return psi, (rocker**2 + coupler**2 - span**2) / (2 * rocker * coupler)
+
+
+def _wrapped(angle: Floats) -> Floats:
+    """Within half a turn, rad."""
+    return np.asarray(np.mod(angle + math.pi, math.tau) - math.pi)
 
 
 def _judged(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats, Floats]:
     """Worst error at the pairs and least transmission angle over the range, rad, (n,); inf and -1 where a design is none."""
     sides = np.array([*numbers[2:], np.ones(numbers.shape[1])])
-    with np.errstate(invalid="ignore"):
-        fit = np.isfinite(sides).all(axis=0) & (sides.min(axis=0) >= wish.shares[0]) & (sides.max(axis=0) <= wish.shares[1])
+    least, greatest = wish.shares[0] - _ROUNDING, wish.shares[1] + _ROUNDING
+    fit = np.isfinite(sides).all(axis=0) & (sides.min(axis=0) >= least) & (sides.max(axis=0) <= greatest)
     found = np.flatnonzero(fit)
     error, transmission = np.full(fit.size, math.inf), np.full(fit.size, -1.0)
     psi, _ = _closed(numbers[:, found], pairs[:, 0])
-    off = psi - psi[:1] - pairs[:, 1:]
-    error[found] = np.nan_to_num(np.max(np.abs(np.mod(off + math.pi, math.tau) - math.pi), axis=0), nan=math.inf)
-    _, sine = _closed(numbers[:, found], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN))
-    transmission[found] = np.where(np.min(sine, axis=0) < 0, -1.0, np.arcsin(np.clip(np.min(sine, axis=0), 0, 1)))
+    error[found] = np.max(np.abs(_wrapped(psi - psi[:1] - pairs[:, 1:])), axis=0)
+    _, cosine = _closed(numbers[:, found], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN))
+    flattest = np.max(np.abs(cosine), axis=0)
+    transmission[found] = np.where(flattest > 1, -1.0, np.arccos(np.minimum(flattest, 1)))
     return error, transmission
-
-
-def _packed(numbers: Floats) -> Floats:
-    return np.concatenate([numbers[:2], np.log(numbers[2:])])
-
-
-def _unpacked(x: Floats) -> Floats:
-    return np.concatenate([x[:2], np.exp(x[2:])])
-
-
-def _residuals(x: Floats, pairs: Floats, least: float) -> Floats:
-    """Errors of the rocker at the pairs, and what the transmission angle falls short by, rad."""
-    numbers = _unpacked(x)[:, None]
-    psi, _ = _closed(numbers, pairs[:, 0])
-    off = (psi - psi[:1] - pairs[:, 1:])[1:, 0]
-    _, sine = _closed(numbers, np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), 37))
-    short = np.maximum(0.0, least + math.radians(1.0) - np.arcsin(np.clip(np.min(sine), -1, 1)))
-    start = x[1] - psi[0, 0]  # psi0 follows from the lengths: both name the same place
-    rest = [np.mod(start + math.pi, math.tau) - math.pi, short]
-    return np.asarray(np.nan_to_num(np.concatenate([np.mod(off + math.pi, math.tau) - math.pi, rest]), nan=3.0))

@@ -255,7 +255,7 @@ def _for_path(asked: Asked) -> str:
     with Workers(asked.jobs) as workers:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
-        raise DesignError("designs whose chain closes", 0, 1, "", "wanted", "more effort, more bars, or less transmission_deg")
+        raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
     front = [Candidate(each, points, asked.rest, wanted.joined) for each in found]
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
@@ -316,8 +316,9 @@ def chosen(
     `best`; DesignError."""
     can = [each for each in front if not each.weighed.refused]
     if not can:
+        room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
         raise DesignError(
-            "buildable designs", 0, 1, "", f"front of {len(front)}", "more effort or bars, a larger frame, or thinner parts",
+            "buildable designs", 0, 1, "", f"front of {len(front)}", f"{room}, or thinner parts",
             f"none of {len(front)} designs can be built; the first: {front[0].weighed.refused}",
         )  # fmt: skip
     if wanted.lash is not None:
@@ -330,6 +331,6 @@ def chosen(
         return max(can, key=best)
     near = [each for each in can if error(each) <= wanted.tolerance]
     if not near:
-        least, remedy = min(map(error, can)), "another wish, more effort or bars of a path, or a wider tolerance"
+        least, remedy = min(map(error, can)), f"{wanted.further}, or a wider wanted.tolerance"
         raise DesignError("wanted.tolerance", least, wanted.tolerance, unit, "the nearest buildable design", remedy)
     return max(near, key=within)

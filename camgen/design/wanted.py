@@ -40,6 +40,11 @@ class PathWish(Record):
     effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how often the best chains are searched again")
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
 
+    @property
+    def further(self) -> str:
+        """What gives the search more room."""
+        return "more wanted.effort or wanted.bars, a smaller wanted.transmission_deg or wanted.shortest"
+
     def points(self, folder: Path) -> Points:
         """Its points, dense; SpecError or FileError where they are no path."""
         given = _table(folder / self.path) if isinstance(self.path, str) else self.path
@@ -80,6 +85,11 @@ class FunctionWish(Record):
     def shares(self) -> tuple[float, float]:
         """Least and greatest length of a link, as shares of the frame."""
         return (self.shortest or self.frame / 5) / self.frame, (self.longest or 2 * self.frame) / self.frame
+
+    @property
+    def further(self) -> str:
+        """What gives the search more room."""
+        return "a greater wanted.longest, a smaller wanted.shortest or wanted.transmission_deg"
 
     @property
     def turns(self) -> Sequence[tuple[float, float]]:

@@ -10,6 +10,7 @@ import numpy as np
 from camgen.geometry.rings import Floats, Points, Ring, Shape
 
 _FACET = 0.6  # rad, a vertex that turns by more is a corner
+_STEPS = 3  # of Newton's method, which starts off by the square of the distance over the radius
 _ROUNDS = 64  # edges that turn over are taken out again and again; each round leaves fewer points
 
 
@@ -26,14 +27,15 @@ def printed(shape: Shape, hole: float, profile: float, shrinkage: float) -> Shap
 def grown(ring: Ring, distance: float) -> Ring:
     """A counter-clockwise ring moved outwards by `distance` mm (< 0: inwards); arcs stay arcs about their centres.
 
-    Each vertex goes to where its two moved edges meet. An edge that has turned over shrank to nothing: it is one point.
+    Each vertex goes to where its two moved edges meet; one of a curve that closes, along the curve's normal, so that the arc
+    which a compensation put round a corner becomes that corner again. An edge that has turned over shrank to nothing: it is
+    one point.
     ValueError where fewer than three points are left of a ring of straight edges, or less than two of one with arcs.
     """
     points, bulges = ring.points, ring.bulges
     if distance == 0:
         return ring
-    before, after = _normals(points, bulges)
-    moved = points + distance * (before + after) / (1 + np.real(np.conj(before) * after))
+    moved = points + _ways(points, bulges, distance)
     for _ in range(_ROUNDS):
         over = _turned_over(points, moved, bulges)
         if not over.any():
@@ -47,8 +49,32 @@ def grown(ring: Ring, distance: float) -> Ring:
     raise ValueError(f"nothing is left of a ring moved by {distance:g} mm")
 
 
-def _normals(points: Points, bulges: Floats) -> tuple[Points, Points]:
-    """Outward unit normals at each vertex, of the edge that ends there and of the one that begins there."""
+def _ways(points: Points, bulges: Floats, distance: float) -> Points:
+    """How far each vertex goes, mm.
+
+    No corner closes where a compensation is undone, for there it opened and was filled by an arc: a small turn on that side
+    is a curve's. Facets within one tolerance turn the less the longer they are, which parts the turn between both.
+    """
+    sides = _normals(points, bulges)
+    (before, _), (after, _) = sides
+    ways = distance * (before + after) / (1 + np.real(np.conj(before) * after))
+    at = np.flatnonzero((sides[0][1] != 0) | (sides[1][1] != 0))
+    curves = [(normal[at], bend[at] / np.maximum(1 + distance * bend[at], 0.5)) for normal, bend in sides]
+    for _ in range(_STEPS):  # of Newton's method, to where two moved circles of curvature meet
+        aside = [ways[at] - distance * normal for normal, _ in curves]
+        off = [np.real(np.conj(n) * v) + k * np.abs(v) ** 2 / 2 for (n, k), v in zip(curves, aside, strict=True)]
+        a, b = (n + k * v for (n, k), v in zip(curves, aside, strict=True))
+        ways[at] += 1j * (off[0] * b - off[1] * a) / np.imag(np.conj(a) * b)
+    straight, length = bulges == 0, np.abs(np.roll(points, -1) - points)
+    turn = np.angle(after / before)
+    closes = straight & np.roll(straight, 1) & (np.abs(turn) < _FACET) & (turn * distance < 0)
+    share = length / (length + np.roll(length, 1))
+    return np.asarray(np.where(closes, distance * before * np.exp(1j * turn * share), ways))
+
+
+def _normals(points: Points, bulges: Floats) -> tuple[tuple[Points, Floats], tuple[Points, Floats]]:
+    """At each vertex, of the edge that ends there and of the one that begins there: the outward unit normal, and the
+    curvature of the curve of which it is a facet that ends in a corner, 1/mm, 0 where it is none."""
     chord = np.roll(points, -1) - points
     length = np.abs(chord)
     across = -1j * chord / length
@@ -69,9 +95,10 @@ def _normals(points: Points, bulges: Floats) -> tuple[Points, Points]:
         curved &= facet & (np.abs(turn) > 2 * np.abs(np.roll(turn, -sign)))
         return np.where(curved, near, 0.0)
 
-    begins = begins * np.exp(-0.5j * lean(1) * length)
-    arrives = np.roll(ends, 1) * np.exp(0.5j * lean(-1) * np.roll(length, 1))
-    return arrives, begins
+    leaves, reaches = lean(1), lean(-1)
+    begins = begins * np.exp(-0.5j * leaves * length)
+    arrives = np.roll(ends, 1) * np.exp(0.5j * reaches * np.roll(length, 1))
+    return (arrives, reaches), (begins, leaves)
 
 
 def _turned_over(points: Points, moved: Points, bulges: Floats) -> np.ndarray:

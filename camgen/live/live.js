@@ -36,7 +36,7 @@ function carry(from, to) {
 }
 
 function tell(answer, took) {
-  byId("said").className = answer.ok ? "ok" : "bad";
+  byId("said").className = !answer.ok ? "bad" : answer.open ? "open" : "ok";
   byId("verdict").textContent = answer.verdict;
   byId("took").textContent = took;
   byId("errors").replaceChildren(...answer.errors.map(error => {

@@ -31,7 +31,8 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     except DesignError as error:
         return told("cannot be made", [str(error)])
     report = Report(
-        mechanism.name, mechanism.mechanism, findings, study.numbers, plots=study.plots, notes=study.notes, animation=shown
+        mechanism.name, mechanism.mechanism, findings, study.numbers, plots=study.plots, notes=study.notes, animation=shown,
+        not_judged=mechanism.unpressed(),
     )
     page = to_html(report)
     return {"ok": report.ok, "verdict": report.verdict, "errors": [], "page": page, "s": time.perf_counter() - began}

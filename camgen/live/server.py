@@ -97,8 +97,8 @@ class Built:
                 report = build(self.spec, self.out, frozenset(KINDS), settings)
                 assert report.folder is not None, "a build writes a folder"
                 self.folder = Path(report.folder)
-                ok = report.ok and not report.not_judged
-                self.said = Answer(ok=ok, verdict=report.verdict, errors=[], folder=str(self.folder))
+                said, left = report.verdict, bool(report.not_judged)
+                self.said = Answer(ok=report.ok, open=left, verdict=said, errors=[], folder=str(self.folder))
             except (CamgenError, OSError) as error:
                 self.said = reasons(explained(error))
             except Exception as error:  # a fault of ours is told, and does not end the watch

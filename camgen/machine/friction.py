@@ -6,6 +6,7 @@
 
 Loads N of the joints make friction in proportion, and friction loads the joints: N = |R0 + sum N_k R_k|, R_k by unit friction of
 joint k. It is followed from no friction to all of it by Newton's method; where it ends on the way, friction locks the machine.
+Just before that loads grow without bound: where they are more than tenfold, little more friction locks; it counts as locked.
 At rest there is none: forces are those of a motion that goes on.
 """
 
@@ -24,6 +25,7 @@ from camgen.numerics import Floats, Points, solve
 
 _SHARES = {0.5: 2, 0.75: 2, 1.0: 20}  # of the friction, one after the other, and how many steps of Newton's method at each
 _SAME = 1e-9  # of the largest load, by which it may be off
+_MOST = 10.0  # times the largest load without friction: what is more is as good as locked
 _REST = 1e-9  # of a joint's fastest, below which it stands still
 
 
@@ -75,8 +77,8 @@ def _sense(speed: Floats) -> Floats:
 
 
 def loads(rubs: Sequence[Rubbing], base: Floats, units: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """Load of each joint that rubs, (n, m) N, and where friction locks; base: multipliers without friction, (n, rows); units: by
-    a unit load of each, (n, rows, m)."""
+    """Load of each joint that rubs, (n, m) N, and where friction locks, or is near it; base: multipliers without friction,
+    (n, rows); units: by a unit load of each, (n, rows, m)."""
     free, per = _measured(rubs, base[:, :, None])[:, :, 0], _measured(rubs, units)
     found = np.abs(free)
     scale = np.max(found, axis=1, initial=0.0)
@@ -91,7 +93,7 @@ def loads(rubs: Sequence[Rubbing], base: Floats, units: Floats) -> tuple[Floats,
             if not open_.size:
                 break
     off = np.abs(np.abs(_reactions(free, per, found)) - found)
-    kept = ((off <= 1e3 * near) & (found >= -near)).all(axis=1)
+    kept = ((off <= 1e3 * near) & (found >= -near) & (found <= _MOST * scale[:, None])).all(axis=1)
     return np.maximum(found, 0.0), sound & ~kept
 
 

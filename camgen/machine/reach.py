@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import DesignError, listed
+from camgen.machine.closed_form import four_bar
 from camgen.machine.loops import Chain, Direct, Step, chain_of
-from camgen.machine.model import Machine
+from camgen.machine.model import GROUND, Machine, Pin
 from camgen.machine.newton import Block
 from camgen.numerics import Floats, roots
 
@@ -80,13 +81,48 @@ def refuse_partial(machine: Machine) -> None:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)
     names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    spare = min(1.0, (high - low) / 10)
+    spare, driven = min(1.0, (high - low) / 10), machine.drives[0].body
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
         "range of the drive", high - low, 360, "deg", f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, drive.range_deg = [{low + spare:.4g}, {high - spare:.4g}], or change the lengths of its links",
+        f"let it go to and fro, drive.range_deg = [{low + spare:.4g}, {high - spare:.4g}], or change the lengths of its links"
+        + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
     )  # fmt: skip
+
+
+def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
+    """Lengths, mm, of frame, crank, coupler and output, in this order by their links, of a four-bar that is driven at a
+    ground pivot; None of another machine."""
+    pins = [joint for joint in machine.joints if isinstance(joint, Pin)]
+    ground = [pin for pin in pins if GROUND in (pin.a.body, pin.b.body)]
+    if not len(machine.joints) == len(pins) == 4 or len(machine.moving) != 3 or len(ground) != 2:
+        return None
+    lengths: dict[str, float] = {}
+    for body in (GROUND, *(each.name for each in machine.moving)):
+        places = [place.at for pin in pins for place in (pin.a, pin.b) if place.body == body]
+        if len(places) != 2:
+            return None
+        lengths[body] = abs(places[1] - places[0])
+    output = [place.body for pin in ground for place in (pin.a, pin.b) if place.body not in (GROUND, driven)]
+    if len(output) != 1:
+        return None
+    (coupler,) = set(lengths) - {GROUND, driven, output[0]}
+    return {name: lengths[name] for name in (GROUND, driven, coupler, output[0])}
+
+
+def _grashof(lengths: dict[str, float] | None, driven: str) -> str:
+    """Why a four-bar's crank does not turn fully, and the longest that would."""
+    if lengths is None:
+        return ""
+    bar, (shortest, *_, longest) = four_bar(*lengths.values()), sorted(lengths, key=lambda name: lengths[name])
+    short, long = f"{shortest} ({lengths[shortest]:.6g} mm)", f"{longest} ({lengths[longest]:.6g} mm)"
+    most = lengths[driven] + bar.slack
+    cure = f"; {driven} turns fully below {most:.6g} mm" if lengths[driven] < lengths[GROUND] and most > 0 else ""
+    if bar.margin < 0:
+        ends = f"the shortest, {short}, and the longest, {long}"
+        return f": by Grashof {ends}, are {-bar.margin:.4g} mm more than the other two{cure}"
+    return f": by Grashof the shortest link turns fully, which is {short}, not {driven}{cure}"
 
 
 @lru_cache(maxsize=4)  # a machine is the same object for its limits

@@ -23,14 +23,16 @@ BLOCK = 8192
 T = TypeVar("T")
 
 
-def solve(machine: Machine, theta: ArrayLike, order: int = 2) -> Run:
+def solve(machine: Machine, theta: ArrayLike, order: int = 2, loaded: Callable[[], Machine] | None = None) -> Run:
     """The machine at theta, (n,) rad, with derivatives up to the order, 0..2.
+
+    loaded: gives the same machine with what only forces ask for, masses, loads and friction; made when they are asked for.
 
     nan where it does not close. Raises DesignError where the machine's equations and unknowns do not match.
     """
     if order not in (0, 1, 2):
         raise ValueError(f"order is 0, 1 or 2, not {order}")
-    return Run(machine, np.ravel(np.asarray(theta, float)), order)
+    return Run(machine, np.ravel(np.asarray(theta, float)), order, loaded)
 
 
 def in_blocks(machine: Machine, theta: ArrayLike, order: int = 2) -> Iterator[Run]:
@@ -85,8 +87,10 @@ class Run:
     `list(run)` are the outputs' names. ValueError for a name that the machine does not have.
     """
 
-    def __init__(self, machine: Machine, theta: Floats, order: int) -> None:
-        self.machine, self.theta, self.order = machine, theta, order
+    def __init__(
+        self, machine: Machine, theta: Floats, order: int, loaded: Callable[[], Machine] | None = None
+    ) -> None:  # fmt: skip
+        self.machine, self.theta, self.order, self._loaded = machine, theta, order, loaded
         chain = chain_of(machine)
         self._states = [chain.state(theta[k : k + BLOCK], order) for k in range(0, max(theta.size, 1), BLOCK)]
         self._outputs: dict[str, Floats | Points] = {}
@@ -178,13 +182,15 @@ class Run:
         return rows
 
     def forces(self) -> Forces:
-        """Reactions, contacts, drives, energy and power at the machine's speed."""
+        """Reactions, contacts, drives, energy and power at the machine's speed; nan where it has none."""
         if self.order < 2:
             raise ValueError(f"solved with order {self.order}; order=2 is needed")
         return self._forces
 
     @cached_property
     def _forces(self) -> Forces:
+        if self._loaded is not None:
+            return Run(self._loaded(), self.theta, self.order).forces()
         q, first, second = self._poses
         return kinetostatics(self._system, self.theta, q, first, second, self.machine.speed)
 

@@ -150,7 +150,7 @@ class Through(Record):
             return at_most(self.code, math.nan, self.tolerance, "mm", where, "the path never passes them in this order")
         k = max(range(len(met)), key=lambda k: met[k][1])
         x, y = self.at[k]
-        said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k} ({x:g}, {y:g}) is missed most, "
+        said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
         said += f"theta {math.degrees(met[k][0]) % 360 if course.whole else math.degrees(met[k][0]):.2f} deg"
         return at_most(self.code, met[k][1], self.tolerance, "mm", where, said)
 

@@ -98,7 +98,7 @@ def _where(copy: _Laid, below: Sequence[_Laid]) -> str:
     said = []
     for hole in copy.holes:
         shaft = next((other for other in below if any(_on(hole, outline) for outline in other.outlines)), None)
-        own = f"{hole.name} " if hole.name else ""
+        own = f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
         if shaft is not None:
             far = f", underside {hole.low - shaft.low:.4g} mm from its lower end" if shaft.slender else ""
             said.append(f"{own}on {shaft.part.name}{far}")

@@ -28,7 +28,7 @@ from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.drawing import Scaled
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.sizes import HOOK_ROOM, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.troughs import open_rails
@@ -43,7 +43,6 @@ _OVER = 1.5  # of what keeps contact
 _STRETCHED = (0.4, 0.3, 0.5, 0.2, 0.6, 0.1)  # of a spring's length, where it is shortest
 _AIR = 1.0  # mm, between cam and post
 _EYE = 1.1  # of a spring, to its pin
-_EYE_ROOM = 0.5  # mm, from a pin to where a spring's coils are looked at
 _BACK = 3.0  # radii of a hub, from an edge or face to the pin of the spring
 
 
@@ -182,7 +181,7 @@ class Bench:
         if self.spring is None:
             return self._bare
         layout = self._layout(self._named(True))
-        spring = Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside)
+        spring = Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside, self.spring.wire)
         return _made(replace(layout, springs={"spring": spring, **layout.springs}), self._run)
 
     def bought(self) -> list[Bought]:
@@ -190,7 +189,10 @@ class Bench:
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
         if self.beneath is not None:
             found = [*self.beneath.bought(), *(each for each in found if each.name != "drive")]
-        found += [] if self.spring is None else [self.spring.bought(*self.way)]
+        if self.spring is not None:
+            told = self.spring.bought(*self.way)
+            given = self.load.rate or self.load.preload or self.gears  # what a gear drives has no [spring]
+            found.append(told if given else replace(told, size=f"{told.size}; {self._of_a_shop()}"))
         return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
 
     @cached_property
@@ -229,12 +231,12 @@ class Bench:
         return found
 
     def coils(self) -> list[StandIn]:
-        """Each spring as two bars from beside its pins to its middle, where it is longest; the eyes are left out."""
+        """Each spring as two bars from beside their heads to its middle, where it is longest; the eyes are left out."""
         layout, found = self.bodies.layout, []
         for name, spring in layout.springs.items():
             shortest, longest = (length - self.sizes.pin_diameter for length in self.ways[name])
-            radius, low = spring.diameter / 2, layout.floor(layout.level[name] - layout.below(spring))
-            start = self.sizes.pin_diameter / 2 + _EYE_ROOM + radius
+            radius, low = spring.diameter / 2, sum(layout.eye(name)) / 2 - spring.diameter / 2
+            start = max(layout.head_radius(point) for _, point in (spring.a, spring.b)) + HOOK_ROOM + radius
             end = min(longest / 2, shortest - start)
             bar = (complex(start), complex(end), radius, low, low + spring.diameter)
             found += [StandIn(f"{name} {k}", f"{name} {k}", (), bars=(bar,), whole=name) for k in (1, 2) if end > start]
@@ -258,7 +260,7 @@ class Bench:
         return _made(layout, self._run)
 
     def _layout(self, machine: Machine) -> Layout:
-        springs = {name: Stretched(each.a, each.b, each.wire.outside) for name, each in self.strung.items()}
+        springs = {name: Stretched(each.a, each.b, each.wire.outside, each.wire.wire) for name, each in self.strung.items()}
         sizes, feet = self.sizes, list[tuple[complex, float]]()
         if self.beneath is not None:
             machine, sizes = self.beneath.above(machine), self.beneath.upper(sizes)
@@ -377,19 +379,33 @@ class Bench:
         """The return spring; None where the closure needs none. DesignError where there is none such."""
         if self.tip.closure != "force":
             return None
-        eye = _EYE * self.sizes.pin_diameter
+        eye, hook = _EYE * self.sizes.pin_diameter, self.sizes.hook
         shortest, longest = self.way
         length, lever = self._lengths[0], self._lever
         first, last = lever[np.argmin(length)], lever[np.argmax(length)]
         if not self.load.rate:
             low = self.load.preload / first or self._least()
-            return pulling(low, shortest, longest, eye, _STRETCHED) or self._none_such(f"{low:.4g} N at its shortest")
+            return pulling(low, shortest, longest, eye, _STRETCHED, hook) or self._none_such(f"{low:.4g} N at its shortest")
         stroke = float(np.ptp(self.cam.program(_SAMPLES)))
         low, high = self.load.preload / first, (self.load.preload + self.load.rate * stroke) / last
         rate = (high - low) / (longest - shortest)
         free = shortest - low / rate if rate > 0 else 0.0
-        found = extension_spring(rate, free, longest, eye) if free > 0 else None
+        found = extension_spring(rate, free, longest, eye, hook) if free > 0 else None
         return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
+
+    def _of_a_shop(self) -> str:
+        """Which other springs do as well, and what [spring] is with one."""
+        shortest, longest = self.way
+        first, last = self._lever[np.argmin(self._lengths[0])], self._lever[np.argmax(self._lengths[0])]
+        least, pull = self._least(), f"R ({shortest:.5g} - L)"
+        keys = f"preload = {pull}, rate = R"
+        if not isinstance(self.cam.follower, SlidingTip | SlidingFace):
+            stroke = float(np.ptp(self.cam.program(_SAMPLES)))
+            keys = f"preload = {first:.5g} {pull}, rate = ({last:.5g} R ({longest:.5g} - L) - preload) / {stroke:.5g}"
+        return (
+            f"or of a shop, R N/mm and L mm free inside its eyes: {pull} at least {least:.4g} N, and it may be stretched to "
+            f"{longest:.4g}; put it into [spring], beside a [load], and build again: {keys}"
+        )
 
     def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from camgen.errors import DesignError
-from camgen.findings import Finding
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import (
     Apart,
@@ -45,7 +45,9 @@ from camgen.machines.assembly import order
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.pins import stronger
+from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.loads.weights import weighed
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
@@ -74,8 +76,18 @@ class Mechanism(Spec, ABC):
         return replace(machine, loads=(*machine.loads, *applied(self, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play."""
-        return solve(self.model, theta, order)
+        """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
+
+        Its forces are those of the report: see `loaded`.
+        """
+        return solve(self.model, theta, order, self.loaded)
+
+    def loaded(self) -> Machine:
+        """The model with all that it bears: loads, springs and gravity of the spec, masses of its solids, friction in its joints.
+
+        DesignError where a linkage's solids cannot be made.
+        """
+        return rough(weighed(self).machine, self.journals(), self.load)
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -140,6 +152,10 @@ class Mechanism(Spec, ABC):
     @abstractmethod
     def limits(self) -> Sequence[Finding]:
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
+
+    def unpressed(self) -> Sequence[NotJudged]:
+        """Of cams that are closed by force those of which nothing says what presses them."""
+        return ()
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and what else is known of the files before they are made; DesignError where they cannot be."""

@@ -19,7 +19,7 @@ from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
 from camgen.machine.model import Cam, Machine
 
-Air = Annotated[float, Field(ge=-1, le=10)]  # mm, at each tip
+Air = Annotated[float, Field(ge=-0.5, le=10)]  # mm, at each tip; nothing stiff gives way by more
 
 
 def air_faults(path: str, air: float, closure: str, radius: float | None) -> list[Fault]:
@@ -27,7 +27,7 @@ def air_faults(path: str, air: float, closure: str, radius: float | None) -> lis
     if air and closure != "conjugate":
         return [Fault(path, f"{air:g}", 'nothing here: only closure "conjugate" has two tips')]
     if radius is not None and air < -radius:
-        return [Fault(path, f"{air:g}", f"at least {-radius:g}: a preload that the tip's radius can give way by")]
+        return [Fault(path, f"{air:g}", f"at least {0.0 - radius:g}: a preload that the tip's radius can give way by")]
     return []
 
 

@@ -15,6 +15,7 @@ from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
+from camgen.machines.linkage.spring_steps import with_springs
 from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
@@ -93,12 +94,12 @@ class StandingCams(Mechanism):
         return self._stood()
 
     def idle(self) -> Sequence[str]:
-        """Keys of [parts] that are set and that those of [bodies] replace."""
+        """Keys of [parts] that are set, not as the starter sets them, and that those of [bodies] replace."""
         making = getattr(self, "making", None)
         if making is None or not self.standing:
             return ()
-        asked = {key for key, field in type(making).model_fields.items() if getattr(making, key) != field.default}
-        return [f"parts.{key}" for key in type(making).model_fields if key in asked - {"make"}]
+        fields = {key: (getattr(making, key), field) for key, field in type(making).model_fields.items() if key != "make"}
+        return [f"parts.{key}" for key, (value, field) in fields.items() if value not in (field.default, *(field.examples or ()))]
 
     # ---- either -----------------------------------------------------------------------------------------------------
 
@@ -202,18 +203,12 @@ class StandingCams(Mechanism):
         return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
 
     def steps(self) -> Table:
-        """By height, and at last the springs."""
+        """By height, springs before the heads of their pins."""
         table = super().steps()
         if not self.standing:
             return table
-        layout, rows = self.bench.bodies.layout, list(table.rows)
         titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
-        for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
-            z = layout.floor(layout.level[name] - layout.below(spring))
-            said = f"{titles[name]}, hooked under the heads of its pins"
-            rows.append((len(rows) + 1, "extension spring", said, "", 1, z, "as bought"))
-        nothing = [()] * (len(rows) - len(table.rows))
-        return replace(table, rows=tuple(rows), copies=(*table.copies, *nothing))
+        return with_springs(table, self.bench.bodies.layout, self.mounts(), titles)
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

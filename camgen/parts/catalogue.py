@@ -101,7 +101,8 @@ class ShoulderScrew:
 class MotorFace:
     """Face of a motor about its shaft: centring boss (diameter, height), places of its screw holes, complex mm.
 
-    half: half the body's width across, mm; shaft: usual diameter, 0 where the frame sets none; depth: of the thread in its
+    half: half the body's width across, mm; shaft: usual diameter, 0 where the frame sets none; flat: usual depth of its flat, 0
+    where none is known; depth: of the thread in its
     holes, mm, or where they are plain the thickness of its flange, behind which nuts sit; standard: "" where it has none.
     """
 
@@ -115,6 +116,7 @@ class MotorFace:
     depth: float = math.inf
     plain: bool = False
     standard: str = "NEMA ICS 16"
+    flat: float = 0.0
 
     def screw_length(self, grip: float) -> float:
         """Length of the screws that hold it through a grip, mm; 0 where none is sold."""
@@ -214,6 +216,12 @@ def dowel(diameter: float, longest: float) -> float:
     return float(max((length for length in _DOWEL_LENGTHS if low <= length <= min(high, longest + 1e-9)), default=0))
 
 
+def next_dowel(diameter: float, shortest: float) -> float:
+    """Shortest dowel pin of a diameter that is sold and at least so long, mm; 0 where there is none."""
+    low, high = DOWELS.get(diameter, (1, 0))
+    return float(min((length for length in _DOWEL_LENGTHS if max(low, shortest - 1e-9) <= length <= high), default=0))
+
+
 def _square(
     name: str, side: float, spacing: float, boss: float, height: float, thread: str, shaft: float, **holes: Any
 ) -> MotorFace:
@@ -228,7 +236,7 @@ MOTOR_FACES = {
         _square("nema-8", 20.3, 16.0, 15.0, 1.5, "M2", 4.0),
         _square("nema-11", 28.2, 23.0, 22.0, 2.0, "M2.5", 5.0, depth=3.0),
         _square("nema-14", 35.2, 26.0, 22.0, 2.0, "M3", 5.0, depth=4.5),
-        _square("nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0, depth=4.5),
+        _square("nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0, depth=4.5, flat=0.5),  # 4.5 over the flat: usual
         _square("nema-23", 57.0, 47.14, 38.1, 1.6, "M5", 6.35, depth=4.8, plain=True),
     )
 }

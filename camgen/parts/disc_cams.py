@@ -78,7 +78,7 @@ class Parts(ShaftHole):
     """The cam as a body; pins, rim and back belong to a groove."""
 
     hub_diameter: Length = 16.0
-    hub_height: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    hub_height: Annotated[float, Field(ge=0, le=1000, examples=[6.0])] = 0.0
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = "none"
     pin_diameter: Length = 3.0
     rim: Length = 8.0

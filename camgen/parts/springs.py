@@ -54,10 +54,9 @@ class ExtensionSpring:
         mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL * 1e-6  # kg
         return math.sqrt(1e3 * self.rate / mass) / 2
 
-    @property
-    def least_free(self) -> float:
-        """Free length of its closed coils and two round eyes, mm."""
-        return (self.coils + 1) * self.wire + 2 * (self.outside - 2 * self.wire)
+    def least_free(self, hook: float = 0.0) -> float:
+        """Free length of its closed coils and two eyes, round or with hooks that are longer, mm."""
+        return (self.coils + 1) * self.wire + 2 * max(hook, self.outside - 2 * self.wire)
 
     def bought(self, shortest: float, longest: float) -> Bought:
         """Its line in the list of parts, with its forces at both ends of its way, mm."""
@@ -69,24 +68,27 @@ class ExtensionSpring:
         return Bought("extension spring", "EN 13906-2", size, 1)
 
 
-def extension_spring(rate: float, free: float, longest: float, eye: float) -> ExtensionSpring | None:
-    """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside; mm; None where none can be."""
+def extension_spring(rate: float, free: float, longest: float, eye: float, hook: float = 0.0) -> ExtensionSpring | None:
+    """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside, its hooks so long; mm; None
+    where none can be."""
     for wider in _WIDER:
         for wire in WIRES:
             mean = wider * eye + wire
             coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
             found = ExtensionSpring(wire, mean + wire, coils, free, rate)
-            wound = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1] and found.least_free <= free
+            wound = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1] and found.least_free(hook) <= free
             if wound and found.stress(longest) <= found.strength:
                 return found
     return None
 
 
-def pulling(force: float, shortest: float, longest: float, eye: float, shares: Iterable[float]) -> ExtensionSpring | None:
+def pulling(
+    force: float, shortest: float, longest: float, eye: float, shares: Iterable[float], hook: float = 0.0
+) -> ExtensionSpring | None:
     """A spring that pulls with a force, N, at its shortest, where it is stretched by the first of these shares of its length
     for which there is one."""
     for share in shares:
-        found = extension_spring(force / (share * shortest), (1 - share) * shortest, longest, eye)
+        found = extension_spring(force / (share * shortest), (1 - share) * shortest, longest, eye, hook)
         if found is not None:
             return found
     return None
@@ -112,7 +114,7 @@ def wound(rate: float, low: float, travel: float) -> Mounted | None:
             mean = index * wire
             coils = _SHEAR * wire**4 / (8 * mean**3 * stiff)
             spring = ExtensionSpring(wire, mean + wire, coils, 0.0, stiff)
-            spring = ExtensionSpring(wire, mean + wire, coils, spring.least_free, stiff)
+            spring = ExtensionSpring(wire, mean + wire, coils, spring.least_free(), stiff)
             shortest = spring.free + low / stiff
             if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
                 found.append(Mounted(spring, shortest, shortest + travel, False))

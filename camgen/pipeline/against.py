@@ -66,7 +66,7 @@ def compare(ring: Ring, spec: Path, bore: float | None, off: float, scanner_unkn
         what = f"rms distance of the outline from {part.name}, the cam nearest to it"
         raise DesignError(what, best, _ALIKE * size, "mm", str(spec), remedy)
     axis = _image(0j, edge, known, over, m, scale, how)
-    numbers = {"fit_turn_deg": math.degrees(how.turn) % 360}
+    numbers = {"fit_turn_deg": math.degrees(math.remainder(how.turn, math.tau))}
     said = [f"laid on {part.name} of {spec.name}" + (", turned over: its other face was measured" if over else "")]
     if bore is not None:
         z = z - axis

@@ -60,11 +60,11 @@ def build(
         report, columns = judge(case, kinds, reading, workers, progress, "was made (--only)")
         if columns:
             write_csv(folder / "motion.csv", columns)
+        for name, text in mechanism.texts().items():
+            (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
         if "report" in only:
             from camgen.pipeline.shown import animation
 
-            for name, text in mechanism.texts().items():
-                (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
             progress("writing the report", 0.85)
             write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
         write_json(folder / "report.json", report)

@@ -200,11 +200,11 @@ def _lying(side: Side | None) -> tuple[object, ...]:
 
 
 def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]) -> None:
-    """Write the list of parts as CSV."""
+    """Write the list of parts as CSV, its estimates to three digits."""
     import csv
 
     table = parts_table(mechanism, sides)
     with open(path, "w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(table.columns)
-        rows.writerows([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in table.rows)
+        rows.writerows([f"{float(f'{cell:.3g}'):g}" if isinstance(cell, float) else cell for cell in row] for row in table.rows)

@@ -38,6 +38,7 @@ HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 1
 _SAMPLES = 7200  # over the turn
 _STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of the motion
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
+_ROUGH = 0.5  # deg, by which facets or noise may raise the largest pressure angle before it is told
 _FRAMES = 120  # of the moving picture
 _PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely")
 
@@ -46,7 +47,8 @@ _PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely")
 
 @dataclass(frozen=True)
 class Recovered:
-    """A follower's motion over one turn, each (n,): cam angle, displacement, low-passed derivatives to it, pressure angle.
+    """A follower's motion over one turn, each (n,): cam angle, displacement, low-passed derivatives to it, pressure angle
+    (of the outline as it is: noise of measured points is in it).
 
     Displacement (rad or mm) and pressure angle (rad) are nan where the tip does not rest on the outline; the derivatives
     then are nan throughout. start: displacement from which s is counted; lever: the least way, mm per unit of s, by which
@@ -211,6 +213,9 @@ def _told(report: Report, follower: FollowerTable) -> Iterator[str]:
         said = f"the follower moves {moved:.4g} {unit}"
         level = found.get(f"edge_level_in_motion_{unit}")
         yield said + (f"; the level at which the edge is taken may shift it by {level:.2g} {unit}" if level is not None else "")
+    raw, smooth = (found.get(key, math.nan) for key in ("pressure_angle_deg", "pressure_angle_low_passed_deg"))
+    if raw - smooth > _ROUGH:
+        yield f"the outline is rough: its pressure angle is {raw:.4g} deg at most, {smooth:.4g} deg low-passed as the speed"
     if f"motion_error_max_{unit}" in found:
         error, rms = (found[f"motion_error_{what}_{unit}"] for what in ("max", "rms"))
         least, most = found["deviation_min_mm"], found["deviation_max_mm"]
@@ -239,7 +244,7 @@ def _report(
         "theta_deg": np.degrees(found.theta), key: found.s * scale, f"speed_{name}_rad": found.speed * scale,
         f"acceleration_{name}_rad2": found.acceleration * scale, "pressure_angle_deg": np.degrees(found.pressure_angle),
     }  # fmt: skip
-    numbers = _extremes(found, ring, follower)
+    numbers = _extremes(found, ring, follower, harmonics)
     if play is not None:
         columns[f"lash_{name}"] = play * scale
         findings.append(_overlap(path.name, play, found, follower))
@@ -259,6 +264,7 @@ def _report(
         *remarks,
         f"Speed and acceleration are derivatives to the cam angle, {passed} of a turn: harmonic n counts by "
         f"1 / (1 + (n / {harmonics})^{_STEEPNESS}). The displacement itself is not filtered.",
+        "Nor is the pressure angle: facets, or noise of measured points, tilt it; pressure_angle_low_passed_deg is without them.",
         "The cam turns counter-clockwise about the shaft. " + _counted(follower, found),
     ]
     filled = Report(
@@ -281,15 +287,18 @@ def _counted(follower: FollowerTable, found: Recovered) -> str:
     return way + f"from {kind}{from_:.6g} " + ("deg" if follower.motion == "oscillating" else "mm from the shaft") + "."
 
 
-def _extremes(found: Recovered, ring: Ring, follower: FollowerTable) -> dict[str, float]:
+def _extremes(found: Recovered, ring: Ring, follower: FollowerTable, harmonics: int) -> dict[str, float]:
+    """Named numbers of the motion and the outline; what is low-passed is nan where contact is lost."""
     edge = np.abs(follower.mounted(ring).samples())
     name, scale = follower.unit
     swing = "swing_deg" if name == "deg" else "stroke_mm"
+    smooth = low_passed(found.pressure_angle, 0, harmonics)
     return {
         swing: float(np.nanmax(found.s) - np.nanmin(found.s)) * scale,
         f"peak_speed_{name}_rad": float(np.max(np.abs(found.speed))) * scale,
         f"peak_acceleration_{name}_rad2": float(np.max(np.abs(found.acceleration))) * scale,
         "pressure_angle_deg": math.degrees(float(np.nanmax(np.abs(found.pressure_angle)))),
+        "pressure_angle_low_passed_deg": math.degrees(float(np.max(np.abs(smooth)))),
         "radius_min_mm": float(edge.min()),
         "radius_max_mm": float(edge.max()),
         "outline_length_mm": ring.length,

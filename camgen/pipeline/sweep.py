@@ -315,10 +315,14 @@ class Swept:
         return [self.told, *(f"  {n} x {reason}" for reason, n in self.reasons), *([more] if self.further else []), place]
 
 
-def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progress: Progress = silent) -> Swept:
+def sweep(
+    task: Task, table: Path, engine: Engine = here, jobs: int = 1, progress: Progress = silent,
+    unit: Callable[[str], str] = lambda key: "",
+) -> Swept:  # fmt: skip
     """Judge all variants that the journal does not have yet, then write the table and take the journal away.
 
-    table: ends in .csv or .parquet. SpecError for a key that no spec has, too many variants (with the time they would take).
+    table: ends in .csv or .parquet. unit: of a key, for the page.
+    SpecError for a key that no spec has, too many variants (with the time they would take).
     """
     count = task.variants.count
     write = WRITERS.get(table.suffix.lower())
@@ -355,7 +359,8 @@ def sweep(task: Task, table: Path, engine: Engine = here, jobs: int = 1, progres
                       time.perf_counter() - began, before, list(columns))  # fmt: skip
         keys = [axis.key for axis in task.variants.axes]
         named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
-        write_page(*named, found.columns, keys, journal.rows(), count, _wished(task.data, found.columns))
+        units = {key: unit(key) for key in keys}
+        write_page(*named, found.columns, keys, journal.rows(), count, _wished(task.data, found.columns), units=units)
     finally:
         journal.close()
     journal.path.unlink()

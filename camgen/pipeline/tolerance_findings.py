@@ -1,6 +1,6 @@
 """How many printed copies hold each finding: copies are made and judged as the machine itself is.
 
-    rolled   the displaced outlines under the judge's own contact: SPEED_RIPPLE, FACE_WIDTH, PRESSURE_ANGLE
+    rolled   the displaced outlines under the judge's own contact: FACE_WIDTH; less the design's, SPEED_RIPPLE and PRESSURE_ANGLE
     closed   the model with its centres off and its cams' motion as it then is: TRANSMISSION_ANGLE, LIFT_OFF, and all that the
              machine bears at its speed: drive, contacts, bearings, pins
 
@@ -28,6 +28,7 @@ from camgen.machine.print_errors import sensitivities
 from camgen.machine.reach import folds
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
+from camgen.machines.loads.pressed import by_force
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -55,7 +56,8 @@ def judged(spread: Spread, errors: Floats) -> list[Judged]:
     """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
     bends, limits = _bends(spread), spread.mechanism.limits()
     exact = np.zeros(len(spread.modes))
-    designed, *copies = (_named(_of_copy(spread, each, bends, limits)) for each in (exact, *errors))
+    first = _followed(spread, exact, spread.mechanism.model)
+    designed, *copies = (_named(_of_copy(spread, each, bends, limits, first)) for each in (exact, *errors))
     found = []
     for (code, what), finding in designed.items():
         made = [copy.get((code, what)) for copy in copies]
@@ -79,17 +81,19 @@ def _named(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
 
 
 def _of_copy(
-    spread: Spread, errors: Floats, bends: Mapping[str, Bend], limits: Sequence[Finding]
+    spread: Spread, errors: Floats, bends: Mapping[str, Bend], limits: Sequence[Finding], first: Mapping[str, Followed]
 ) -> Iterator[Finding]:  # fmt: skip
-    """All findings of one copy; limits: the design's own."""
+    """All findings of one copy; limits: the design's own; first: by cam its follower on the outline without errors.
+
+    Outlines are rolled as facets, which tilt the normal by more than a print does: so a copy counts with what it differs by from
+    the design that is rolled in the same way, and that with its exact curve.
+    """
     shifted = shifted_by(spread, errors)
     steepest = min((each.limit for each in limits if each.code == "PRESSURE_ANGLE"), default=math.inf)
-    for name, (outline, law) in laws_of(spread, errors, shifted).items():
-        joint = spread.mechanism.model.joint(name)
-        assert isinstance(joint, Cam)
-        followed = Followed(joint, Outline(outline, law, law), name, 0.0)
+    for name, followed in _followed(spread, errors, shifted, first).items():
+        steep = followed.pressure_angle - first[name].pressure_angle + _steepest(first[name])
         yield from (each for each in followed.findings() if each.code != "UNDERCUT")  # it would count all that a print does
-        yield at_most("PRESSURE_ANGLE", followed.pressure_angle, steepest, "deg", name, "")
+        yield at_most("PRESSURE_ANGLE", steep, steepest, "deg", name, "")
     machine = replace(shifted, joints=tuple(
         replace(joint, law=bends[joint.name].law(joint.law, errors)) if joint.name in bends and isinstance(joint, Cam) else joint
         for joint in shifted.joints
@@ -100,6 +104,29 @@ def _of_copy(
         yield from (*assess(copy).findings, *_of_model(copy, machine, limits))
 
 
+def _followed(
+    spread: Spread, errors: Floats, shifted: Machine, first: Mapping[str, Followed] | None = None
+) -> dict[str, Followed]:  # fmt: skip
+    """Of each cam its follower on the displaced outline; first: what it is held against, where that is not the wanted motion."""
+    found = {}
+    for name, (outline, law) in laws_of(spread, errors, shifted).items():
+        joint = spread.mechanism.model.joint(name)
+        assert isinstance(joint, Cam)
+        if first is not None:
+            outline = replace(outline, meant=replace(outline.meant, given=first[name].outline.law))
+        found[name] = Followed(joint, Outline(outline, law, law), name, 0.0)
+    return found
+
+
+def _steepest(design: Followed) -> float:
+    """Largest pressure angle of the exact curve, deg; of one without a formula that of its facets."""
+    joint = design.joint
+    if not joint.touches:
+        return design.pressure_angle
+    steep = joint.touches[0].cam.steepness(design.theta)  # type: ignore[attr-defined]
+    return math.degrees(float(np.nanmax(np.abs(steep))))
+
+
 def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> Iterator[Finding]:
     """Limits of the design that its model tells as well."""
     asked = {each.code: each for each in limits}
@@ -108,7 +135,9 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
         least = math.degrees(math.asin(min(1.0, *map(abs, sines)))) if sines else math.nan
         limit = asked["TRANSMISSION_ANGLE"]
         yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
-    forced = [joint.name for joint in machine.joints if isinstance(joint, Cam) and joint.closure == "force"]
+    forced = [cam.name for cam in by_force(machine)]
+    if len(forced) > 1:  # of several that are judged, each says its name
+        forced = [name for name in forced if any(each.code == "LIFT_OFF" and name in each.where for each in limits)]
     if "LIFT_OFF" in asked and forced:
         forces = solve(pulled(copy), np.linspace(*copy.range, 1441)).forces()
         least = min(float(np.nanmin(forces.pressing[name])) for name in forced)

@@ -135,7 +135,7 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
         good &= holds
     if not rows:
         return []
-    rows.append(("all", "", "", "", 100 * float(np.mean(good))))
+    rows.append(("all of these", "", "", "", 100 * float(np.mean(good))))
     numbers["yield_percent"] = 100 * float(np.mean(good))
     told = [Table("Yield", ("finding", "what", "limit", "unit", "copies that hold, %"), rows)]
     if copies.held:
@@ -163,7 +163,7 @@ def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
     rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds))) for each in found]
     if found:
         numbers["targets_yield_percent"] = 100 * float(np.mean(np.all([each.holds for each in found], axis=0)))
-        rows.append(("all", "", "", "", numbers["targets_yield_percent"]))  # type: ignore[arg-type]
+        rows.append(("all of these", "", "", "", numbers["targets_yield_percent"]))  # type: ignore[arg-type]
     title = f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies" if found else ""
     return [Table(title, ("finding", "output", "limit", "unit", "copies that hold, %"), rows)] if found else []
 

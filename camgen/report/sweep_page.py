@@ -19,17 +19,17 @@ MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
 def write_page(
     path: Path, title: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
-    count: int, wished: Sequence[str] = (), pictures: Sequence[tuple[str, str]] = (),
+    count: int, wished: Sequence[str] = (), pictures: Sequence[tuple[str, str]] = (), units: Mapping[str, str] | None = None,
 ) -> None:  # fmt: skip
     """Write the page of a sweep of `count` rows; keys: the columns that were varied; wished: figures of a wish; pictures: SVG and
-    what is said of each.
+    what is said of each; units: of keys, the other columns name theirs last.
     """
     step = -(-count // MOST)
     shown = [[row.get(column) for column in columns] for row in islice(rows, 0, None, step)]
     if step > 1:
         summary += f" This page shows every variant whose number is a multiple of {step}; the table has all."
-    data = json.dumps({"columns": list(columns), "keys": list(keys), "wished": list(wished), "rows": shown}, ensure_ascii=False)
-    data = data.replace("<", "\\u003c")
+    told = {"columns": list(columns), "keys": list(keys), "units": units or {}, "wished": list(wished), "rows": shown}
+    data = json.dumps(told, ensure_ascii=False).replace("<", "\\u003c")
     page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
     text = page.substitute(title=escape(title), summary=escape(summary), gallery=gallery(pictures), data=data)
     with file_errors():

@@ -116,6 +116,9 @@ def _print_table(report: Report, every: bool) -> None:
     colours = {"ok": "green", "FAIL": "red", _OPEN: "yellow"}
     for row in rows:
         *cells, verdict = (_filled(name, row[name], widths[name]) for name in shown)
+        if row[""] == _OPEN:  # a reason without numbers: over all columns between, and never cut
+            room = sum(widths[name] for name in shown[1:-1]) + _BETWEEN * (len(shown) - 3)
+            cells = [cells[0], f"{row['where']:<{room}}"]
         colour = colours.get(row[""])
         _print((" " * _BETWEEN).join([*cells, click.style(verdict, colour, bold=row[""] != "ok")]))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import csv
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import pytest
 
 from camgen.design.functions import Generator, search
 from camgen.design.run import design
-from camgen.design.wanted import FunctionWish
+from camgen.design.wanted import FunctionWish, PathWish
 from camgen.errors import DesignError, SpecError
 from camgen.machine.run import solve
 from camgen.machines.linkage.mechanism import Linkage
@@ -72,9 +73,27 @@ def test_a_front_trades_error_for_transmission() -> None:
     assert len(front) > 1 and errors == sorted(errors) and angles == sorted(angles)
 
 
+def test_the_search_goes_along_the_bounds_to_the_tolerance_and_the_transmission_angle() -> None:
+    # another route, least squares on all lengths from many starts, ends at a coupler of twice the frame as well
+    square = tuple((x, x**2 / 90) for x in (0, 22.5, 45, 67.5, 90))
+    front = search(FunctionWish(function=square, tolerance=0.125), TABLES)
+    assert any(math.degrees(each.error) < 0.1197 and math.degrees(each.transmission) > 61.1 for each in front)
+    assert all(math.degrees(each.error) <= 0.125 and max(each.lengths) <= 2 + 1e-9 for each in front)
+    sine = ((6.02885683, 6.3019), (45, 42.4264), (83.97114317, 59.6682))
+    steep = search(FunctionWish(function=sine, transmission_deg=80), TABLES)[0]
+    assert steep.transmission > math.radians(81.39) and missed(steep, sine) < 1e-7
+    np.testing.assert_allclose(60 * np.array(steep.lengths), [73.618, 120, 43.509], atol=0.02)
+
+
+def test_the_keys_that_a_remedy_names_are_there() -> None:
+    for wish in (FunctionWish(function=LOG), PathWish(path=((0, 0), (9, 0), (0, 9)))):
+        named = re.findall(r"wanted\.(\w+)", wish.further)
+        assert named and set(named) <= set(type(wish).model_fields)
+
+
 def test_what_no_four_bar_transmits_is_told() -> None:
-    with pytest.raises(DesignError, match="wanted.transmission_deg"):
-        search(FunctionWish(function=((0, 0), (5, 170), (10, 0), (15, 170)), transmission_deg=80), TABLES)
+    with pytest.raises(DesignError, match=r"least transmission angle is [1-7]\d\..* limit 80 deg.*wanted.transmission_deg"):
+        search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80), TABLES)
 
 
 def test_all_faults_of_wish_and_spec_at_once(tmp_path: Path) -> None:

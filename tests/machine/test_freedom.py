@@ -127,6 +127,9 @@ def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:
     end = math.acos((frame**2 + crank**2 - (coupler + rocker) ** 2) / (2 * frame * crank))
     found = reach(machine)
     assert (found.low, found.high) == (pytest.approx(-end, abs=1e-7), pytest.approx(end, abs=1e-7))
+    with pytest.raises(DesignError, match=r"crank \(25 mm\), and the longest, \w+ \(40 mm\), are 3 mm more .*below 22 mm"):
+        refuse_partial(machine)
+    refuse_partial(four_bar(frame, 21.99, coupler, rocker))
 
 
 def test_range_by_newton_ends_at_the_same_dead_point_in_both_ways_of_solving() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,7 @@ def test_work_of_a_thread_and_of_a_brake() -> None:
     speed = made("thread-take-up").speed
     for acts, share in (("fixed", 0.0), ("along", 1.0)):
         machine = made("thread-take-up", on=[{"output": "feed", "value": -0.5, "acts": acts}])
-        run, plain = machine.solve(TURN), made("thread-take-up").solve(TURN)
+        run, plain = (solve(each.model, TURN) for each in (machine, made("thread-take-up")))
         way = np.sum(np.abs(np.diff(run["feed"]))) * 1e-3
         more = np.mean((run.forces().power_in - plain.forces().power_in)[:-1])
         assert more == pytest.approx(share * 0.5 * way * abs(speed) / math.tau, rel=2e-4, abs=1e-9 * abs(speed))
@@ -173,3 +174,44 @@ def test_several_drives_are_one_shaft() -> None:
     found = assess(machine).study.numbers
     assert found["drive_power_w"] == pytest.approx(found["friction_heat_w"], rel=1e-4)
     assert not any(isinstance(load, Gravity) for load in machine.model.loads)
+
+
+FOUR_BAR: dict[str, Any] = {
+    "mechanism": "linkage", "name": "four-bar",
+    "points": {"O": [0, 0], "C": [80, -10], "A": [22, 0], "B": [70, 45], "S": [60, -20]},
+    "links": {"ground": ["O", "C", "S"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
+    "drive": {"link": "crank", "speed_rpm": 90}, "output": [{"name": "swing", "link": "rocker"}],
+    "load": {"gravity_deg": -90, "friction": 0.2, "on": [{"body": "rocker", "point": "B", "value": 12, "direction_deg": -60}]},
+    "spring": [{"between": ["B", "S"], "rate": 0.5, "preload": 3}],
+    "masses": {"crank": {"mass_g": 20, "centre": [8, 1], "inertia_kg_m2": 2e-6}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("machine", [
+    lambda: read_mechanism(FOUR_BAR), lambda: made("disc-cam", mass_kg=0.1, gravity_deg=-90.0),
+    lambda: made("thread-take-up", gravity_deg=-90.0),
+], ids=["linkage", "cam", "take-up"])  # fmt: skip
+def test_forces_of_a_run_are_those_of_the_report(machine: Callable[[], Mechanism]) -> None:
+    """Each reaction's peak over the angles that the report looks at; the energy of what is loaded and rubs adds up."""
+    whole = machine()
+    forces, numbers = whole.solve(np.linspace(0, math.tau, 1441)).forces(), assess(whole).study.numbers
+    for name, load in forces.reactions.items():
+        assert numbers[f"reaction_{name.lower()}_n"] == pytest.approx(np.abs(load).max(), rel=1e-12)
+    assert np.abs(forces.loads).max() > 0 < forces.rubs.max()
+    np.testing.assert_allclose(forces.power, forces.power_in + forces.loads - forces.rubs, atol=1e-9 * np.abs(forces.power).max())
+
+
+def test_the_frame_bears_what_pulls_on_the_machine() -> None:
+    """Newton's law of the whole: what holds the moving bodies, their weight, the load and the spring make their inertia."""
+    machine = read_mechanism(FOUR_BAR)
+    run = machine.solve(TURN)
+    forces, loaded = run.forces(), machine.loaded()
+    assert loaded.body("crank").mass == 0.02 and loaded.body("rocker").mass > 1e-3  # given; of its solids
+    held = sum(forces.reactions[pin.name] * (1 if pin.b.body == "ground" else -1)
+               for pin in loaded.joints if "ground" in (pin.a.body, pin.b.body))  # fmt: skip
+    weight = -9.80665j * sum(body.mass for body in loaded.moving)
+    way = complex(60, -20) - run.point("rocker", "B")[0]
+    (spring,) = (each for each in loaded.loads if hasattr(each, "rate"))
+    pull = 0.5 * (np.abs(way) - spring.free) * way / np.abs(way)
+    load = 12 * np.exp(-1j * math.pi / 3)
+    np.testing.assert_allclose(held + weight + load + pull, -forces.shaking, atol=1e-9)

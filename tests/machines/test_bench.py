@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.facets import facet_contour
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
@@ -75,7 +78,7 @@ def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[st
     assert ("extension spring" in bought(folder)) == sprung
     tables = json.loads((folder / "report.json").read_text("utf-8"))["tables"]
     steps = next(table for table in tables if table["title"].startswith("Assembly"))
-    assert ("extension spring" in steps["rows"][-1]) == sprung
+    assert ("extension spring" in [row[1] for row in steps["rows"]]) == sprung
     pairs = {str(row[0]) for table in tables for row in table["rows"]}
     assert any(pair.startswith("spring 1, ") or pair.endswith(", spring 1") for pair in pairs) == sprung
     assert not pairs & {"spring 1, spring 2", "spring 2, spring 1"}, "two ends of one spring are no pair"
@@ -136,6 +139,21 @@ def test_an_arm_bears_the_torque_that_the_spec_gives_its_spring() -> None:
     machine = drive(geometry={"follower": arm}, load={"inertia_kg_m2": 1e-4}, spring={"rate": 0.3, "preload": 0.1})
     torque = machine.solve(np.radians([320.0, 130.0])).forces().contacts["contact"]
     assert torque == pytest.approx([0.1, 0.1 + 0.3 * math.radians(12)])
+
+
+@pytest.mark.parametrize("follower", [{}, {"motion": "oscillating", "pivot_distance": 60.0, "arm": 50.0}])
+def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(follower: dict[str, Any]) -> None:
+    """Rate and free length come back as they were put in; a machine whose spec names its spring is told of no other."""
+    shape = {"motion": "translating", "shape": "roller", "radius": 5.0, **follower}
+    (told,) = (each.size for each in drive(geometry={"follower": shape}).bought() if each.name == "extension spring")
+    preload, rate = (text.replace(" (", " * (").replace(" R", " * R") for text in re.split(r"preload = |, rate = ", told)[1:])
+    values = {"R": 0.05, "L": 48.0}
+    values["preload"] = eval(preload, values)
+    spring = {"preload": values["preload"], "rate": eval(rate, values)}
+    mine = drive(geometry={"follower": shape}, load={}, spring=spring)
+    found = mine.bench.spring
+    assert found is not None and (found.rate, found.free) == (pytest.approx(0.05, rel=1e-3), pytest.approx(48, abs=0.02))
+    assert not any("of a shop" in each.size for each in mine.bought())
 
 
 def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_told() -> None:
@@ -200,11 +218,12 @@ def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
 
 def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
     """NEMA 17: four screws M3 on a square of 31, a boss of 22 about the shaft; the shaft turns the crank."""
-    motor = ["parts.motor=nema-17", "parts.shaft_diameter=5"]
+    motor = ["parts.motor=nema-17"]
     report = build(SPECS / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), motor)
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     folder = tmp_path / "linkage"
-    assert "NEMA 17 frame" in (folder / "linkage-parts.csv").read_text(encoding="utf-8")
+    listed = (folder / "linkage-parts.csv").read_text(encoding="utf-8")
+    assert "NEMA 17 frame" in listed and "shaft of 5 with a flat 0.5 deep" in listed  # usual: 4.5 over the flat
     assert not (folder / "linkage-shaft.dxf").exists()
     drawing = ezdxf.readfile(folder / "linkage-ground.dxf")
     circles = list(drawing.modelspace().query("CIRCLE"))
@@ -219,7 +238,8 @@ def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("sizes", "said"),
-    [({"motor": "nema-17"}, "shaft_diameter: 6 - expected 5 mm"),
+    [({"motor": "nema-17", "shaft_diameter": 6.0}, 'shaft_diameter: 6 - expected 5 mm, the shaft of motor = "nema-17"'),
+     ({"motor": "nema-17", "shaft_flat": 0.8}, 'shaft_flat: 0.8 - expected 0.5 mm, .* motor = "nema-17", 4.5 over its flat'),
      ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 2.0}, "base_thickness: 2 - expected at least 2.65"),
      ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 200.0}, "base_thickness: 200 - .* that is sold")],
 )  # fmt: skip
@@ -233,10 +253,18 @@ def test_the_report_names_the_spring(sound: Path) -> None:
     assert report["numbers"]["least_contact_force_n"] > 0
 
 
-@pytest.mark.parametrize(("parts", "idle"), [({}, ["parts.hub_height"]), ({"rim": 9.0, "hub_height": 0.0}, ["parts.rim"])])
+def test_a_groove_of_no_base_radius_gets_room_for_its_pins() -> None:
+    """Each hole of the cam as made lies inside it, with a wall of limits.min_wall or more."""
+    made = drive(geometry={"closure": "groove", "base_radius": None})
+    cam = next(part for part in made.parts() if "inner" in part.name)
+    outer, *holes = (facet_contour(contour, 1e-3) for contour in (cam.layers[0].region.outer, *cam.layers[0].region.holes))
+    assert len(holes) == 3 and all(np.min(point_to_ring(hole, outer)) >= made.allowed.min_wall for hole in holes)
+
+
+@pytest.mark.parametrize(("parts", "idle"), [({"hub_height": 7.0}, ["parts.hub_height"]), ({"rim": 9.0}, ["parts.rim"])])
 def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
-    """The starter's hub of a cam alone, and one that is set; with the cams alone they all act."""
-    assert drive(parts=parts).idle() == idle
+    """What is set, and not what the starter brings, the hub of a cam alone; with the cams alone they all act."""
+    assert drive().idle() == [] and drive(parts=parts).idle() == idle
     told = [each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each]
     assert len(told) == 1 and all(key in told[0] for key in idle)
     alone = read(SPECS / "disc-cam.toml")

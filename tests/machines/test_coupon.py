@@ -139,13 +139,18 @@ def test_a_plate_too_small_is_refused(key: str, value: float) -> None:
         coupon(geometry={key: caught.value.limit + 1e-6}).parts()
 
 
+def test_sizes_above_their_table_are_told_where_they_belong() -> None:
+    with pytest.raises(SpecError, match=r"1 fault\n  measured: .*below the line \[measured.sizes\]: pin 3, disc$"):
+        coupon(measured={"pin 3": 3.1, "disc": 40.1})
+
+
 def test_it_is_built_and_proven_like_any_part(tmp_path: Path) -> None:
     spec = tmp_path / "mine.toml"
     sizes = printed_by(coupon(), 0.003, 0.14, 0.09, 0.01)
     lines = "\n".join(f'"{name}" = {size:.2f}' for name, size in sizes.items())
     text = starters.text("coupon").replace("\n# \"hole 3\"", f"\n{lines}\n# \"hole 3\"")
     spec.write_text(text, encoding="utf-8")
-    report = build(read_mechanism(spec, ()), tmp_path, frozenset({"dxf", "stl", "report"}))
+    report = build(read_mechanism(spec, ()), tmp_path, frozenset({"dxf", "stl"}))
     assert report.ok and {"ROUND_TRIP", "WATERTIGHT", "VOLUME", "MIN_WALL", "CALIBRATION"} <= {f.code for f in report.findings}
     assert report.remarks[0] == "for [print] of your specs:"
     pasted = tomllib.loads((tmp_path / "coupon" / "coupon-print.toml").read_text(encoding="utf-8"))["print"]

@@ -397,7 +397,7 @@ def test_an_accepted_undercut_fails_nowhere() -> None:
 @pytest.mark.parametrize("least", [-2.0, 0.0, 3.0])
 def test_the_base_radius_that_is_found_keeps_to_a_least_radius_of_any_sign(least: float) -> None:
     flat = 'geometry={follower={motion="translating",shape="flat"}}'
-    made = mechanism(flat, "limits.pressure_angle_deg=89", f"limits.least_radius={least}")
+    made = mechanism(flat, "limits.pressure_angle_deg=89", f"limits.least_radius={least}", "parts.hub_height=0", "parts.bore=4")
     (curvature,) = [f for f in made.limits() if f.code == "CURVATURE"]
     assert curvature.measured == pytest.approx(least, abs=1e-6)
 

@@ -15,6 +15,7 @@ from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.judge.assembly import sweep
 from camgen.machine.cams.limits import steepest
+from camgen.machine.run import solve
 from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
@@ -83,7 +84,7 @@ def test_torque_on_the_cams_shaft_is_that_of_the_machine() -> None:
     made = design(driver={"offset": 8.0})
     own = next(row for table in made.study().tables if "two-crank" in table.title for row in table.rows if row[0] == 0.4)
     theta = np.linspace(0, math.tau, 1441)[1:-1]
-    run = made.solve(theta)
+    run = solve(made.model, theta)
     taken = 2 * run.forces().drives["motor"] / run.angle("cam")[1]
     turning = np.abs(run.derivatives("swing")[1]) > 1e-6
     assert np.max(np.abs(taken[turning])) == pytest.approx(own[8], rel=1e-3)

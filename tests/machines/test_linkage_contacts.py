@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,36 @@ def test_hertz_of_a_face_on_its_cam_by_hand() -> None:
 def test_a_follower_that_nothing_presses_is_named() -> None:
     left = assess(made(cam_ram(), 5.0)).not_judged
     assert any(each.code == "HERTZ" and "leaves it" in each.why for each in left)
+
+
+def lift_off(machine: Mechanism) -> Any:
+    (found,) = (each for each in machine.limits() if each.code == "LIFT_OFF")
+    return found
+
+
+@pytest.mark.parametrize("load", [5.0, -5.0])
+def test_what_pulls_the_follower_off_its_cam_fails_and_says_how_much_is_missing(load: float) -> None:
+    """A ram that stands across the shaft: the cam bears the load over the cosine of its pressure angle, at no speed."""
+    machine = made(cam_ram(), load)
+    found = lift_off(machine)
+    assert found.ok is (load < 0) and "cam angle" in found.where and not machine.unpressed()
+    if not found.ok:
+        u = np.linspace(0, 1, 2001)  # of the cycloidal rise by 12 mm in 120 deg, from 35 mm off the shaft
+        s, slope = 12 * (u - np.sin(math.tau * u) / math.tau), 12 * (1 - np.cos(math.tau * u)) / (math.tau / 3)
+        assert found.measured == pytest.approx(-5.0 * np.hypot(1, slope / (35 + s)).max(), rel=1e-3)
+        assert re.search(r"; 5(\.0\d*)? N more", found.message) and "[[spring]]" in found.message
+    else:
+        assert found.measured == pytest.approx(5.0, rel=0.02)
+
+
+def test_weight_counts_and_what_nothing_presses_is_named() -> None:
+    head = {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 6.0}}
+    loads: list[dict[str, Any]] = [{"gravity_deg": 90}, {"gravity_deg": -90}, {}]
+    machines = [read_mechanism({**head, **cam_ram(), "load": load}, ()) for load in loads]
+    assert [lift_off(each).ok for each in machines[:2]] == [False, True]
+    assert "LIFT_OFF" not in {each.code for each in machines[2].limits()}
+    (left,) = (each for each in assess(machines[2]).not_judged if each.code == "LIFT_OFF")
+    assert "[[spring]]" in left.needs and "[load]" in left.needs
 
 
 def test_print_errors_of_its_outline_reach_the_output() -> None:

@@ -73,6 +73,8 @@ def test_a_rocker_by_a_program_keeps_to_what_the_chain_has(four_bar: dict[str, A
         driven(four_bar, link="rocker", segment=there_and_back(60.0)).limits()
     with pytest.raises(DesignError, match=r"cannot turn fully.*drive.range_deg = \[-8.141, 37.6\]"):
         driven(four_bar, link="rocker").limits()
+    with pytest.raises(DesignError, match=r"by Grashof the shortest link turns fully, which is crank \(20 mm\), not rocker"):
+        driven(four_bar, link="rocker").limits()
 
 
 def test_clockwise_passes_the_same_places_with_speeds_turned_round(four_bar: dict[str, Any]) -> None:

@@ -108,7 +108,7 @@ def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
     poses = machine.poses(np.zeros(1))
     for row in (row for row in machine.steps().rows if row[1] == "bearing-mr85"):
         under = [(poses[name][0].z, name) for name in ("crank", "coupler", "rocker")]
-        link = max(each for each in under if each[0] < float(row[4]))[1]
+        link = max(each for each in under if each[0] < float(row[5]))[1]
         assert names.index(link) >= int(row[0]), link
     assert all("pressed and glued in" in what for name, what in steps if name.startswith("pin-"))
     rows = {str(row[1]): row for row in parts_table(machine).rows}

@@ -107,8 +107,8 @@ def test_without_a_sheet_or_dowels():
     del spec["laser"]
     with pytest.raises(SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"):
         camgen.load(spec)
-    with pytest.raises(DesignError, match="the shortest dowel of 5 mm is 10 mm, there is room for .*thin dowels are sold"):
-        camgen.load(laser("linkage", pin_diameter=5.0)).parts()
+    with pytest.raises(DesignError, match="the shortest dowel of 8 mm is 14 mm, there is room for .*thin dowels are sold"):
+        camgen.load(laser("linkage", pin_diameter=8.0)).parts()
 
 
 @pytest.mark.parametrize("key, value", [("plates", 2), ("shaft", "interrupted")])
@@ -116,3 +116,20 @@ def test_posts_and_webs_are_no_sheets(key: str, value: object) -> None:
     with pytest.raises(camgen.SpecError) as told:
         camgen.load(laser("linkage", **{key: value}))
     assert f"parts.{key}" in [fault.path for fault in told.value.faults]
+
+
+@pytest.mark.parametrize("sheet", [2.0, 3.0, 4.0, 6.0])
+def test_a_cap_of_sheet_is_filled_by_its_pin(sheet: float) -> None:
+    """By three quarters at least; where a longer dowel stands out of it, its note says how far, by the heights."""
+    machine = camgen.load(laser("linkage", sheet=sheet)).resolved()
+    parts = {part.name: part for part in machine.parts()}
+    caps, outs = [mount for mount in machine.mounts() if mount.part.startswith("cap")], list[float]()
+    for cap in caps:
+        here = (each for each in machine.mounts() if (each.body, each.at) == (cap.body, cap.at))
+        pin = next(each for each in here if each.part.startswith("pin"))
+        low, high, long = cap.z, cap.z + sheet, parts[pin.part].thickness
+        assert min(high, pin.z + long) - max(low, pin.z) >= 0.75 * sheet - 1e-9
+        outs.append(round(max(pin.z + long - high, 0.0), 2))
+        (note,) = parts[pin.part].notes
+        assert (f"stands {outs[-1]:g} mm out of its cap" in note) == (outs[-1] > 0)
+    assert caps

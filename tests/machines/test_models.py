@@ -55,9 +55,10 @@ def test_the_model_moves_as_the_mechanism(spec: str, overrides: list[str], outpu
     closed = close(Constraints(made.model), THETA[:40])
     q = np.array([[pose.place.real, pose.place.imag, pose.angle] for pose in map(run.pose, Constraints(made.model).bodies)])
     np.testing.assert_allclose(closed.q, np.moveaxis(q, 2, 0).reshape(len(THETA), -1)[:40], atol=1e-9)
-    # power put in is what the energy and the loads take
+    # power put in is what the energy, the loads and friction take
     forces = run.forces()
-    np.testing.assert_allclose(forces.power, forces.power_in + forces.loads, atol=1e-9 * max(1e-9, np.abs(forces.power).max()))
+    np.testing.assert_allclose(forces.power, forces.power_in + forces.loads - forces.rubs,
+                               atol=1e-9 * max(1e-9, np.abs(forces.power).max()))
 
 
 @pytest.mark.parametrize("overrides", [[], ["geometry.closure='force'", "load.closing_n_m=2"], ["motor.speed_rpm=-30"]])

@@ -53,7 +53,8 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     assert f"6 N at 95 and {farthest - 84:.4g} N at {farthest + 5:.4g}" in bought.size
     assert 81500 * 1.25**4 / (8 * 8.125**3 * 46.37) == pytest.approx(1.0, rel=1e-3)
     rows = starter.steps().rows
-    assert rows[-1][1:3] == ("extension spring", "Unloader's spring, hooked under the heads of its pins")
+    (step,) = (row for row in rows if row[1] == "extension spring")
+    assert step[2].startswith("Unloader's spring, eyes on the pins at points hook and anchor, before their caps")
     assert {"unloader", "gear-unloader_gears-unloader"} <= {row[1] for row in rows}
 
 
@@ -132,7 +133,7 @@ def test_parts_out_of_place_are_found_out(
 
 
 def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -> None:
-    """At each angle: from pin to post and back; the bars, from beside each pin, meet in the middle where it is longest."""
+    """At each angle: from pin to post and back; the bars, from beside each pin's head, meet in the middle where it is longest."""
     theta = np.radians([0.0, 60.0, 120.0, 240.0])
     courses, bars = starter.moved().courses(theta), {thing.name: thing.bars[0] for thing in starter.bench.coils()}
     one, two = (courses[f"unloader_spring {k}"] for k in (1, 2))
@@ -140,7 +141,7 @@ def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -
     assert np.exp(1j * one.angle) == pytest.approx((two.place - one.place) / np.abs(two.place - one.place))
     assert np.exp(1j * two.angle) == pytest.approx(-np.exp(1j * one.angle))
     for begin, end, radius, *_ in bars.values():
-        assert (begin.real, end.real, radius) == pytest.approx((2.5 + 0.5 + 9.375 / 2, 148.82 / 2, 9.375 / 2), abs=0.01)
+        assert (begin.real, end.real, radius) == pytest.approx((2.5 + 1.5 + 0.5 + 9.375 / 2, 148.82 / 2, 9.375 / 2), abs=0.01)
     levels = starter.bench.bodies.layout.given
     assert len(levels) == len({*levels}) and set(starter.bench.bodies.layout.springs).isdisjoint(
         body.name for body in starter.model.bodies

@@ -106,8 +106,8 @@ def test_torque_in_the_freewheel_by_hand(made: IndexingCam) -> None:
     spring = 0.45 * (6 + cord - 90) * 30 * 120 * np.sin(phi) / cord * 2e-3
     period = 120 / 360 / 30 * 60
     wanted = 0.03 * math.radians(181) / period**2 * spec.law(kappa, 2) + 0.45 - spring
-    assert -spec.solve(theta).forces().gears["freewheels"] == pytest.approx(wanted, abs=1e-6)
-    back = spec.solve(np.radians(np.arange(190.0, 300.0, 10.0))).forces()
+    assert -solve(spec.model, theta).forces().gears["freewheels"] == pytest.approx(wanted, abs=1e-6)
+    back = solve(spec.model, np.radians(np.arange(190.0, 300.0, 10.0))).forces()
     assert np.abs(back.gears["gears"]).max() < 1e-9
     held = 0.45 * (6 + abs(30 * np.exp(1j * math.radians(10)) + 120) - 90)
     held *= 30 * 120 * math.sin(math.radians(10)) / abs(30 * np.exp(1j * math.radians(10)) + 120) * 2e-3

@@ -80,13 +80,13 @@ def test_parts_list(made: Path) -> None:
         rows = list(csv.DictReader(file))
     cam = next(row for row in rows if row["part"] == "cam")
     volume = 2 * machine().parts()[0].volume
-    assert float(cam["material, mm^3"]) == pytest.approx(volume, rel=1e-5)
-    assert float(cam["mass in PLA, g"]) == pytest.approx(volume * 1.24e-3, rel=1e-5)
+    assert float(cam["material, mm^3"]) == pytest.approx(volume, rel=5e-3)
+    assert float(cam["mass in PLA, g"]) == pytest.approx(volume * 1.24e-3, rel=5e-3)
     bought = {row["part"]: row for row in rows if row["how"] == "bought"}
     assert bought["screw of the motor"]["count"] == "4" and "ISO 7380-1" in bought["screw of the motor"]["what"]
     assert "NEMA 17" in bought["motor"]["what"]
     assert json.loads((made / "report.json").read_text())["numbers"]["mass_g"] == pytest.approx(
-        sum(float(row["mass in PLA, g"]) for row in rows if row["how"] == "printed"), rel=1e-4
+        sum(float(row["mass in PLA, g"]) for row in rows if row["how"] == "printed"), rel=5e-3
     )
 
 
@@ -414,6 +414,7 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
         (["frame.axle_flange=6"], "frame.axle_flange"),
         (["base.motor='flange'", "base.screw_circle=20"], "base.screw_circle"),
         (["base.motor='nema-42'"], "base.motor"),
+        (["parts.shaft='d-flat'", "parts.bore=5", "parts.flat_depth=0.8"], "parts.flat_depth"),  # NEMA 17: 0.5
         (["base.screws=1"], "base.screws"),
         (["base.screw='M7'"], "base.screw"),
         (["base.window=1"], "base.window"),

@@ -18,7 +18,7 @@ from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.outlines import Arc, Contour, Line, Region, Smooth, circle, kidney, polygon
-from camgen.geometry.rings import Ring, Shape, fit_circle, shape_of
+from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, hole_circles, shape_of
 from camgen.judge.as_printed import grown, printed
 from camgen.judge.contact import rolling_contact
 from camgen.machines.uniform_swing.mechanism import UniformSwing
@@ -202,6 +202,22 @@ def test_a_facetted_arc_comes_back_to_its_corner(distance: float) -> None:
     exact = facet_contour(shaft, 0.001)
     far = max(float(np.max(point_to_ring(back.points, exact))), float(np.max(point_to_ring(exact, back.points))))
     assert far < limit
+
+
+@pytest.mark.parametrize("hole", [0.05, 0.115, 0.2])
+@pytest.mark.parametrize("kind", ["flat", "keyway"])
+def test_a_bore_keeps_its_centre(kind: str, hole: float) -> None:
+    """What flat or keyway does to the hole's corners, enlarged and printed, draws the bore's circle nowhere."""
+    radius, half = 3.0, 1.0 if kind == "keyway" else 2.0
+    corner = complex(math.sqrt(radius**2 - half**2), half)
+    top = [] if kind == "flat" else [4 - 1j, 4 + 1j]
+    around = [corner.conjugate(), *top, corner]
+    start = math.asin(half / radius)
+    contour = Contour((Arc(0j, radius, start, 2 * (math.pi - start)), *map(Line, around, around[1:])))
+    z = facet_contour(offset(contour, hole), 0.001)
+    back = grown(Ring(z, np.zeros(len(z))), -hole)
+    for found in (bore_circle(back, 2 * radius), *hole_circles(Shape(back, (back,)))[: kind == "flat"]):
+        assert abs(found.centre) < 5e-5 and found.diameter == pytest.approx(2 * radius, abs=1e-4)
 
 
 def test_a_thin_part_has_a_lower_chamfer() -> None:

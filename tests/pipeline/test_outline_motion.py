@@ -733,3 +733,17 @@ def test_what_was_asked_for_is_told(tmp_path: Path, capsys: pytest.CaptureFixtur
         main(["motion", str(disc(tmp_path / "disc.dxf")), "--follower", "translating,radius=6", "-o", str(tmp_path)])
     said = capsys.readouterr().out
     assert f"the follower moves {2 * E:g} mm" in said and "disc-motion/report.html" in said.replace("\n", "")
+
+
+def test_noise_of_points_in_the_pressure_angle_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """sin of the largest is eccentricity over the pitch circle's radius; points 10 um off tilt the normal by degrees."""
+    turn = np.exp(1j * np.linspace(0, math.tau, 720, endpoint=False))
+    exact = math.degrees(math.asin(8 / 36))
+    for noise in (0.0, 0.01):
+        z = 8 + (30 + noise * np.random.default_rng(4).standard_normal(720)) * turn
+        path = tmp_path / "points.csv"
+        path.write_text("x,y\n" + "\n".join(f"{p.real:.6f},{p.imag:.6f}" for p in z), encoding="utf-8")
+        _, report, _ = run(capsys, path, "--follower", "translating,radius=6", "-o", tmp_path)
+        raw, smooth = (report["numbers"][f"pressure_angle_{key}deg"] for key in ("", "low_passed_"))
+        assert smooth == pytest.approx(exact, abs=0.01 if noise == 0 else 0.2)
+        assert (raw - exact > 1) == bool(noise) == any("the outline is rough" in said for said in report["remarks"])

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from itertools import product
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
 from camgen.pipeline.variants import variants
 from camgen.settings import override
+from camgen.starters import unit_at
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 VARY = ["geometry.base_radius=9:33:7", "segment.0.law=cycloidal,modified-sine"]
@@ -164,6 +166,9 @@ def test_page_and_parquet_hold_the_same(tmp_path: Path) -> None:
     page = (tmp_path / "t.html").read_text(encoding="utf-8")
     data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
     assert len(data["rows"]) == 14 and data["keys"] == ["geometry.base_radius", "segment.0.law"] and "14 variants" in page
+    spec = tomllib.loads(SPEC.read_text(encoding="utf-8"))
+    assert {key: unit_at(spec, key) for key in (*data["keys"], "segment.0.span_deg")} == {
+        "geometry.base_radius": "mm", "segment.0.law": "", "segment.0.span_deg": "deg"}  # fmt: skip
 
 
 # ---- the same, whoever works -----------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import pytest
 from test_tolerance import SPECS, spread
 
 from camgen.machine.model import Pin
-from camgen.pipeline.tolerance import Spread
+from camgen.pipeline.tolerance import Spread, drawn_again
 from camgen.pipeline.tolerance_findings import Judged, judged
 from camgen.pipeline.tolerance_report import tolerance
 
@@ -66,6 +66,31 @@ def test_a_bore_beside_its_centre_ripples_the_speed() -> None:
     ripple = only(judged(found, errors(found, bore=0.1)), "SPEED_RIPPLE")
     share = 0.1 / (1.7596 * 12 / math.radians(100))
     assert share < ripple.values[0] < 1.6 * share and ripple.holds[0] == (ripple.values[0] <= 0.01)
+
+
+@pytest.mark.parametrize("off", [0.5, -0.5])
+def test_pressure_angle_of_a_copy_is_that_of_its_curve(off: float) -> None:
+    """The normal at radius R misses the shaft by R sin alpha, and goes on to do so where it meets a pitch curve that is off by so
+    much along it, at |R e^(i alpha) + off|. The facets of 1 um tilt it by 0.4 deg."""
+    found = spread("disc-cam")
+    theta = np.linspace(0, 2 * np.pi, 7201)
+    radius, slope = 30 + found.mechanism.motion(theta), found.mechanism.motion(theta, 1)
+    pitch = radius * np.exp(1j * np.arctan(slope / radius))
+    exact, moved = (math.degrees(np.max(np.arcsin(pitch.imag / abs(pitch + each)))) for each in (0.0, off))
+    angle = only(judged(found, errors(found, offset=off)), "PRESSURE_ANGLE")
+    assert angle.designed == pytest.approx(exact, abs=2e-3)
+    assert angle.values[0] - angle.designed == pytest.approx(moved - exact, abs=0.02)
+
+
+def test_yield_does_not_hang_on_the_facets() -> None:
+    """The mean of copies is the exact design's within their spread, and so are means with facets of 1 and 0.1 um."""
+    means = []
+    for chord in (1e-3, 1e-4):
+        found = spread("disc-cam", f"accuracy.chord_tolerance={chord}")
+        angle = only(judged(found, drawn_again(found, 0, range(8))), "PRESSURE_ANGLE")
+        assert abs(angle.values.mean() - angle.designed) < angle.values.std()
+        means.append(angle.values.mean())
+    assert means[0] == pytest.approx(means[1], abs=0.2 * angle.values.std())
 
 
 def test_yields_are_in_the_report() -> None:

@@ -215,14 +215,18 @@ class Loaded:
 
     def keeps_contact(self, remedy: str) -> Finding:
         """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; a kick throws the follower off."""
-        force = np.where(np.isnan(self.force), math.inf, self.force)
-        if self.kick:
-            force[len(force) // 2] = -math.inf
-        k = int(np.argmin(force))
-        where = f"cam angle {math.degrees(float(self.theta[k])):.1f} deg"
-        leaves = f"the follower leaves the cam; {remedy[:1].lower()}{remedy[1:]}"
-        message = "the follower stays on the cam" if force[k] >= 0 else leaves
-        return at_least("LIFT_OFF", float(force[k]), 0.0, "N", where, message)
+        return keeps_contact(self.theta, self.force, bool(self.kick), "cam angle", remedy)
+
+
+def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: str, remedy: str) -> Finding:
+    """Finding LIFT_OFF of one contact; theta: rad, force: N, (n,) each, nan where it is not known; where: what theta is."""
+    force = np.where(np.isnan(force), math.inf, force)
+    if kicked:
+        force[len(force) // 2] = -math.inf
+    k = int(np.argmin(force))
+    leaves = f"the follower leaves the cam; {remedy[:1].lower()}{remedy[1:]}"
+    message = "the follower stays on the cam" if force[k] >= 0 else leaves
+    return at_least("LIFT_OFF", float(force[k]), 0.0, "N", f"{where} {math.degrees(float(theta[k])):.1f} deg", message)
 
 
 def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Floats) -> Loaded:

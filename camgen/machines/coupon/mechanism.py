@@ -13,10 +13,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, at_most
@@ -66,6 +66,14 @@ class Measured(Record):
     runs: float | None = None
     holds: float | None = None
     sizes: dict[str, Length | Annotated[tuple[Length, ...], Field(min_length=1, max_length=100)]] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sizes_below(cls, data: Any) -> Any:
+        stray = [key for key in data if " " in key or key == "disc"] if isinstance(data, dict) else []
+        if stray:
+            raise ValueError(f"below the line [measured.sizes]: {', '.join(stray)}")
+        return data
 
 
 class Limits(Record):

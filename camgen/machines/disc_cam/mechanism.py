@@ -22,7 +22,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import Fault
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
@@ -136,7 +136,7 @@ class DiscCamDrive(StandingCams):
 
     @cached_property
     def base_radius(self) -> float:
-        """The spec's, or the smallest that keeps to the allowed pressure angle and least radius."""
+        """The spec's, or the smallest that keeps to the allowed pressure angle and least radius, with room for its holes."""
         g, f = self.geometry, self.geometry.follower
         if g.base_radius is not None:
             return g.base_radius
@@ -156,8 +156,21 @@ class DiscCamDrive(StandingCams):
                 if f.shape == "flat"
                 else (max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm))
             )
+        held = self._room + radius
+        within = math.sqrt(max(0.0, held**2 - f.offset**2)) if f.motion == "translating" and f.shape != "flat" else held
+        low = min(max(low, within), high)
         size = smallest(make, math.radians(self.allowed.pressure_angle_deg), self.allowed.least_radius, low, high)
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
+
+    @property
+    def _room(self) -> float:
+        """Radius of the circle that holds the cam's shaft, its hub and a groove's pins, with walls, mm."""
+        p, sizes, wall = self.making, self.sizes, 2 * self.allowed.min_wall
+        shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.hole()[1]
+        pin = sizes.pin_diameter if self.standing else p.pin_diameter
+        pins = wall / 2 + 1.5 * pin if self.geometry.closure == "groove" else 0.0
+        hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
+        return max(shaft + pins, hub / 2) + wall
 
     def found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""
@@ -288,9 +301,10 @@ class DiscCamDrive(StandingCams):
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
         limits, f = self.allowed, self.geometry.follower
+        further = "an offset towards the rise" if f.motion == "translating" else "another arm or pivot_distance"
         allowed = Allowed(
             limits.pressure_angle_deg, limits.undercut, limits.least_radius,
-            "a larger base_radius, a longer span or an offset towards the rise",
+            f"a larger base_radius, a longer span or {further}",
             "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
         )  # fmt: skip
         findings, facets = [], None if self._clears_axle else self.accuracy.chord_tolerance
@@ -304,6 +318,13 @@ class DiscCamDrive(StandingCams):
         if self._loaded and self.geometry.closure == "force":
             findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
         return [*findings, *self._jumps()]
+
+    def unpressed(self) -> Sequence[NotJudged]:
+        """LIFT_OFF of a cam alone of whose follower nothing is said."""
+        if self._loaded or self.geometry.closure != "force":
+            return ()
+        why = "nothing says what the follower weighs and what presses it on its cam"
+        return (NotJudged("LIFT_OFF", why, "[load] and [spring]"),)
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and of cams alone what bore and hub leave of them."""

@@ -30,6 +30,7 @@ from camgen.machine.cams.machine import cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
+from camgen.machine.run import solve
 from camgen.machine.targets import advance
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
@@ -405,7 +406,7 @@ class IndexingCam(StandingCams):
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
         found = self.indexing.study(self.cams, asked)
         theta = self.indexing.fine
-        forces = self.solve(theta).forces()
+        forces = solve(self.model, theta).forces()
         pressing = forces.pressing["contact"]
         numbers |= dict(found.numbers)
         numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),

@@ -99,7 +99,7 @@ class StandingDriver:
             carried={_ARM: ARM}, feet=tuple((place, SCREWS[_THREAD].clearance) for place in self.feet), hangs=True,
         )  # fmt: skip
         found = laid(layout, self._run)
-        top = max(level + layout.beyond(point)[0] for point in ("pin",) for level, _ in found.on(point))
+        top = max(level + layout.beyond(point)[0] for point in ("pin",) for level, *_ in found.on(point))
         high, room = found.floor(top) + self.sizes.head - found.top(found.level[ARM]), self.sizes.shaft_length
         least = self.sizes.thickness + high + 2 * self.fits.slide_clearance + found.thickness(ARM)
         if room < least:

@@ -173,7 +173,7 @@ class StandingUnloader:
         s, pin = self.spring, self.sizes.pin_diameter
         free, shortest = s.guide - s.crank - s.stretch + pin, s.guide - s.crank + pin
         longest = s.farthest + pin
-        wire = extension_spring(s.stiffness, free, longest, _EYE * pin)
+        wire = extension_spring(s.stiffness, free, longest, _EYE * pin, self.sizes.hook)
         if wire is None:
             raise DesignError(
                 "springs of round wire for the unloader", 0, 1, "",

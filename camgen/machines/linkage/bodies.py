@@ -23,6 +23,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
+from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import (
@@ -99,7 +100,7 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][1]
+        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][2]
         return top if self.collar is None else top + self.collar.height
 
     @property
@@ -114,6 +115,7 @@ class Bodies:
         shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
         motors = [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
         if face is not None:
+            shaft += "" if face.flat else " (that of your motor is to be looked up: shaft_flat)"
             reach = self.shaft_reach
             frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
@@ -160,7 +162,7 @@ class Bodies:
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
         fixed = [point for point in layout.points_of(link) if point in layout.pivots and layout.pressed_in(point) == link]
-        return [f"pressed in here: {', '.join(fixed)}"] if fixed else []
+        return [f"{listed('hole', fixed)} for {'a pin' if len(fixed) == 1 else 'pins'} pressed in tight"] if fixed else []
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
@@ -213,7 +215,7 @@ class Bodies:
         yield from bearings(layout, point)
         for (_, under), (high, _) in (pair for stub in stubs(layout, point) for pair in pairwise(stub.held)):
             height, step = high - under - 2 * play, s.thickness + play
-            rings = round((height + play) / step) if s.of_sheet else 1  # of sheet one a level
+            rings = int((height + play) / step + 1e-9) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
                 ring_part = spacer("spacer", "Spacer", hole, wide, s.thickness if s.of_sheet else height, self.min_wall)

@@ -62,7 +62,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
     try:
         parts = disc_parts(made, [edge], wall, (2 * tip.radius + play, 2 * tip.radius), layout.min_wall)
     except DesignError as error:
-        raise named(error, name, "draw the follower further from the shaft") from None
+        raise named(error, name, "draw the follower further from the shaft; of a disc cam: a larger base_radius") from None
     if wall is None:
         yield parts[0], 0.0, 0j
         return

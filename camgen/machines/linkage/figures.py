@@ -13,9 +13,9 @@ from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
-from camgen.machine.closed_form import FourBar, four_bar
+from camgen.machine.closed_form import four_bar
 from camgen.machine.landmarks import double_points
-from camgen.machine.reach import transmission
+from camgen.machine.reach import four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, Through, time_ratio
 from camgen.machines.linkage.plates import steps
@@ -78,8 +78,9 @@ def study(linkage: Linkage) -> Study:
     tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
     tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
     notes = []
-    bar = four_bar_of(linkage.chain, linkage.drive.link)
-    if bar is not None:
+    lengths = four_bar_lengths(linkage.chain, linkage.drive.link)
+    if lengths is not None:
+        bar = four_bar(*lengths.values())
         numbers["grashof_margin_mm"] = bar.margin
         notes.append(f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
                      f"{bar.margin:.6g} mm.")  # fmt: skip
@@ -239,29 +240,6 @@ def paths(linkage: Linkage) -> tuple[Sketch, ...]:
         dot = float(np.ptp(np.array(through.places).real) + np.ptp(np.array(through.places).imag)) / 250
         found.append(Sketch(f"{name}: wanted", _within(through), [(z, max(dot, SAME_POINT)) for z in through.places]))
     return tuple(found)
-
-
-def four_bar_of(machine: m.Machine, driven: str) -> FourBar | None:
-    """The class of a machine that is a four-bar driven at a ground pivot; None where it is another."""
-    pins = [joint for joint in machine.joints if isinstance(joint, m.Pin)]
-    ground = [pin for pin in pins if m.GROUND in (pin.a.body, pin.b.body)]
-    if not len(machine.joints) == len(pins) == 4 or len(machine.moving) != 3 or len(ground) != 2:
-        return None
-
-    def on(pin: m.Pin, body: str) -> complex | None:
-        return next((place.at for place in (pin.a, pin.b) if place.body == body), None)
-
-    lengths: dict[str, float] = {}
-    for body in (m.GROUND, *(each.name for each in machine.moving)):
-        places = [at for pin in pins if (at := on(pin, body)) is not None]
-        if len(places) != 2:
-            return None
-        lengths[body] = abs(places[1] - places[0])
-    output = [p.body for pin in ground for p in (pin.a, pin.b) if p.body not in (m.GROUND, driven)]
-    if len(output) != 1:
-        return None
-    (coupler,) = set(lengths) - {m.GROUND, driven, output[0]}
-    return four_bar(lengths[m.GROUND], lengths[driven], lengths[coupler], lengths[output[0]])
 
 
 def _extreme_places(linkage: Linkage) -> tuple[list[tuple[object, ...]], dict[str, float]]:

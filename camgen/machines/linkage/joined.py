@@ -27,11 +27,13 @@ GROUND = m.GROUND
 
 @dataclass(frozen=True)
 class Stretched:
-    """A spring between a body's point and another's, body and point each; diameter: outside, mm. Pins hold its eyes."""
+    """A spring between a body's point and another's, body and point each; diameter: outside, wire: of it, mm. Pins hold its
+    eyes."""
 
     a: tuple[str, str]
     b: tuple[str, str]
     diameter: float
+    wire: float
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,8 @@ class Joined:
     the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
     link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
     on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
-    second: the plate over all, once levels are found; weights: counterweights on shafts;
+    second: the plate over all, once levels are found; weights: counterweights on shafts; tall: points of dowels that stand out
+    of their caps, for which there is a level more;
     stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm.
     """
 
@@ -110,6 +113,7 @@ class Joined:
     hangs: bool = False
     second: Second | None = None
     weights: Sequence[Wheel] = ()
+    tall: frozenset[str] = frozenset()
     stands: tuple[Stand, ...] = ()
     kept: tuple[tuple[complex, float], ...] = ()
 

@@ -89,7 +89,20 @@ class Layout(Joined):
 
     def below(self, spring: Stretched) -> int:
         """How many levels a spring takes under its own."""
-        return max(0, math.ceil((spring.diameter - self._least) / (self._least + self.fits.slide_clearance)))
+        needed = self._under_eye(spring) + (spring.diameter + spring.wire) / 2 + self.fits.slide_clearance
+        return max(0, math.ceil(needed / (self._least + self.fits.slide_clearance) - 1e-9) - 1)
+
+    def _under_eye(self, spring: Stretched) -> float:
+        """How far the eyes of a spring lie over the floor of its lowest level, mm: in the middle of its coils, which lie as low
+        as they can; of sheet on whole spacers."""
+        middle, step = (spring.diameter - spring.wire) / 2, self.sizes.thickness + self.fits.slide_clearance
+        return step * math.ceil(middle / step - 1e-9) if self.sizes.of_sheet else middle
+
+    def eye(self, name: str) -> tuple[float, float]:
+        """Underside and upper side of the eyes of a spring, mm."""
+        spring = self.springs[name]
+        low = round(self.floor(self.level[name] - self.below(spring)) + self._under_eye(spring), 9)
+        return low, round(low + spring.wire, 9)
 
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
@@ -101,7 +114,8 @@ class Layout(Joined):
             screw, least = self.sizes.shoulder, self._least
             step = least + self.fits.slide_clearance
             return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
-        return (0, 1) if point in self.hung else (1, 0)
+        taken = 1 + (point in self.tall)
+        return (0, taken) if point in self.hung else (taken, 0)
 
     def heads(self) -> list[Layout]:
         """It, and where one plate holds the ground's pins, it with their heads under that."""
@@ -336,17 +350,19 @@ class Layout(Joined):
             raise ValueError(f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}")
         return [*found, *self.springs]
 
-    def on(self, point: str) -> list[tuple[int, float]]:
-        """What sits on a pin or shaft, from below: level and top, mm; links, rollers, wheels, springs, a groove's back plate."""
+    def on(self, point: str) -> list[tuple[int, float, float]]:
+        """What sits on a pin or shaft, from below: level, underside and top, mm; links, rollers, wheels, a groove's back plate,
+        eyes of springs."""
         links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
         links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
-        found = {(self.level[name], self.floor(self.level[name]) + thick) for name, thick in links}
-        names = {tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point}
-        springs = {name for name in self.riders.get(point, ()) if name in self.springs}
-        levels = {self.level[name] for name in springs} | {level for name in names | springs for level in self._beneath(name)}
-        return sorted(found | {(level, self.top(level)) for level in levels})
+        floors = [(self.level[name], self.floor(self.level[name]), thick) for name, thick in links]
+        found = {(level, low, low + thick) for level, low, thick in floors}
+        grooves = [tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
+        found |= {(level, self.floor(level), self.top(level)) for name in grooves for level in self._beneath(name)}
+        found |= {(self.level[name], *self.eye(name)) for name in self.riders.get(point, ()) if name in self.springs}
+        return sorted(found)
 
     def _beneath(self, name: str) -> list[int]:
         """Levels that a groove's back plate or a spring takes under its own."""

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
 from camgen.errors import DesignError, Fault, listed
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding, NotJudged, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
@@ -43,18 +43,22 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
+from camgen.machines.linkage.spring_steps import with_springs
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
+from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.journals import Journal, Post
+from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
-from camgen.study import Study, together
+from camgen.study import Study, Table, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
@@ -167,7 +171,7 @@ class Linkage(Mechanism):
         """Springs between links; DesignError where one of them cannot be made."""
         if not self.springs:
             return ()
-        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making.pin_diameter)
+        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making)
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -253,8 +257,8 @@ class Linkage(Mechanism):
         return np.asarray(low + (high - low) * (1 - np.cos(phase)) / 2)
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad."""
-        return solve(self._whole, theta, order)
+        """The machine at theta, (n,) rad; its solids are made only for its forces."""
+        return solve(self._whole, theta, order, self.loaded)
 
     @cached_property
     def _whole(self) -> m.Machine:
@@ -406,7 +410,26 @@ class Linkage(Mechanism):
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
         found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
-        return [*found, *(finding for each in self.modules for finding in each.limits())]
+        return [*found, *self._pressed.findings, *(finding for each in self.modules for finding in each.limits())]
+
+    def unpressed(self) -> Sequence[NotJudged]:
+        """Its own, and those of what is included."""
+        return (*self._pressed.left, *(left for each in self.modules for left in each.mechanism.unpressed()))
+
+    @cached_property
+    def _pressed(self) -> Borne:
+        """What holds its own cams' followers; those of what is included are judged there."""
+        cams = by_force(self.chain)
+        if not cams or self.lacking() is not None:
+            return Borne()
+        programs = {Drawing.cam_name(cam): self._drawing.program_of(cam) for cam in self.cams}
+        kicked = [name for name, program in programs.items() if any(jump.order == 1 for jump in program.discontinuities(1))]
+        return pressed(pulled(self), cams, kicked, np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
+
+    def steps(self) -> Table:
+        """By height, springs before the heads of their pins."""
+        table = super().steps()
+        return with_springs(table, self.bodies.layout, self.mounts(), {}) if self.springs else table
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""

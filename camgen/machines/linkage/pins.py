@@ -24,10 +24,11 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
 from camgen.machines.linkage.stubs import Stub
 from camgen.machines.linkage.webs import keyed_pin
-from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel
+from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel, next_dowel
 from camgen.parts.hardware import headed, plate, spacer
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 
+_HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
 KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
 
 Placed = tuple[Part, Mount]
@@ -129,17 +130,45 @@ def _unsold(diameter: float, least: float, most: float, point: str) -> str:
 def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     """A dowel through so much, mm, and the cap on what stands out; DesignError where none of such a length is sold."""
     s = layout.sizes
-    length = dowel(s.pin_diameter, grip + s.thickness)
-    least = grip + max(layout.min_wall, s.head / 2)
-    if length < least:
+    length, least, most = _dowel_length(layout, grip)
+    if not least <= length <= most:
         remedy = f"change {s.thick_key} or parts.pin_diameter"
         remedy += ": thin dowels are sold shorter" if s.of_sheet else f', or make parts.pins.{point} "printed"'
-        said = _unsold(s.pin_diameter, least, grip + s.thickness, point)
+        said = _unsold(s.pin_diameter, least, most, point)
         raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy, said)
-    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in",)
+    out = round(length - grip - s.thickness, 2)
+    over = f", stands {out:g} mm out of its cap" if out > 0 else ""
+    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
     return steel, spacer("cap", "Cap of a pin", hole, wide, s.thickness if s.of_sheet else length - grip, layout.min_wall)
+
+
+def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
+    """Length of the dowel through so much, the least that holds its cap, and the most, mm: as thick a cap is printed as it is
+    long, one of sheet is filled by three quarters, or by the next longer one, which stands out by less than another sheet."""
+    s = layout.sizes
+    if not s.of_sheet:
+        return dowel(s.pin_diameter, grip + s.thickness), grip + max(layout.min_wall, s.head / 2), grip + s.thickness
+    least = grip + _HELD * s.thickness
+    length = dowel(s.pin_diameter, grip + s.thickness)
+    return length if length >= least else next_dowel(s.pin_diameter, least), least, grip + 2 * s.thickness
+
+
+def tall(layout: Layout) -> frozenset[str]:
+    """Points whose dowel stands out of its cap beyond the levels that are kept free for that."""
+    found, play = set(), layout.fits.slide_clearance
+    for point in layout.pivots.keys() - layout.carried.keys() - layout.under_plate:
+        if layout.kind(point) != "dowel" or layout.between_plates(point):
+            continue
+        (low, under, _), (high, _, top) = layout.on(point)[0], layout.on(point)[-1]
+        grip = top + play - under
+        beyond, levels = _dowel_length(layout, grip)[0] - grip, sum(layout.beyond(point))
+        room = levels * (layout.sizes.thickness + play)
+        room += under - layout.floor(low) if point in layout.hung else layout.top(high) - top
+        if beyond > room + 1e-9:
+            found.add(point)
+    return frozenset(found)
 
 
 def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float) -> Iterator[Placed]:

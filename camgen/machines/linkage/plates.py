@@ -147,7 +147,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     raised = (layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above)
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = [point for point in points if point not in layout.shafts and layout.cut(point) is not None]
-    notes = [f"pressed in here, heads down: {', '.join(hanging)}"] if hanging else []
+    notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
         SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
         notes=(f"screwed on {len(posts)} posts, over all", *notes), points=tuple(points.items()),

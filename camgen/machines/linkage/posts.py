@@ -1,6 +1,6 @@
 """Pins of a single link, on which a spring pulls or a roller turns: no joint of the model has them, yet they bend.
 
-A spring may slip as far out as there is room on its pin, a roller presses in its middle. A spring pulls a roller on its cam,
+A spring pulls by its eye, a roller presses in its middle. A spring pulls a roller on its cam,
 which pushes it back: of the two that bend one pin, against each other, the worse alone is taken.
 """
 
@@ -21,7 +21,7 @@ def posts(bodies: Bodies, pulls: Mapping[str, float], printed: str) -> Iterator[
     loads: dict[str, list[tuple[str, float, float]]] = {}
     for name, spring in layout.springs.items():
         for _, point in (spring.a, spring.b):
-            loads.setdefault(point, []).append((name, pulls[name], max(top for _, top in layout.on(point))))
+            loads.setdefault(point, []).append((name, pulls[name], layout.eye(name)[1]))
     for tip in (tip for tip in layout.tips if tip.rolls):
         floor = layout.floor(layout.level[tip.level])
         middle = floor + layout.wheel_thickness(tip.wheel.link) / 2

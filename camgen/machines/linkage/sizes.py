@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Annotated, Literal
+import math
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from camgen.errors import Fault
 from camgen.parts.catalogue import (
@@ -23,6 +24,7 @@ from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
+HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
 
 Name = Annotated[
     str,
@@ -91,6 +93,15 @@ class Parts(Record):
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _of_motor(cls, data: Any) -> Any:
+        """The shaft is the motor's, where nothing else is said."""
+        face = MOTOR_FACES.get(str(data.get("motor"))) if isinstance(data, Mapping) else None
+        if face is None:
+            return data
+        return {"shaft_diameter": face.shaft, **({"shaft_flat": face.flat} if face.flat else {}), **data}
+
     @property
     def shapes(self) -> dict[str, Shape]:
         """What is special to links, by their names."""
@@ -119,6 +130,14 @@ class Parts(Record):
     def shoulder(self) -> ShoulderScrew:
         """The thinnest shoulder screw that is as thick as a pin."""
         return next(screw for screw in SHOULDER_SCREWS if screw.diameter >= self.pin_diameter)
+
+    @property
+    def hook(self) -> float:
+        """Least length of a spring's hooks, inside, mm: its coils begin beside what holds their eyes on the pins."""
+        wide = self.pin_diameter / 2 + self.head
+        if "shoulder" in (self.pin, *self.pins.values()):
+            wide = max(wide, self.shoulder.diameter / 2 + self.head, self.shoulder.head / 2, self.shoulder.flats / math.sqrt(3))
+        return self.pin_diameter / 2 + wide + HOOK_ROOM
 
     @property
     def post_screw(self) -> Screw | None:
@@ -174,8 +193,12 @@ class Parts(Record):
             found.append(Fault("parts.set_screw", repr(self.set_screw), said))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
-                right = f"{self.face.shaft:g} mm, the shaft of {self.motor}"
+                right = f'{self.face.shaft:g} mm, the shaft of motor = "{self.motor}"; left out, it is'
                 found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
+            elif self.face.flat and self.shaft_flat != self.face.flat:
+                over = f"{self.face.shaft - self.face.flat:g} over its flat"
+                right = f'{self.face.flat:g} mm, the flat of the shaft of motor = "{self.motor}", {over}; left out, it is'
+                found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
             if self.base_thickness < self.pocket + 2 * nozzle:
                 right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))

@@ -17,6 +17,7 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.joined import Stretched
+from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
 from camgen.parts.springs import ExtensionSpring, extension_spring
 from camgen.spec import unknown
@@ -38,7 +39,7 @@ class Sprung:
     @property
     def stretched(self) -> Stretched:
         """What it takes up."""
-        return Stretched(*self.ends, self.spring.outside)
+        return Stretched(*self.ends, self.spring.outside, self.spring.wire)
 
     @property
     def figure(self) -> str:
@@ -83,12 +84,13 @@ def faults(
     return found
 
 
-def sprung(springs: Sequence[t.Spring], run: Run, pin: float) -> list[Sprung]:
-    """The springs in their machine; run: samples over the whole motion, pin: diameter, mm. DesignError where none can be made."""
-    return [_sprung(each, name, run, pin) for each, name in zip(springs, names(springs), strict=True)]
+def sprung(springs: Sequence[t.Spring], run: Run, sizes: Parts) -> list[Sprung]:
+    """The springs in their machine; run: samples over the whole motion. DesignError where none can be made."""
+    return [_sprung(each, name, run, sizes) for each, name in zip(springs, names(springs), strict=True)]
 
 
-def _sprung(spec: t.Spring, name: str, run: Run, pin: float) -> Sprung:
+def _sprung(spec: t.Spring, name: str, run: Run, sizes: Parts) -> Sprung:
+    pin = sizes.pin_diameter
     ends = tuple((_carrier(run.machine, point), point) for point in spec.between)
     places = [run.point(*end)[0] for end in ends]
     length = np.abs(places[1] - places[0])
@@ -100,7 +102,7 @@ def _sprung(spec: t.Spring, name: str, run: Run, pin: float) -> Sprung:
     if shortest < free - 1e-9:
         said = f"{where}: its points come as near as {shortest:.6g} mm, its free length is {free:.6g} mm, and it only pulls"
         raise DesignError("length", shortest, free, "mm", where, "ask for a shorter one, or for a preload", said)
-    found = extension_spring(spec.rate, free + pin, longest + pin, _EYE * pin)
+    found = extension_spring(spec.rate, free + pin, longest + pin, _EYE * pin, sizes.hook)
     if found is None:
         said = f"no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
         remedy = "ask for another rate or free length, draw its points further apart, or take thinner pins"

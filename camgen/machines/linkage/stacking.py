@@ -17,7 +17,7 @@ from camgen.machines.linkage.cures import bent, cured, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.pins import refuse
+from camgen.machines.linkage.pins import refuse, tall
 from camgen.machines.linkage.plates import columns, post_radius
 from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, levels, span
 
@@ -60,9 +60,18 @@ def laid(layout: Layout, run: Run) -> Layout:
 
 def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
     """The layout on fewest levels, by where the ground's pins have their heads; otherwise as `found_levels`."""
-    found = [(each, given) for each in layout.heads() if (given := found_levels(each, run, explain))]
-    best = min(found, key=lambda pair: max(pair[1].values()), default=None)
-    return None if best is None else replace(best[0], given=best[1])
+    found = [made for each in layout.heads() if (made := _with_dowels(each, run, explain))]
+    return min(found, key=lambda each: max(each.given.values()), default=None)
+
+
+def _with_dowels(layout: Layout, run: Run, explain: bool) -> Layout | None:
+    """The layout on its levels, with room for dowels that stand out of their caps; otherwise as `found_levels`."""
+    given = found_levels(layout, run, explain)
+    if not given:
+        return None
+    made = replace(layout, given=given)
+    more = tall(made) - layout.tall
+    return _with_dowels(replace(layout, tall=layout.tall | more), run, explain) if more else made
 
 
 @dataclass(frozen=True)

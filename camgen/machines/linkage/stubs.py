@@ -25,13 +25,13 @@ class Stub:
 def stubs(layout: Layout, point: str) -> list[Stub]:
     """Of a point, from below."""
     levels = layout.on(point)
-    held = [(layout.floor(level), top) for level, top in levels]
+    held = [(low, top) for _, low, top in levels]
     if layout.second is None or not layout.between_plates(point):
         return [Stub(held)]
     end, at = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness), layout.cut(point)
     if at is None:
         return [Stub([*held, end], far=True)]
-    low = [each for each, (level, _) in zip(held, levels, strict=True) if level <= at]
+    low = [each for each, (level, *_) in zip(held, levels, strict=True) if level <= at]
     high = held[len(low) :]
     found = [Stub(low)] if len(low) > 1 else []  # more than the plate
     return [*found, Stub([*high, end], far=True, hangs=True)] if high else found

@@ -44,7 +44,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     found = weighed(mechanism)
     machine, motor = found.machine, mechanism.drives
     held: list[Finding] = []
-    left: list[NotJudged] = []
+    left: list[NotJudged] = [*mechanism.unpressed()]
     needed = mechanism.shaft_needed
     if needed is not None:
         told = drive.reach(motor, mechanism.motor_frame, needed)

@@ -63,8 +63,8 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
     rate = np.abs(drive.law(theta, 1)) * abs(speed)
     if np.any(forces.locks):
         locked, turn = float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))), math.degrees(float(np.ptp(theta)))
-        said = "no torque turns it on there: friction of its joints grows with what it holds back; load.friction, a ball " \
-            "bearing, a steeper transmission angle"  # fmt: skip
+        said = "friction of its joints grows with what it holds back: no torque turns it on there, or one that loads them " \
+            "tenfold; a lower load.friction, a ball bearing, a steeper transmission angle"  # fmt: skip
         at = math.degrees(float(theta[int(np.argmax(forces.locks))]))
         borne.findings.append(at_most("SELF_LOCKING", min(locked, turn), 0.0, "deg", f"drive, from {at:.1f} deg", said))
     worst = int(np.argmax(np.abs(asked)))

@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region, circle
@@ -279,6 +279,12 @@ class UniformSwing(Mechanism):
             findings.append(keeps_contact(loaded, self._load))
         return findings
 
+    def unpressed(self) -> Sequence[NotJudged]:
+        """LIFT_OFF of force closure where nothing says what swings."""
+        if self._forces or self.geometry.closure != "force":
+            return ()
+        return (NotJudged("LIFT_OFF", "nothing says what the spring has to move", "nozzle.inertia_kg_m2"),)
+
     @property
     def shaft_needed(self) -> float | None:
         """To the clamp ring on the collet, or the top of the cams."""
@@ -407,8 +413,6 @@ class UniformSwing(Mechanism):
                 "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
                 "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
             )
-        if self.geometry.closure == "force" and not self._forces:
-            notes.append("Whether the spring keeps the tip on the cam is not judged: give nozzle.inertia_kg_m2.")
         if self.making.make == "machine":
             notes.append(self._machine.shaft_note)
             notes += self._machine.smaller

@@ -113,7 +113,9 @@ class SwingMachine:
     def shaft_size(self) -> str:
         """Diameter and length of the shaft."""
         if not self.plain:
-            return f"{self.bore:g} mm thick and to reach {self.shaft_length:g} mm over its face"
+            p = self.spec.making
+            flat = f", with a flat {p.flat_depth:g} deep," if p.shaft == "d-flat" else ""
+            return f"{self.bore:g} mm thick{flat} and to reach {self.shaft_length:g} mm over its face"
         return f"{self.bore:g} mm thick and to reach {self.shaft_needed:g} to {self.shaft_length:g} mm over its face"
 
     @cached_property

@@ -195,6 +195,8 @@ def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]
     base, frame, tip_radius, pin = spec.base, spec.frame, spec.geometry.tip_radius, spec.making.pin_diameter
     slide, press, min_wall, slit = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall, spec.collet.slit
     joined = spec.making.shaft == "plain" and spec.geometry.closure == "conjugate"  # pins must join its cams
+    cut, motor = spec.making, base.face
+    same = cut.shaft != "d-flat" or cut.bore != motor.shaft or not motor.flat or cut.flat_depth == motor.flat
     rollers = [d / 2 for d in DOWELS] if frame.tip == "pin" else [b.outside / 2 for b in (frame.bearing,) if b]
     thin = {
         "parts.pin_diameter": pin or min_wall, "frame.arm": frame.arm, "frame.axle": frame.axle,
@@ -202,6 +204,8 @@ def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]
     }  # fmt: skip
     return (
         *((size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm") for path, size in thin.items()),
+        (same, "parts.flat_depth", cut.flat_depth,
+         f"{motor.flat:g}, the flat of the shaft of base.motor = \"{base.motor}\", {motor.shaft - motor.flat:g} over its flat"),
         (pin > 0 or not joined, "parts.pin_diameter", pin, "more than 0: pins join the two cams on a plain shaft"),
         (slit >= spec.print.nozzle, "collet.slit", slit, f"at least the nozzle, {spec.print.nozzle:g} mm, or it closes in print"),
         (frame.tip == "plate" or tip_radius in rollers, "geometry.tip_radius", tip_radius,

@@ -61,7 +61,7 @@ def swing(load: FollowerLoad, friction: float = 0.0, speed: float = W, pair: boo
 def test_published_spring_case() -> None:
     made = published({"shape": "flat"})
     theta = np.linspace(0, 2 * math.pi, 36001)
-    forces = made.solve(theta).forces()
+    forces = solve(made.model, theta).forces()
     force = forces.contacts["contact"]
     np.testing.assert_allclose(forces.pressing["contact"], force, atol=1e-9)  # a flat face presses along its stem
     rise, fall = theta < math.radians(90), (theta > math.radians(135)) & (theta < math.radians(315))
@@ -84,7 +84,7 @@ def test_published_spring_case() -> None:
 def test_a_roller_presses_at_its_pressure_angle() -> None:
     made = published({"shape": "roller", "radius": 8.0, "offset": 6.0})
     theta = np.linspace(0.01, 6.2, 501)
-    forces = made.solve(theta).forces()
+    forces = solve(made.model, theta).forces()
     steep = made.cam.steepness(theta)
     np.testing.assert_allclose(forces.pressing["contact"] * np.cos(steep), forces.contacts["contact"], atol=1e-9)
     np.testing.assert_allclose(np.abs(forces.normals["guide"]), np.abs(forces.pressing["contact"]) * np.sin(steep), atol=1e-9)

@@ -1,0 +1,41 @@
+"""When springs come on their pins as a machine goes together: before what is wider than their eyes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from camgen.machine.features import Mount
+from camgen.machines.linkage.layout import Layout
+from camgen.study import Table
+from camgen.tolerances import SAME_POINT
+
+
+def with_springs(table: Table, layout: Layout, mounts: Sequence[Mount], titles: Mapping[str, str]) -> Table:
+    """Steps of assembly with those of the springs, each before the first head or cap over its eyes; titles: of springs."""
+    rows = list(zip(table.rows, table.copies or [()] * len(table.rows), strict=True))
+    for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
+        points = [point for _, point in (spring.a, spring.b)]
+        over = [copy for point in points for copy in _heads(layout, mounts, point)]
+        where = f"points {' and '.join(points)}"
+        said = f"eyes on the pins at {where}, before their caps: over these they do not go"
+        if not any(copy.startswith("cap") for copy in over):
+            said = f"eyes over the holes at {where}: the pins go in through them, for their heads are wider"
+        first = next((k for k, (_, laid) in enumerate(rows) if set(over) & set(laid)), len(rows))
+        title = titles.get(name, "Extension spring" if name == "spring" else f"Extension spring {name}")
+        step = (0, "extension spring", f"{title}, {said}", "", 1, layout.eye(name)[0], "as bought")
+        rows.insert(first, (step, ()))
+    numbered = [(count, *row[1:]) for count, (row, _) in enumerate(rows, 1)]
+    return replace(table, rows=tuple(numbered), copies=tuple(laid for _, laid in rows))
+
+
+def _heads(layout: Layout, mounts: Sequence[Mount], point: str) -> list[str]:
+    """Copies of a pin with a head on top, or of caps, at a point."""
+    link, number, found = layout.pressed_in(point), Counter[str](), []
+    for mount in mounts:
+        number[mount.part] += 1
+        there = mount.body == layout.carrier(link) and abs(mount.at - layout.at(link, point)) < SAME_POINT
+        if there and (mount.part.startswith("cap-") or mount.part.startswith("pin-") and mount.flipped):
+            found.append(f"{mount.part}-{number[mount.part]}")
+    return found

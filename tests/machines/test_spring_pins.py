@@ -1,0 +1,83 @@
+"""What sits on a pin under the eye of a spring has no room to climb off what it runs on: by heights of the assembly."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import pytest
+
+import camgen
+from camgen.machines.mechanism import Mechanism
+
+DISC = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}, {"kind": "return", "span_deg": 180, "law": "cycloidal"}
+
+
+def bench(**tables: Any) -> Mechanism:
+    """A cam under the roller of an arm."""
+    segments = [{**DISC[0], "lift": 12}, {**DISC[1], "to": 0}]
+    follower = {"motion": "oscillating", "shape": "roller", "radius": 5, "pivot_distance": 60, "arm": 50}
+    return camgen.load({
+        "mechanism": "disc-cam", "name": "own", "geometry": {"closure": "force", "follower": follower}, "segment": segments,
+        "motor": {"speed_rpm": 60}, "parts": {"make": "machine"}, "limits": {"pressure_angle_deg": 45}, **tables,
+    })  # fmt: skip
+
+
+def own_linkage() -> Mechanism:
+    """A rocker on a disc, its roller's pin drawn to the ground."""
+    segments = [{**each, "lift_deg": 20} for each in DISC]
+    return camgen.load({
+        "mechanism": "linkage", "name": "own", "drive": {"link": "disc", "speed_rpm": 60},
+        "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35], "S": [-60, -20]},
+        "links": {"ground": ["O", "C", "S"], "disc": ["O"], "rocker": ["C", "T"]},
+        "cam": [{"cam": "disc", "follower": "rocker", "at": "T", "radius": 5, "segment": segments}],
+        "spring": [{"between": ["T", "S"], "rate": 0.2, "preload": 6.0}], "output": [{"name": "a", "link": "rocker"}],
+    })  # fmt: skip
+
+
+def spans(machine: Mechanism, body: str, at: complex) -> dict[str, list[tuple[float, float]]]:
+    """Heights of the rollers and spacers there, by the kind of part; "head": underside and top of a pin's head or its cap."""
+    parts, found = {part.name: part for part in machine.parts()}, dict[str, list[tuple[float, float]]]()
+    for mount in machine.mounts():
+        part, kind = parts[mount.part], mount.part.partition("-")[0]
+        if mount.body != body or abs(mount.at - at) > 1e-9 or kind not in ("roller", "spacer", "pin", "cap"):
+            continue
+        low, high = mount.z, mount.z + part.thickness
+        if kind == "pin" and mount.flipped:
+            found["head"] = [(high - part.layers[0].z1, high)]
+        found.setdefault("head" if kind == "cap" else kind, []).append((low, high))
+    return found
+
+
+@pytest.mark.parametrize(
+    "machine",
+    [bench(), bench(bodies={"pin": "dowel"}), bench(bodies={"make": "laser"}, laser={"thickness": 3.0}), own_linkage()],
+    ids=["printed", "dowel", "laser", "linkage"],
+)
+def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) -> None:
+    """Up to the head spacers fill it, but for the wire of the eye and plays."""
+    (roller,) = (mount for mount in machine.mounts() if mount.part.startswith("roller"))
+    (cam,) = (mount for mount in machine.mounts() if mount.part.startswith("cam-"))
+    stack = spans(machine, roller.body, roller.at)
+    ((low, top),), ((head, _),) = stack["roller"], stack["head"]
+    assert low == pytest.approx(cam.z)
+    ends = [top, *(z for span in sorted(stack["spacer"]) for z in span), head]
+    assert len(ends) > 2 and ends == sorted(ends)
+    room = sum(high - under for under, high in zip(ends[::2], ends[1::2], strict=True))
+    assert room < (top - low) / 2, "with or without the spring's eye it stays on"
+
+
+@pytest.mark.parametrize("machine", [bench(), bench(bodies={"pin": "dowel"}), own_linkage()], ids=["bench", "dowel", "linkage"])
+def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: Mechanism) -> None:
+    """Its eyes are 1.1 pins wide, the heads of a pin of 5 are 8: what of pins and caps ends above the eyes comes later."""
+    table, parts, number = machine.steps(), {part.name: part for part in machine.parts()}, Counter[str]()
+    (step,) = (k for k, row in enumerate(table.rows) if row[1] == "extension spring")
+    eye, over = float(str(table.rows[step][5])), set()
+    for mount in machine.mounts():
+        number[mount.part] += 1
+        headed = mount.part.startswith("cap") or mount.part.startswith("pin") and mount.flipped
+        if headed and mount.z + parts[mount.part].thickness > eye:
+            over.add(f"{mount.part}-{number[mount.part]}")
+    before = {copy for laid in table.copies[:step] for copy in laid}
+    assert len(over) == 2 and not over & before and over <= {copy for laid in table.copies[step:] for copy in laid}
+    assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))
