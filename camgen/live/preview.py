@@ -24,7 +24,7 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     began = time.perf_counter()
     try:
         mechanism = changed(data, source, folder, settings)
-        findings, study = mechanism.forecast(), Study() if quick else mechanism.study()
+        findings, study = mechanism.limits(), Study() if quick else mechanism.study()
         shown = animation(mechanism, study.sketches)
     except SpecError as error:
         return told("no valid spec", [str(fault) for fault in error.faults])
