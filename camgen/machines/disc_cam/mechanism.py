@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import Fault
-from camgen.findings import Finding, NotJudged, at_most
+from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
@@ -317,13 +317,6 @@ class DiscCamDrive(StandingCams):
         if self._loaded and self.geometry.closure == "force":
             findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
         return [*findings, *self._jumps()]
-
-    def unpressed(self) -> Sequence[NotJudged]:
-        """LIFT_OFF of a cam alone of whose follower nothing is said."""
-        if self._loaded or self.geometry.closure != "force":
-            return ()
-        why = "nothing says what the follower weighs and what presses it on its cam"
-        return (NotJudged("LIFT_OFF", why, "[load] and [spring]"),)
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and of cams alone what bore and hub leave of them."""
