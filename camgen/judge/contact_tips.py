@@ -32,6 +32,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -219,7 +220,7 @@ def _cut(e: _Elements, cuts: tuple[Ints, Floats]) -> _Elements:
     return e.take(plain).join(pieces.take(np.flatnonzero(pieces.start != pieces.end)))  # cuts beside each other may be one
 
 
-class _RoundTip:
+class _RoundTip(ABC):
     """What a tip on an arm and one on a slide share."""
 
     inside: bool
@@ -228,9 +229,9 @@ class _RoundTip:
     def _sign(self) -> int:
         return -1 if self.inside else 1
 
+    @abstractmethod
     def _bearing(self, r: Floats) -> Floats:
         """arg c of the tip centre at distance r from the origin."""
-        raise NotImplementedError
 
     def _pieces(self, whole: _Elements, cuts: tuple[Ints, Floats]) -> tuple[_Elements, Floats, Floats, Floats]:
         """The elements cut; of each piece least cam angle and width, rad, and how far its middle is from the origin, mm."""
