@@ -159,7 +159,7 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
         said += [f"  {folder / name}" for name in names]
     plates = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-plate(-\d+)?\.3mf", name)]
     if "report.html" in names:
-        moves = report.animation is not None and report.animation.moves
+        moves = "motion.csv" in names  # a coupon's does not
         said.append(f"open {folder / 'report.html'} in a browser to see it{' move' if moves else ''}")
     if plates:
         said.append(f"print {folder / _first_and_rest(sorted(plates, key=lambda name: (len(name), name)))}")

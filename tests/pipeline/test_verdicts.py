@@ -145,7 +145,8 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
     told = capsys.readouterr().out
     assert re.search(r"^INTERFERENCE .* not judged *$", told, re.M)  # in the table
     last, place, see = told.splitlines()[-3:]
-    assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ") and str(tmp_path) in see
+    assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ")
+    assert str(tmp_path) in see and see.endswith("to see it move")
     assert told.count("BED_FIT") == 2  # once in the table, once in the verdict
     assert last == f"uniform-swing: all {len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
         "BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP); "
