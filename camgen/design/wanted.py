@@ -37,7 +37,7 @@ class PathWish(Record):
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
     transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least between two links at a pin")
-    effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how often the best chains are searched again")
+    effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how long the best designs are bettered")
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
 
     @property
