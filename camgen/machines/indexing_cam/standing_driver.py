@@ -20,6 +20,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.machine.balancing import together
 from camgen.machine.features import Eye, Faces, Feature, Mount, StandIn
 from camgen.machine.model import GROUND, Body, Machine
 from camgen.machine.run import Run, solve
@@ -69,7 +70,7 @@ class StandingDriver:
     def joined(self, machine: Machine) -> Machine:
         """That machine, with masses and fits, and these bodies as they are made."""
         own = self.bodies.weighed(self.density, ())
-        bodies = [_together(body, own.body(ARM)) if body.name == ARM else body for body in machine.bodies]
+        bodies = [together(body, own.body(ARM)) if body.name == ARM else body for body in machine.bodies]
         bodies.append(own.body(CRANK))
         return replace(machine, bodies=tuple(bodies), joints=(*own.joints, *machine.joints), drives=self.whole.drives)
 
@@ -198,14 +199,6 @@ class StandingDriver:
         screw, grip = SCREWS[_THREAD], -self._low
         size = f"{_THREAD} x {screw.length(grip, self.sizes.base_thickness):g}"
         return [*(each for each in drive if "plate" not in each.name), Bought("screw of a post", screw.standard, size, _POSTS)]
-
-
-def _together(one: Body, other: Body) -> Body:
-    """A body of two that are fixed on each other."""
-    mass = one.mass + other.mass
-    centre = (one.mass * one.centre + other.mass * other.centre) / mass
-    inertia = sum(each.inertia + each.mass * abs((each.centre - centre) * 1e-3) ** 2 for each in (one, other))
-    return replace(one, mass=mass, centre=centre, inertia=inertia)
 
 
 def room(sizes: Parts, fits: Print, crank: float, offset: float) -> float:
