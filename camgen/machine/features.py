@@ -271,6 +271,12 @@ class PartPose(Pose):
     z: float = 0.0
 
 
+def heights(stands: Mount | PartPose, part: float, low: float, high: float) -> tuple[float, float]:
+    """From where to where in the assembly what reaches from low to high in a part as drawn does, mm; part: its thickness."""
+    low, high = (part - high, part - low) if stands.flipped else (low, high)
+    return stands.z + low, stands.z + high
+
+
 @dataclass(frozen=True)
 class Asked:
     """What is asked of an output beside its motion.

@@ -38,6 +38,7 @@ from camgen.machine.features import (
     PartPose,
     StandIn,
     Strand,
+    heights,
 )
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
@@ -313,8 +314,7 @@ class Mechanism(Spec, ABC):
         mount = [mount for mount in self.mounts() if mount.part == cam.part][cam.copy]
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         layer = part.layers[part.cut]
-        low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if mount.flipped else (layer.z0, layer.z1)
-        disc = (tip.at, tip.diameter / 2, mount.z + low, mount.z + high)
+        disc = (tip.at, tip.diameter / 2, *heights(mount, part.thickness, layer.z0, layer.z1))
         return StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
 
     def moved(self) -> Moved:
