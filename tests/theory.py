@@ -87,7 +87,8 @@ class Picture:
             anchor, gap = ("start", 4) if beside.real > 0 else ("end", -4)
             return (
                 f'<path class="thin" d="M{_xy(z)}L{_xy(end)}"/><circle class="dot" cx="{z.real:.1f}" cy="{z.imag:.1f}" r="1.8"/>'
-                f'<text class="small" style="text-anchor:{anchor}" x="{end.real + gap:.1f}" y="{end.imag:.1f}">{escape(text)}</text>'
+                f'<text class="small" style="text-anchor:{anchor}" x="{end.real + gap:.1f}" y="{end.imag:.1f}">'
+                f"{escape(text)}</text>"
             )
 
         self.drawn.append(drawn)

@@ -191,7 +191,7 @@ class Linkage(Mechanism):
             law = Programmed(program, chain.start[self.drive.link].angle)
             reach = law.reach
         if reach is None:
-            refuse_partial(chain)
+            refuse_partial(chain, self.allowed.transmission_angle_deg)
         else:
             refuse_range(chain, self.drive, *reach)
         refuse_folds(chain, *(reach or (0.0, math.tau)))

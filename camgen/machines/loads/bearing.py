@@ -101,7 +101,7 @@ def plain_bearings(
 def bent_posts(
     forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid, fast: bool = False
 ) -> Borne:
-    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most; fast: inertia alone loads the machine."""
+    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most; fast: inertia alone loads them."""
     worst: dict[str, Bent] = {}
     for post in posts:
         pressed = forces.pressing.get(post.by)
