@@ -103,7 +103,7 @@ def _summary(samples: int, numbers: Mapping[str, float]) -> str:
     return f"Least yield: {yields[least]:.3g} % of copies {what}{sure}"
 
 
-def wilson(holds: NDArray[np.bool_]) -> tuple[float, float]:
+def wilson(holds: Floats | NDArray[np.bool_]) -> tuple[float, float]:
     """Interval of 95 % of the share of all copies that would hold, by those that were looked at, (n,), in %.
 
     The score interval of E. B. Wilson (1927).
@@ -114,7 +114,7 @@ def wilson(holds: NDArray[np.bool_]) -> tuple[float, float]:
     return max(low, 0.0), min(high, 100.0)
 
 
-def _sure(holds: NDArray[np.bool_]) -> str:
+def _sure(holds: Floats | NDArray[np.bool_]) -> str:
     return "{:.3g} to {:.3g}".format(*wilson(holds))
 
 
