@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from camgen.errors import DesignError, SpecError
-from camgen.machine.model import Path as PathOf
-from camgen.machines.mechanism import Mechanism
-from camgen.pipeline.curves import Curves
+from camgen.pipeline.curves import as_designed
 from camgen.pipeline.jobs import changed
 from camgen.pipeline.shown import animation
 from camgen.report.page import to_html
 from camgen.report.report import Report
 from camgen.spec import Data
-from camgen.study import Plot, Study
+from camgen.study import Study
 
 
 def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quick: bool = False) -> dict[str, Any]:
@@ -31,7 +26,7 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     try:
         mechanism = changed(data, source, folder, settings)
         findings, study = mechanism.limits(), Study() if quick else mechanism.study()
-        plots = [] if quick else [*motion(mechanism), *study.plots]
+        plots = [] if quick else [*as_designed(mechanism), *study.plots]
         shown = animation(mechanism, study.sketches)
     except SpecError as error:
         return told("no valid spec", [str(fault) for fault in error.faults])
@@ -43,19 +38,6 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     )
     page = to_html(report)
     return {"ok": report.ok, "verdict": report.verdict, "errors": [], "page": page, "s": time.perf_counter() - began}
-
-
-def motion(mechanism: Mechanism) -> list[Plot]:
-    """Each output that is one number, and its speed, as designed."""
-    outputs = [output for output in mechanism.model.outputs if not isinstance(output.of, PathOf)]
-    theta = np.linspace(*mechanism.range, 1441)
-    run = mechanism.solve(theta, 1)
-    found = []
-    for output in outputs:
-        curve = Curves(output, theta, len(outputs) == 1)
-        curve.want(*run.derivatives(output.name))
-        found += [replace(plot, x_label=f"{mechanism.angle_name}, deg") for plot in curve.plots()]
-    return found
 
 
 def told(verdict: str, errors: Sequence[str]) -> dict[str, Any]:
