@@ -40,6 +40,7 @@ from camgen.machine.features import (
     Strand,
     heights,
 )
+from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
 from camgen.machines.assembly import order
@@ -343,7 +344,11 @@ class Mechanism(Spec, ABC):
 
     def steps(self) -> Table:
         """In which order it goes together, and where: unless a machine says more, by height."""
-        return order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features())
+        return self.sprung_steps(order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features()))
+
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """Steps of assembly with those of its springs; module: how it stands in the machine whose steps they are."""
+        return table
 
     def idle(self) -> Sequence[str]:
         """Keys that were set and say nothing of this machine, dotted."""
