@@ -30,7 +30,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, changed, end_with_parent, prepare, read_tables, silent
+from camgen.pipeline.jobs import Progress, Template, changed, end_with_parent, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import write_page
@@ -77,13 +77,9 @@ class Task:
 
 def judged(task: Task, numbers: Sequence[int]) -> list[Row]:
     """A row of each variant: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
-    made: list[Mechanism | CamgenError] = []
     values = [task.variants.values(number) for number in numbers]
-    for each in values:
-        try:
-            made.append(changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.set_to(each)]))
-        except (SpecError, DesignError) as error:
-            made.append(error)
+    template = Template(dict(task.data), task.source, task.folder, task.settings)
+    made = template.variants(map(task.variants.set_to, values))
     if not task.build:
         prepare(made)
     return [_row(task, *each) for each in zip(numbers, values, made, strict=True)]
