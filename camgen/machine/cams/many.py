@@ -14,18 +14,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from camgen.machine.cams.followers import FlatFace, Motion, RoundTip
-from camgen.machine.cams.profile import DiscCam, sharpness, steepness, touched
+from camgen.machine.cams.profile import DiscCam, sharpness, steepness, still, touched
 from camgen.numerics import Floats, Indices, gauss_legendre
 
 _BLOCK = 256  # cams whose arrays stay in the processor's cache
-_PANELS = 8  # of a stretch, with 16 nodes each
+_PANELS = 8  # of a stretch, each with as many nodes as these
+_GAUSS = gauss_legendre(16)
 _BESIDE = 1e-9  # of a segment, from the end of a stretch to its first node
 _SHARE = 1e-2  # of a figure's range, by which a lower peak may be the highest when looked at closely
 _ZOOM, _TIMES = 9, 9  # places between two neighbours, and how often: to 4^-9 of a node's distance
@@ -35,8 +36,8 @@ _PLAIN = 0.02  # least sine between the profile and its radius, and least share 
 
 @dataclass(frozen=True)
 class Seen:
-    """Of one cam: pressure angle, deg; least radius, length, farthest point, between where and where a face is touched, mm;
-    area, mm^2.
+    """Of one cam: pressure angle, deg; least radius, length, farthest and nearest point, between where and where a face is
+    touched, mm; area, mm^2.
     """
 
     steepest: float
@@ -44,6 +45,7 @@ class Seen:
     length: float
     area: float
     farthest: float
+    nearest: float
     face_from: float
     face_to: float
 
@@ -124,7 +126,7 @@ class _Kin:
 
     @cached_property
     def _stretches(self) -> list[_Stretch]:
-        nodes, weights = gauss_legendre(16)
+        nodes, weights = _GAUSS
         found = []
         for k, segment in enumerate(self.cams[0].program.segments):
             if not segment.scale:
@@ -162,7 +164,9 @@ class _Kin:
         ends = (-self._peak(_nearer, courses), self._peak(touched, courses)) if flat else (np.zeros(count), np.zeros(count))
         rounded = flat or bool(np.any(follower.tip_radius))
         plain = (sine > _PLAIN) & (clear > _PLAIN * farthest) & ((least > 0) | (not rounded))
-        rows = np.stack([steepest, least, length, area, farthest, *ends]).T
+        lifts = np.array([cam.program.extremes for cam in self.cams]).T[..., None]
+        nearest = np.min([follower.clear(_GROUND, partial(still, lift)) for lift in lifts], axis=0)[:, 0]
+        rows = np.stack([steepest, least, length, area, farthest, nearest, *ends]).T
         plain &= ~np.isnan(rows).any(axis=1)
         return [Seen(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)]
 
