@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +12,7 @@ from camgen.design.chains import Chain
 from camgen.design.paths import Found
 from camgen.design.weighed import Weighed, rounded_up
 from camgen.numerics import Points
+from camgen.records import dataclass
 from camgen.report.sketches import Drawn
 from camgen.spec import Data
 

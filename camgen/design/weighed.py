@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from camgen.errors import CamgenError
 from camgen.machine.model import unit_of
+from camgen.records import dataclass
 from camgen.spec import Data
 
 if TYPE_CHECKING:

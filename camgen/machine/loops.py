@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 import weakref
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,7 @@ from camgen.machine.model import GROUND, Along, Angle, Clutch, Machine, Output, 
 from camgen.machine.newton import Block, Known, Vectors, relation_jet
 from camgen.machine.order import NO_LEVER, Groups, Key, Relation, components, group_bodies, places, relations
 from camgen.numerics import Floats, Points
+from camgen.records import dataclass
 
 # Angles a turn at which an angle is followed, so that it is continuous at any others.
 FOLLOWED = 720

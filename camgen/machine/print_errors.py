@@ -11,7 +11,6 @@ along its normal for a unit of s is the lever. What is then left at the second c
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from camgen.machine.constraints import Constraints, solved
 from camgen.machine.model import Cam, Pin, Slide, Slot
 from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
+from camgen.records import dataclass
 
 _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
 WAVES = (2, 3, 4)  # orders of the form error; the first is a bore off its centre

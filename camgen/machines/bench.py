@@ -11,7 +11,7 @@ import cmath
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, NoReturn, Protocol
 
@@ -35,6 +35,7 @@ from camgen.machines.linkage.troughs import open_rails
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
+from camgen.records import dataclass
 from camgen.spec import Print
 
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from camgen.machine.features import PartPose, PinEyes
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import STEEL
 from camgen.parts.part import Layer, Part
+from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _ONE_AXIS = 1e-5  # mm, what closing the joints leaves of it
