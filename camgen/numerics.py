@@ -192,6 +192,14 @@ def sign_changes(f: Callable[[Floats], Floats], grid: Floats, slope: Callable[[F
     return roots(both, grid[found], grid[found + 1])
 
 
+def halved(fits: Callable[[float], bool], low: float, high: float, steps: int = _STEPS) -> float:
+    """The least that fits, between what does not and what does, by bisection."""
+    for _ in range(steps):
+        middle = (low + high) / 2
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
+
+
 def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int = _STEPS) -> Floats:
     """Where functions are greatest, each between its low and high, (n,), with one crest there; golden section.
 

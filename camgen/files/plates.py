@@ -148,7 +148,7 @@ def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
     cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
     hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
     sides = np.diff(hull)
-    tried = _framed(hull, -np.angle(sides[np.abs(sides) > 0]))
+    tried = _framed(hull, -np.angle(sides[np.abs(sides) > 0]) if np.any(sides) else np.zeros(1))
     best = min(tried, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
     if _fits(best, bed):
         return best

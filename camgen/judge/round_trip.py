@@ -246,6 +246,9 @@ def _judge_sections(
             off, remark = math.nan, f"{found} contours instead of {count}"
             break
         here = _section_error(shapes, meant.shapes, expected, place, eyes)
+        if math.isinf(here):
+            off, remark = math.nan, "a piece has the holes of another one"
+            break
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
     if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):

@@ -38,7 +38,9 @@ from camgen.machine.features import (
     PartPose,
     StandIn,
     Strand,
+    heights,
 )
+from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
 from camgen.machines.assembly import order
@@ -319,8 +321,7 @@ class Mechanism(Spec, ABC):
         mount = [mount for mount in self.mounts() if mount.part == cam.part][cam.copy]
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         layer = part.layers[part.cut]
-        low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if mount.flipped else (layer.z0, layer.z1)
-        disc = (tip.at, tip.diameter / 2, mount.z + low, mount.z + high)
+        disc = (tip.at, tip.diameter / 2, *heights(mount, part.thickness, layer.z0, layer.z1))
         return StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
 
     def moved(self) -> Moved:
@@ -343,7 +344,11 @@ class Mechanism(Spec, ABC):
 
     def steps(self) -> Table:
         """In which order it goes together, and where: unless a machine says more, by height."""
-        return order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features())
+        return self.sprung_steps(order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features()))
+
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """Steps of assembly with those of its springs; module: how it stands in the machine whose steps they are."""
+        return table
 
     def idle(self) -> Sequence[str]:
         """Keys that were set and say nothing of this machine, dotted."""

@@ -78,7 +78,7 @@ def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
     return follower.place(motion(theta, 0), point)
 
 
-def _still(s: float, theta: Any, order: int) -> Floats:
+def still(s: Any, theta: Any, order: int) -> Floats:
     """The motion of a follower that stands at s."""
     return np.asarray(0.0 if order else s)
 
@@ -97,7 +97,7 @@ class DiscCam(Generic[F]):
     @cached_property
     def nearest(self) -> float:
         """Distance of the profile from the axis, mm, below 0 where the axis is cut away: what stands nearest cuts deepest."""
-        low, high = (self.cutter.clear(0.0, partial(_still, end)) for end in self.program.extremes)
+        low, high = (self.cutter.clear(0.0, partial(still, end)) for end in self.program.extremes)
         return float(min(low, high))
 
     @cached_property

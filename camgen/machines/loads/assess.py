@@ -16,7 +16,7 @@ from camgen.machines import pairs
 from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
-from camgen.machines.loads.rubbing import rough
+from camgen.machines.loads.rubbing import freed, rough
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.records import dataclass
 from camgen.study import Study, Table, together
@@ -64,7 +64,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     parts = {part.name: part for part in mechanism.parts()}
     plain = bearing.plain_bearings(run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
-    turned, more = drive.driven(run, forces, motor)
+    turned, more = drive.driven(run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta))
     shaken = np.abs(forces.shaking)
     numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
     numbers |= {f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(np.nanmax(np.abs(load), initial=0.0))
@@ -74,7 +74,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     if mechanism.arm_stiffness:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
-    posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
+    posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger, not machine.loads)
     paired = pairs.told(forces, machine, outlines)
     left += paired.left
     if mechanism.spring_asked is not None and mechanism.return_spring is None:

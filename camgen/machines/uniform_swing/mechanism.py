@@ -164,7 +164,7 @@ class UniformSwing(Mechanism):
         """The cam as made."""
         p, outline = self.making, self.cam.outline
         rim = self._rim
-        bore, reach = p.hole()
+        bore, reach = p.hole(), p.reach
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
             said = "the bore leaves the cam: use a smaller one"
@@ -200,7 +200,7 @@ class UniformSwing(Mechanism):
         p = self.making
         if p.make == "machine" and p.pin_diameter:
             return self.room.pins(self._rim, p.pin_diameter, p.wall)
-        return place_pins(self._rim, self.making.hole()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
+        return place_pins(self._rim, self.making.reach, p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
 
     @cached_property
     def room(self) -> Room:

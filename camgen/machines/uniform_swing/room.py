@@ -100,7 +100,7 @@ class Room:
     def __init__(self, spec: UniformSwing) -> None:
         g, p = spec.geometry, spec.making
         self.pivot, self.offset, self.swing, self.tip = g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius
-        self.bore, self.reach, self.plain, self.pair = p.bore, p.hole()[1], p.shaft == "plain", g.closure == "conjugate"
+        self.bore, self.reach, self.plain, self.pair = p.bore, p.reach, p.shaft == "plain", g.closure == "conjugate"
         self.slide, self.press, self.min_wall = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall
         self.motor, self.frame, self.collet = spec.base.face.half, spec.frame, spec.collet
 
