@@ -12,6 +12,7 @@ import numpy as np
 from camgen.errors import CamgenError
 from camgen.machine.model import unit_of
 from camgen.reading import Data
+from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism

@@ -24,6 +24,7 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
+from camgen.records import dataclass
 from camgen.study import Plot, Table
 
 WHEEL = "drive-wheel"
