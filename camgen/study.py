@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from camgen.numerics import Floats, Points
+from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

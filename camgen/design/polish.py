@@ -10,13 +10,14 @@ point distance 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from camgen.design.chains import Chain
 from camgen.design.target import Flags, Near, Target
 from camgen.numerics import Floats, Points
+from camgen.records import dataclass
 
 _STEPS = 128  # angles of a turn
 _ROUNDS = 14

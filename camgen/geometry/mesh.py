@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from camgen.errors import counted
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import product
+from camgen.records import dataclass
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
 
 

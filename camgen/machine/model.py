@@ -15,13 +15,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
+from camgen.records import dataclass
 
 Law = Callable[[Floats, int], Floats]
 # Where a cam is touched at its angles, (n,) rad: place, complex mm, and unit normal into the follower, in the cam's frame.
@@ -405,8 +406,7 @@ class Machine:
         loads = [load for load in self.loads if not isinstance(load, Gravity)]
         for named in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
             names = [each.name for each in named]
-            twice = {name for name in names if names.count(name) > 1}
-            if twice:
+            if twice := {name for name in names if names.count(name) > 1}:
                 raise ValueError(f"named twice: {', '.join(sorted(twice))}")
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
         for each in (*self.joints, *self.drives, *loads, *self.outputs):

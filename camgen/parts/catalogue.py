@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
 from typing import Any
+
+from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ and its speed without load, between which its torque falls in a straight line.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

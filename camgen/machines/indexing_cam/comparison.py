@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +23,7 @@ from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
+from camgen.records import dataclass
 from camgen.study import Table
 
 if TYPE_CHECKING:
