@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import asdict
-
-from camgen.records import dataclass
+from dataclasses import asdict, dataclass
 
 
 @dataclass(frozen=True)

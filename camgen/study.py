@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

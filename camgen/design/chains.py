@@ -12,12 +12,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +25,6 @@ from camgen.design.weighed import Weighed, rounded_up
 from camgen.errors import DesignError
 from camgen.numerics import Floats, solve
 from camgen.reading import Data
-from camgen.records import dataclass
 from camgen.report.sketches import Drawn
 
 ROCKER, CRANK = "rocker", "crank"

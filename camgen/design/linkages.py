@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +14,6 @@ from camgen.design.paths import Found
 from camgen.design.weighed import Weighed, rounded_up
 from camgen.numerics import Points
 from camgen.reading import Data
-from camgen.records import dataclass
 from camgen.report.sketches import Drawn
 
 TRACED, CRANK = "P", "crank"

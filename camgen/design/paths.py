@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -19,7 +20,6 @@ import numpy as np
 from camgen.design.chains import Chain, chains
 from camgen.design.polish import Goal, normed, packed, polished, unpacked
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 _SOWN = 3000
 _GLANCED = 64  # angles of a turn while evolving

@@ -10,14 +10,13 @@ point distance 1.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgen.design.chains import Chain
 from camgen.design.target import Flags, Near, Target
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 _STEPS = 128  # angles of a turn
 _ROUNDS = 14

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -24,7 +25,6 @@ from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, fil
 from camgen.numerics import Points
 from camgen.pipeline.edits import edited, with_tables
 from camgen.pipeline.jobs import Source, Workers, changed, read_mechanism, read_tables
-from camgen.records import dataclass
 from camgen.report.sketches import Drawn
 from camgen.settings import override
 

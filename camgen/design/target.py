@@ -9,12 +9,12 @@ takes all of them.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camgen.numerics import Floats, Indices, Points
-from camgen.records import dataclass
 
 Flags = NDArray[np.bool_]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,6 @@ import numpy as np
 from camgen.errors import CamgenError
 from camgen.machine.model import unit_of
 from camgen.reading import Data
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism

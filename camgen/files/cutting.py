@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,7 +20,6 @@ from camgen.files.dxf import CUT_LAYER, ENGRAVE_LAYER, add_contour, document
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.outlines import Contour, Region
 from camgen.geometry.rings import Ring
-from camgen.records import dataclass
 
 COLOURS = {ENGRAVE_LAYER: (5, "#0000ff"), CUT_LAYER: (1, "#ff0000")}  # in DXF, in SVG: blue is engraved, red is cut
 _HAIRLINE = 0.025  # mm: a thousandth of an inch, under which drivers of lasers cut; a browser hardly shows a thinner line

@@ -6,11 +6,11 @@ import cmath
 import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, extent, start_point
 from camgen.parts.part import Part
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 STACK = 8  # layers that are told one by one

@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -20,7 +21,6 @@ from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, extent, polygon
 from camgen.geometry.rings import Ring
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,6 @@ from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
-from camgen.records import dataclass
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
 ENDINGS = (".dxf", ".stl", ".3mf", ".gcode", ".csv", *PICTURES)

@@ -7,11 +7,11 @@ loaded where they are used. Whoever makes or judges files takes from here which 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from camgen.records import dataclass
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:

@@ -12,14 +12,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from camgen.errors import FileError
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
-from camgen.records import dataclass
 
 _MARK = re.compile(r"; ?(?:TYPE|FEATURE):\s*(.*)")
 _WIDTH = re.compile(r"; ?(?:WIDTH|LINE_WIDTH):\s*([\d.]+)")

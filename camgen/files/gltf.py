@@ -13,6 +13,7 @@ import json
 import math
 import struct
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ import numpy as np
 from camgen import __version__
 from camgen.geometry.mesh import Mesh
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 SECONDS = 8.0  # a turn takes
 _FLOAT, _SHORT, _LONG = 5126, 5123, 5125  # numbers: float32, uint16, uint32

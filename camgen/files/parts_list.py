@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from camgen.parts.catalogue import DENSITY
 from camgen.parts.part import Part
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side

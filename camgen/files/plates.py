@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -25,7 +25,6 @@ from camgen.findings import Finding, at_most
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats, Points
 from camgen.parts.part import Part
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.files.threemf import Placed

@@ -17,6 +17,7 @@ import io
 import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,6 @@ from camgen.errors import FileError, counted
 from camgen.geometry.registration import lay, middle, star, straightened
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.numerics import least_squares
-from camgen.records import dataclass
 
 PICTURES = {".png": ".png", ".jpg": ".jpg", ".jpeg": ".jpg", ".tif": ".tif", ".tiff": ".tif"}
 MOST_BYTES = 200_000_000

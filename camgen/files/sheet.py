@@ -13,13 +13,12 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from camgen.files.dxf import add_contour, document
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, start_point
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas

@@ -19,7 +19,7 @@ import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from ctypes import c_uint64, string_at
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -35,7 +35,6 @@ from camgen.files.formats import Job
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats, Ints
 from camgen.numerics import product
-from camgen.records import dataclass
 
 # Digits after the point in 3MF. lib3mf works them out in float32: with 9 the fewest numbers, one in 25, come back an
 # ulp off; with more or fewer it is up to one in five.

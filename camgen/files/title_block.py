@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from camgen import __version__
 from camgen.files.dimensions import Hole, number
 from camgen.files.sheet import Sheet, Text
 from camgen.parts.part import Part
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 SIZE = (170.0, 36.0)  # mm [width of ISO 7200]

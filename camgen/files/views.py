@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +20,6 @@ from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _FINE = 1e-5  # mm, chord tolerance of radii in a cam's table

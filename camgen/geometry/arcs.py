@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -20,7 +20,6 @@ import numpy as np
 from camgen.geometry.facets import LAST_STEP, ShareLaw, Track, cross, dot, facet, fewest
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth, start_point
 from camgen.numerics import roots
-from camgen.records import dataclass
 
 # A biarc turns by no more than this, rad, however loose the tolerance: each of its arcs stays well below a half circle.
 _BIARC_TURN = 2 * math.pi / 3

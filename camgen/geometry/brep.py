@@ -12,13 +12,13 @@ import cmath
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from camgen.geometry.mesh import components
 from camgen.geometry.rings import Floats, Ring, Shape, shape_of
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.records import dataclass
 from camgen.tolerances import CHAIN_GAP, SAME_POINT
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -24,7 +25,6 @@ from numpy.typing import NDArray
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Region, end_point, start_point
 from camgen.geometry.rings import Ring, Shape
 from camgen.numerics import gauss_legendre
-from camgen.records import dataclass
 
 _NODES, _WEIGHTS = gauss_legendre(24)
 _OUTSIDE = 0.3  # of the radius, by which the cutter of an edge stands off the corner

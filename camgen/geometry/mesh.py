@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from camgen.errors import counted
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import product
-from camgen.records import dataclass
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +24,6 @@ import numpy as np
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
 from camgen.numerics import distinct, gauss_legendre
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _CONGRUENT = 1e-12  # share of its size by which an image may differ from the curve and still have its facets

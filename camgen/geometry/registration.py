@@ -10,13 +10,13 @@ A shape is its edges, closed lines of points, (n,) complex, mm. Strays, such as 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from camgen.geometry.rings import Floats, Points
 from camgen.numerics import least_squares
-from camgen.records import dataclass
 
 _ANGLES = 16384  # over the turn, at which radii are compared
 _BACKWARDS = 0.02  # share of its length that an outline may run backwards as seen from the origin, by noise

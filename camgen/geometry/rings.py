@@ -9,6 +9,7 @@ Points of the plane are complex numbers x + iy, mm.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +19,6 @@ from camgen.errors import counted
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
 from camgen.numerics import least_squares
-from camgen.records import dataclass
 
 Ints = NDArray[np.int64]
 

@@ -8,14 +8,13 @@ only one does, and that tells which stretch is cut away.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Floats, Line, Piece, Points, Smooth, end_point, start_point
 from camgen.numerics import distinct
-from camgen.records import dataclass
 from camgen.tolerances import INTERSECTION, SAME_POINT
 
 _EVEN = 384  # samples of a piece, evenly in its parameter

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from camgen.judge.measured import Sections, read
 from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 
 def judged_angles() -> Floats:

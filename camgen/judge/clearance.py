@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,6 @@ from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.features import Apart, Poses
 from camgen.numerics import crests
-from camgen.records import dataclass
 
 _CHORDS = 90  # of the turn, to begin with
 _DENT = 1e-5  # mm, by which a vertex may lie inside its neighbours' line through the rounding to float32

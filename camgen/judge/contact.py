@@ -8,13 +8,13 @@ for each element that covers it, mostly one; the first touch wins.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from camgen.geometry.rings import Floats, Ints, Ring
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
-from camgen.records import dataclass
 
 # Interval ends closer than this are one, rad: ends shared by neighbours differ by rounding, and no gap may stay.
 # Over it an element is used past its end, 1e-10 mm along a cam of 100 mm.

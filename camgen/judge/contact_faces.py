@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.judge.contact_tips import Cover, OnSlide, cos_sin, parts_of, wrapped
-from camgen.records import dataclass
 
 
 def _convex(ring: Ring) -> tuple[Points, Floats, Floats, Floats, Ints]:

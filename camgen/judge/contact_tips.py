@@ -33,13 +33,13 @@ from __future__ import annotations
 import cmath
 import math
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points, Ring
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _TURN = 2 * math.pi

@@ -9,7 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,7 +35,6 @@ from camgen.machine.features import (
 )
 from camgen.machine.model import GROUND, Cam, Gear, Joint, Machine, Output, Pin, Place, Slide, Slot, centres_of, placed
 from camgen.numerics import Floats
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit

@@ -6,7 +6,7 @@ import cmath
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from camgen.machine.features import (
     Teeth,
     eyes,
 )  # fmt: skip
-from camgen.records import dataclass
 
 Sections = Sequence[Sequence[Shape]]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +20,6 @@ from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
 from camgen.machine.model import Cam, Clutch, Machine, Output, bodies_of, unit_of
 from camgen.numerics import Floats
-from camgen.records import dataclass
 from camgen.study import Table
 
 _RANGE = 0.5  # of an output's range: with more play a mechanism is none

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -21,7 +21,6 @@ from camgen.machine.closing import Closed, close
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 _KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
 _CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB

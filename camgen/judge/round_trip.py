@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,6 @@ from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circ
 from camgen.judge.as_printed import printed
 from camgen.judge.contours import contour_error
 from camgen.numerics import distinct
-from camgen.records import dataclass
 
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured

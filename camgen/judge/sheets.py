@@ -10,6 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,6 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
 from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
-from camgen.records import dataclass
 from camgen.tolerances import WAY_BACK
 
 FACETS = 1e-4  # mm, chord tolerance of arcs where gaps and corners are measured

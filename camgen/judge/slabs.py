@@ -10,6 +10,7 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,6 @@ from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
-from camgen.records import dataclass
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,6 @@ from camgen.geometry.mesh import Mesh, components, slice_mesh
 from camgen.geometry.registration import Laid, dense, deviation, lay
 from camgen.geometry.rings import Floats, Points, Ring, Shape
 from camgen.judge.round_trip import pieces_of
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.files.gcode import Wall

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,7 +25,6 @@ from camgen.judge.assembly import standing
 from camgen.machine.features import Moved, Strand
 from camgen.machine.model import Pose
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 _STEPS, _FINE = 720, 201  # angles of a turn, and between the neighbours of the nearest
 _BESIDE = 0.1  # mm, above and below a groove, where what holds the thread is measured

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from camgen import spec as specs
 from camgen.errors import Fault, SpecError, file_errors
 from camgen.motion.laws import LAWS
-from camgen.records import dataclass
 from camgen.schemas import Data, members_of, step_below
 
 _MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
@@ -12,7 +13,6 @@ from numpy.typing import ArrayLike
 from camgen.errors import DesignError
 from camgen.machine.jets import unit_turn
 from camgen.numerics import Floats
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 

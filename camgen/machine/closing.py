@@ -5,12 +5,13 @@ From guessed poses, or followed from the drawn ones in steps that are halved whe
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.constraints import Constraints, solved
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 # Steps of Newton's method; five are needed from a near guess.
 STEPS = 20

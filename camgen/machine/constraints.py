@@ -12,7 +12,7 @@ transposed, the forces: those that serve a machine of the maker too (`run`, `for
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -38,7 +38,6 @@ from camgen.machine.model import (
     Slot,
 )
 from camgen.numerics import Floats, Points, solve
-from camgen.records import dataclass
 
 
 @dataclass

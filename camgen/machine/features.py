@@ -15,12 +15,11 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from camgen.machine.model import Law, Output, Pose
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.machine.targets import Advance, Target

@@ -17,7 +17,7 @@ Units: mm, kg, N, N m, J, W, s. A force on a body is positive along the ground's
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,6 @@ from camgen.machine.model import (
     TorsionSpring,
 )
 from camgen.numerics import Floats, Points, solve
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 BLOCK = 1024  # designs whose 64 positions are a megabyte
 

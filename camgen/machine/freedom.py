@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from camgen.errors import DesignError, counted, listed
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Drive, Machine, Pin, Pose, Slide
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 # A singular value below this share of the largest is none.
 NO_VALUE = 1e-8

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Machine, Pin, Slide, Slot
 from camgen.numerics import Floats, Points, solve
-from camgen.records import dataclass
 
 _SHARES = {0.5: 2, 0.75: 2, 1.0: 20}  # of the friction, one after the other, and how many steps of Newton's method at each
 _SAME = 1e-9  # of the largest load, by which it may be off

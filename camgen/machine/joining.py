@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,7 +31,6 @@ from camgen.machine.model import (
 )  # fmt: skip
 from camgen.machine.run import solve
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 T = TypeVar("T")
 

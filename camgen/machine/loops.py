@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import weakref
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +22,6 @@ from camgen.machine.newton import Block, Vectors
 from camgen.machine.order import NO_LEVER, Groups, Key, Relation, components, group_bodies, places, relations
 from camgen.machine.state import FOLLOWED, State
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

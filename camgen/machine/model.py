@@ -15,14 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
-from camgen.records import dataclass
 
 Law = Callable[[Floats, int], Floats]
 # Where a cam is touched at its angles, (n,) rad: place, complex mm, and unit normal into the follower, in the cam's frame.

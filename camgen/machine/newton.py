@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from camgen.machine.jets import Jet, plus, times, unit_turn, vanishes
 from camgen.machine.order import Key, Relation
 from camgen.numerics import Floats, solve
-from camgen.records import dataclass
 
 # Knots a turn. Newton's corrections shrink at least by HALF from a guess that is good enough.
 KNOTS = 36

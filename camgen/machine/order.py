@@ -12,12 +12,12 @@ Only who meets whom counts here, and lengths that are 0; special lengths (parall
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from graphlib import TopologicalSorter
 
 import numpy as np
 
 from camgen.machine.model import GROUND, Cam, Clutch, Drive, Gear, Joint, Law, Machine, Pin, Place, Slide, Slot
-from camgen.records import dataclass
 
 Key = tuple[str, str]
 # A lever shorter than this is none, mm.

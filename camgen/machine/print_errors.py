@@ -13,6 +13,7 @@ that is off, the output goes with it.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from camgen.machine.constraints import Constraints, solved
 from camgen.machine.model import Cam, Machine, Pin, Place, Slide, Slot, centres_of
 from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -21,7 +22,6 @@ from camgen.machine.loops import Chain, Direct, Step, chain_of
 from camgen.machine.model import GROUND, Machine, Pin
 from camgen.machine.newton import Block
 from camgen.numerics import Floats, roots
-from camgen.records import dataclass
 
 # Angles a turn that are looked at first.
 LOOKED = 720

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -16,7 +17,6 @@ from camgen.machine.loops import chain_of
 from camgen.machine.model import Machine, Path, Place, Pose
 from camgen.machine.state import State
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 8192

@@ -11,12 +11,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 YIELDS = 1.79  # pressure of a line contact over the yield stress where it first flows [Johnson, Contact Mechanics; von Mises]
 SHEAR = 1 / math.sqrt(3)  # of what a material bears in tension, in shear [von Mises]

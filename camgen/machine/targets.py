@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -20,7 +21,6 @@ from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.convex import hull_corners
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 from camgen.spec import Record
 
 _FINE = 8  # places between two samples at which a dwell is looked for

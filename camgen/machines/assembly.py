@@ -12,11 +12,11 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Mount, PartPose, PinEyes, heights
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 from camgen.study import Table
 from camgen.tolerances import SAME_POINT
 

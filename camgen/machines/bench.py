@@ -11,7 +11,7 @@ import cmath
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -36,7 +36,6 @@ from camgen.machines.linkage.wheels import Ridden
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.part import Part
 from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
-from camgen.records import dataclass
 from camgen.spec import Print
 
 if TYPE_CHECKING:

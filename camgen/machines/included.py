@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any
@@ -30,7 +30,6 @@ from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
-from camgen.records import dataclass
 from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from camgen.machines.linkage.joined import Merged
 from camgen.machines.linkage.plates import SECOND
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _SHAFT, _COLLAR = "shaft", "collar"

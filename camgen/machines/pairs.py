@@ -7,7 +7,7 @@ tip on an arm of length l at pressure angles a and b the play is air (1 / cos a 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
@@ -18,7 +18,6 @@ from camgen.findings import NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
 from camgen.machine.model import Cam, Machine
-from camgen.records import dataclass
 
 Air = Annotated[float, Field(ge=-0.5, le=10)]  # mm, at each tip; nothing stiff gives way by more
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,7 +31,6 @@ from camgen.machines.thread_take_up.study import Masses, balance_numbers
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
 from camgen.motion.program import uniform_swing
-from camgen.records import dataclass
 
 _CUT = "cut off, not rounded"
 _NO_LENGTHS = "its lengths are not printed, this is of one of the same feed"

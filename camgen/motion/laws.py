@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial
 from typing import Any, Protocol
@@ -23,7 +23,6 @@ import numpy as np
 from camgen.errors import Fault, SpecError
 from camgen.numerics import Floats as Floats
 from camgen.numerics import greatest
-from camgen.records import dataclass
 from camgen.tolerances import LAW_CLOSES
 
 Ends = tuple[tuple[float, ...], tuple[float, ...]]

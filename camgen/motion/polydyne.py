@@ -10,13 +10,12 @@ that s_cam has no jump of speed: y''' without jumps, as of the 4-5-6-7 polynomia
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from camgen.motion.laws import Law, Polynomial, measured
 from camgen.motion.program import Program, Segment
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 NEEDED = "a polynomial whose first three derivatives are 0 at both ends: 4-5-6-7, or one by conditions"
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,6 @@ import numpy as np
 
 from camgen.motion.laws import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial, reversed_law
 from camgen.numerics import distinct, product, solve
-from camgen.records import dataclass
 from camgen.tolerances import LAW_CLOSES
 
 

@@ -22,13 +22,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.motion.laws import Floats, Law, fourier, harmonics, largest
-from camgen.records import dataclass
 
 Characteristic = Callable[[Floats], Floats]
 

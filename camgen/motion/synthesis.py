@@ -8,12 +8,12 @@ shortfall  by how much a design breaks a condition that it must keep, in units o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 # Weight of a unit of change against a wish missed by its whole tolerance: it only decides between designs that fulfil all.
 _NEAR = 1e-4

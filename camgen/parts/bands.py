@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line
-from camgen.records import dataclass
 
 _NEAR = 0.05  # mm, between the middle line and the chords in its place
 

@@ -12,9 +12,8 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 from typing import Any
-
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

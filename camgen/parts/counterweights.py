@@ -10,14 +10,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, circle
 from camgen.numerics import halved
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer, Part, rod
-from camgen.records import dataclass
 
 NAME = "counterweight"
 _LEAST = 1.0  # mm, by which a sector stands out of its hub: a lighter one is narrower instead

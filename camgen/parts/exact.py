@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.brep import Brep, Edge, Face, Loop
 from camgen.geometry.outlines import Points
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 
 Bools = NDArray[np.bool_]
 Step = tuple[int, bool]

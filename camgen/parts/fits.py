@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,6 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Region, Smooth, end_point, start_point
 from camgen.geometry.trimming import trim
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _CHECK = 1e-5  # of the outline's size: chord tolerance at which the result is compared with a polygon's offset

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -18,7 +19,6 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Smooth
-from camgen.records import dataclass
 
 PRESSURE = math.radians(20)
 _ADDENDUM, _DEDENDUM = 1.0, 1.25

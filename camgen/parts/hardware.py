@@ -12,7 +12,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -22,7 +22,6 @@ from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Arc, Contour, Line, Points, Region, circle
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 FACETS = 0.01  # mm, on which walls are measured; they are judged again on the written files

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -27,7 +28,6 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Floats, Points
-from camgen.records import dataclass
 
 _WAY = 1.1  # of a chord: the way between two samples
 _LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1

@@ -8,8 +8,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from camgen.machine.strength import Elastic
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ and its speed without load, between which its torque falls in a straight line.
 from __future__ import annotations
 
 import math
-
-from camgen.records import dataclass
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)

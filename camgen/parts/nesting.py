@@ -13,13 +13,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camgen.geometry.outlines import Points
-from camgen.records import dataclass
 
 Mask = NDArray[np.bool_]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.geometry.crossing import Edge, spread, volume
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Region, circle, kidney, polygon
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 

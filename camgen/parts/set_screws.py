@@ -17,12 +17,12 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region, circle, rectangle
 from camgen.parts.catalogue import SCREWS, Bought, Screw, nut
 from camgen.parts.part import Layer, Part, d_bore
-from camgen.records import dataclass
 
 HOLDS = 0.2  # of the screw's force, as friction of its point on the shaft
 TURNED = 0.2  # torque over force times diameter of a dry screw, as the source above counts

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from camgen.parts.catalogue import STEEL, Bought
-from camgen.records import dataclass
 
 WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
 _SHEAR = 81500.0  # N/mm^2

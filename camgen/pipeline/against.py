@@ -7,7 +7,7 @@ measured keeps it as its axis; points without one take the place that fits best.
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,6 @@ from camgen.geometry.registration import Laid, dense, deviation, lay_on_known
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.machine.features import CamOutline
 from camgen.pipeline.jobs import read_mechanism
-from camgen.records import dataclass
 
 _CHORDS, _STEP = 1e-4, 0.01  # mm: of the exact outline
 _ALIKE = 0.02  # of the cam's size: a measured outline that is farther off, rms, is another part

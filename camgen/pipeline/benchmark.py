@@ -12,7 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -43,7 +43,6 @@ from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
 from camgen.pipeline.judging import pass_by
 from camgen.pipeline.making import compensation
 from camgen.pipeline.reading import Read, judge_motion, judge_part
-from camgen.records import dataclass
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 KINDS, JUDGED = USUAL, ("dxf", "stl")  # a 3MF holds the numbers of the STL

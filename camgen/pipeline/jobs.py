@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial, reduce
 from os import PathLike
 from pathlib import Path
@@ -23,7 +24,6 @@ from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
 from camgen.parts.part import Part
-from camgen.records import dataclass
 from camgen.settings import override
 
 if TYPE_CHECKING:

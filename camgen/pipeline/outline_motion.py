@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +26,6 @@ from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
 from camgen.machine.features import PartPose
-from camgen.records import dataclass
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plot, Table

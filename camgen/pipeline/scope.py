@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from camgen.files.formats import DRAWN, EXACT, SOLID
@@ -13,7 +13,6 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.sheets import why_not
-from camgen.records import dataclass
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,6 @@ from camgen.motion.tables import with_tables
 from camgen.pipeline.jobs import Progress, Template, changed, end_with_parent, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
-from camgen.records import dataclass
 from camgen.report.sweep_page import shown_step, write_page
 from camgen.spec import unknown
 

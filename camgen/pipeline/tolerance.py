@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -27,7 +27,6 @@ from camgen.machine.run import Run, solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
-from camgen.records import dataclass
 from camgen.study import Study, Table
 from camgen.tolerances import SAME_POINT
 

@@ -14,7 +14,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,7 +32,6 @@ from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.pipeline.tolerance import Spread, laws_of, shifted_by
-from camgen.records import dataclass
 
 _SAME = 1e-6  # share of a value, by which copies differ where the print does nothing
 _LITTLE = 1e-3  # of its limit, of what needs no yield

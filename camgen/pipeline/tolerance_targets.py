@@ -10,6 +10,7 @@ Courses are of first order, what is measured on them is not: so few hundred copi
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,7 +21,6 @@ from camgen.machine.run import solve
 from camgen.machine.targets import Course
 from camgen.numerics import Floats, Points
 from camgen.pipeline.tolerance import Spread
-from camgen.records import dataclass
 
 MOST = 400  # copies that are looked at
 _SIDE = 60  # pieces of a loop, and as many on either side of it

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from camgen.machine.model import Slide
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Points
 from camgen.parts.solids import solid
-from camgen.records import dataclass
 
 _TURN = np.linspace(0.0, math.tau, 721)
 _STEPS = [math.radians(deg) for deg in (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 22.0, 29.0, 37.0, 48.0, 60.0)]  # that are looked at

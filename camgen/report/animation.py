@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.features import PartPose
-from camgen.records import dataclass
 from camgen.report.colours import part_colour
 
 Ring = tuple[Points, Floats]

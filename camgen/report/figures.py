@@ -11,12 +11,12 @@ import itertools
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 from camgen.report.colours import SERIES
 from camgen.study import Plot
 

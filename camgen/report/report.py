@@ -11,7 +11,7 @@ import io
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 from camgen import __version__
 from camgen.errors import FileError
 from camgen.findings import Finding, NotJudged, left_out
-from camgen.records import dataclass
 from camgen.study import Plot, Scene, Table
 
 if TYPE_CHECKING:

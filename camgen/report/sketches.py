@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from itertools import combinations
 
 import numpy as np
 
 from camgen.numerics import Points
-from camgen.records import dataclass
 
 _SIDE = 180.0  # of a picture, px
 _EDGE = 12.0  # round it

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 _LEAST = 1e-9  # damping ratio, so that resonance is large and not endless
 _STEPS = 4096  # of a rise, over which its integral is taken

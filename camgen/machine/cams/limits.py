@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -17,7 +18,6 @@ from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
 from camgen.numerics import greatest
-from camgen.records import dataclass
 
 _BESIDE = 1e-9  # rad, to either side of where the pressure angle jumps
 

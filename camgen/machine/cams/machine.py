@@ -13,6 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -40,7 +41,6 @@ from camgen.machine.model import (
 )
 from camgen.machine.run import solve
 from camgen.numerics import Floats, Points, distinct
-from camgen.records import dataclass
 
 ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
@@ -23,7 +23,6 @@ import numpy as np
 from camgen.machine.cams.followers import FlatFace, Motion, RoundTip
 from camgen.machine.cams.profile import DiscCam, sharpness, steepness, still, touched
 from camgen.numerics import Floats, Indices, distinct, gauss_legendre
-from camgen.records import dataclass
 
 _BLOCK = 256  # cams whose arrays stay in the processor's cache
 _PANELS = 8  # of a stretch, each with as many nodes as these

@@ -19,7 +19,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any, Generic
@@ -34,7 +34,6 @@ from camgen.machine.cams.followers import FlatFace, Follower, Motion, RoundTip
 from camgen.machine.cams.followers import SwingingArm as SwingingArm
 from camgen.motion.program import Program, Segment
 from camgen.numerics import Floats, Points, distinct, greatest, sign_changes
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -20,7 +21,6 @@ from camgen.errors import DesignError
 from camgen.machine.cams.followers import Follower, RoundTip
 from camgen.machine.cams.profile import DiscCam
 from camgen.numerics import Floats, Points
-from camgen.records import dataclass
 
 _GROWTH = 1.25  # from one try to the next, until a size is large enough
 _STEPS = 60

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Literal
 
@@ -24,7 +24,6 @@ from camgen.machines.chain_stitch_looper.ratio import Condition, linear
 from camgen.machines.chain_stitch_looper.stitch import Design, Stitch
 from camgen.machines.chain_stitch_looper.timing import Clock
 from camgen.parts.part import Layer, Part
-from camgen.records import dataclass
 from camgen.spec import Length, Record
 
 _GAUGE = 1.0  # mm, thickness of the gauges

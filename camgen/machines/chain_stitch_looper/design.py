@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from camgen.errors import DesignError
 from camgen.machines.chain_stitch_looper.ratio import fronts
 from camgen.machines.chain_stitch_looper.stitch import Pair, Stitch
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 _DIGITS = 4  # of the figures that go into the spec
 _SPARE = 2e-3  # mm and deg, kept from bounds so that rounding breaks none

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 from camgen.machines.chain_stitch_looper.stitch import HAIR, VANISHING, Design, Pair, Stitch
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ A pair is always (of needle or spreader 1, of 2). Lengths mm, angles rad.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +24,6 @@ from camgen.errors import DesignError
 from camgen.motion.laws import LAWS, Law, reversed_law, slider_crank
 from camgen.motion.program import Program, Segment
 from camgen.numerics import Floats, roots
-from camgen.records import dataclass
 
 Pair = tuple[float, float]
 

@@ -13,14 +13,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machines.chain_stitch_looper.stitch import Design
-from camgen.records import dataclass
 from camgen.tolerances import BOUND_SPARE
 
 _ANGLES = 240  # of the turn, to begin with

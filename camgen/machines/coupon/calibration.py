@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.numerics import Floats
-from camgen.records import dataclass
 
 _SHRINKAGE_KNOWN = 1e-3  # share, to which a shrinkage has to be known to be told: 0.1 mm in 100
 _SCATTER_FROM = 3  # degrees of freedom from which the scatter is told as the printer's own

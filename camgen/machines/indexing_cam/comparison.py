@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +24,6 @@ from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
-from camgen.records import dataclass
 from camgen.study import Table
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,6 @@ from camgen.machine.model import GROUND, Body, Drive, Gear, Machine, Pin, Place,
 from camgen.machine.model import Pose as Start
 from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats, Law, measured
-from camgen.records import dataclass
 from camgen.study import Sketch
 
 CRANK, ARM = "crank", "arm"

@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -32,7 +32,6 @@ from camgen.machines.linkage.stacking import laid
 from camgen.parts.catalogue import SCREWS, Bought, turning_text
 from camgen.parts.hardware import spacer
 from camgen.parts.part import Part
-from camgen.records import dataclass
 from camgen.spec import Print
 
 _THETA = np.linspace(0, math.tau, 720, endpoint=False)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -30,7 +30,6 @@ from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear as GearTable
 from camgen.parts.springs import extension_spring
-from camgen.records import dataclass
 
 CRANK = "unloader"
 _TEETH = 60  # of a wheel: the most of one part of the ratio

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
@@ -24,7 +25,6 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
-from camgen.records import dataclass
 from camgen.study import Plot, Table
 
 WHEEL = "drive-wheel"

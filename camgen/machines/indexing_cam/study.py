@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -18,7 +19,6 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, p
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
 from camgen.motion.spring_law import trade_off
-from camgen.records import dataclass
 from camgen.study import Plot, Study, Table
 from camgen.tolerances import LAW_CLOSES
 

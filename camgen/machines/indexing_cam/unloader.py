@@ -13,13 +13,12 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from camgen.motion.laws import Floats, Law
-from camgen.records import dataclass
 
 SpringTorque = Callable[[Floats], Floats]
 _FITTED = 1001  # shares of the time of a run-up at which a spring is fitted to its law

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle
@@ -16,7 +17,6 @@ from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer, Part, hull
-from camgen.records import dataclass
 from camgen.spec import Print
 
 _THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold

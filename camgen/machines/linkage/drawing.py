@@ -10,6 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
-from camgen.records import dataclass
 
 GROUND = m.GROUND
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
@@ -20,7 +21,6 @@ from camgen.machine.features import Faces, SlideFaces
 from camgen.machines.linkage.covers import Cover
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.part import hull, with_bar
-from camgen.records import dataclass
 from camgen.tolerances import SAME_POINT
 
 STEMS = ("along", "ahead", "behind", "both")

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from camgen.errors import DesignError
@@ -20,7 +20,6 @@ from camgen.machines.linkage.webs import parted, throws, webs
 from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.catalogue import Bearing
 from camgen.parts.part import Layer
-from camgen.records import dataclass
 from camgen.spec import Print
 
 GROUND = m.GROUND

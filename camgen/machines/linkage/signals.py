@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats
 from camgen.machine.model import Angle, Machine, Path
 from camgen.machine.run import Run
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
 from camgen.parts.springs import ExtensionSpring, extension_spring
-from camgen.records import dataclass
 from camgen.spec import unknown
 
 _EYE = 1.1  # of a spring, to its pin

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -20,7 +20,6 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse, tall
 from camgen.machines.linkage.plates import columns, post_radius
 from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, levels, span
-from camgen.records import dataclass
 
 
 def laid(layout: Layout, run: Run) -> Layout:

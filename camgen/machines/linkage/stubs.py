@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from camgen.machines.linkage.layout import Layout
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

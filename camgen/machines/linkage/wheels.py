@@ -10,7 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -30,7 +30,6 @@ from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
-from camgen.records import dataclass
 
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge

@@ -10,6 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -19,7 +20,6 @@ from pydantic import Field, model_validator
 from camgen.errors import Fault, SpecError
 from camgen.machine.model import Along, Angle, Effort, Function, Machine, Path, Place
 from camgen.numerics import Floats
-from camgen.records import dataclass
 from camgen.spec import Record, unknown
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,6 @@ from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import freed, rough
 from camgen.machines.loads.weights import Weighed, weighed
-from camgen.records import dataclass
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Eye, Feature, Mount, PinEyes, heights
 from camgen.machine.model import Machine, Pin, Place
 from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
-from camgen.records import dataclass
 
 _SAME = 1e-6  # mm
 

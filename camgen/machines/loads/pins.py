@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from pydantic import BaseModel
 
@@ -12,7 +13,6 @@ from camgen.machine import strength
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Bears
 from camgen.parts import materials
-from camgen.records import dataclass
 
 _STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from camgen.machine.balancing import together
@@ -14,7 +14,6 @@ from camgen.machines.loads.tables import Weight
 from camgen.parts.catalogue import STEEL
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Part
-from camgen.records import dataclass
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism

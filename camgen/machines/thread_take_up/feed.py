@@ -14,7 +14,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,7 +37,6 @@ from camgen.machine.model import (
     Pose,
 )
 from camgen.machine.run import Run, solve
-from camgen.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cams.profile import DiscCam
-from camgen.records import dataclass
 from camgen.study import Plot
 
 _ROUND = np.linspace(0, math.tau, 721)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from camgen.geometry.outlines import Contour, Points, Region, circle, kidney, po
 from camgen.parts.catalogue import MotorFace, Screw
 from camgen.parts.hardware import FACETS, plate, rounded
 from camgen.parts.part import Layer, Part, hull
-from camgen.records import dataclass
 
 _HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 _HEAD_DEPTH = 0.2  # mm, by which a screw's head or a nut lies below the surface

@@ -10,6 +10,7 @@ Places run from -1 to 1 over the width that the jet reaches, thickness is relati
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,6 @@ import numpy as np
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.laws import TURN, Floats
 from camgen.motion.program import uniform_swing
-from camgen.records import dataclass
 
 STRIPS = 400  # of the width, so that the least share that can be told is a quarter of a percent
 BAND = 0.1  # thickness may differ by this share [Sentyakov et al., Vestnik TGTU 2018, 24(4), p. 698]
