@@ -34,6 +34,9 @@ _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a 
 DEEPEST = 32  # tables and lists in one another; no spec needs ten
 SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
 
+_KEY = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\."""
+_LONG_KEY = re.compile(rf"(?m)(?:^|[\[{{,])[ \t]*(?:{_KEY}[ \t]*){{{DEEPEST}}}")  # tomllib's time grows with its square
+
 MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
 Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6, json_schema_extra={"unit": "g"})]
@@ -203,6 +206,8 @@ def read(path: Path) -> Data:
     raw = read_bytes(path, _MOST_BYTES, "a spec file")
     try:
         text = raw.decode("utf-8-sig")
+        if long := _LONG_KEY.search(text):
+            raise SpecError([Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)], str(path))
         data = tomllib.loads(text)
     except UnicodeDecodeError as error:
         before = raw[: error.start].decode("utf-8", "replace")
@@ -296,14 +301,20 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     raise SpecError(faults, source)
 
 
-def validate(cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = ()) -> S:
+def validate(
+    cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = (), like: tuple[Data, Spec] | None = None
+) -> S:
     """The tables as a record of the class; SpecError with every fault at once, each by its dotted path.
 
     A key in the other of American and British spelling is taken for the one that is meant; hints: what is told of such.
+    like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
+    old, made = like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)  # it fills tables
     try:
-        record = cls.model_validate(_tuples(data))
+        record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
+        if made is not None:
+            return validate(cls, data, source, hints)
         told = _respell(cls, data := deepcopy(data), error)
         if told:
             return validate(cls, data, source, (*hints, *told))
@@ -328,11 +339,27 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
     return told
 
 
-def _tuples(value: Any) -> Any:
-    """The value with every list as a tuple, as frozen records hold them."""
+def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
+    """The value with every list as a tuple, as frozen records hold them; what is `old` itself as the record made of it."""
     if isinstance(value, dict):
-        return {key: _tuples(item) for key, item in value.items()}
-    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+        if not (isinstance(made, Record) and isinstance(old, dict)):
+            return {key: _tuples(item) for key, item in value.items()}
+        if value is old:
+            return made
+        names = _names(type(made))
+        return {key: _tuples(item, old[key], getattr(made, names[key])) if key in old and key in names else _tuples(item)
+                for key, item in value.items()}  # fmt: skip
+    if not isinstance(value, list):
+        return value
+    if isinstance(old, list) and isinstance(made, tuple) and len(value) == len(old) == len(made):
+        return tuple(map(_tuples, value, old, made))
+    return tuple(map(_tuples, value))
+
+
+@lru_cache
+def _names(cls: type[Record]) -> dict[str, str]:
+    """A table's keys, and what its record calls them."""
+    return {field.alias or name: name for name, field in cls.model_fields.items()}
 
 
 @lru_cache

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from camgen.machine.constraints import Constraints
-from camgen.machine.forces import Forces, kinetostatics
+from camgen.machine.forces import Forces, kinetostatics, peaks
 from camgen.machine.jets import fill
 from camgen.machine.loops import chain_of
 from camgen.machine.model import Machine, Path, Place, Pose
@@ -55,6 +55,10 @@ class Play:
 
     by_joint: Mapping[str, Floats]
     total: Floats
+
+    def __repr__(self) -> str:
+        """The greatest alone."""
+        return f"Play at {len(self.total)} angles: up to {peaks({'total': self.total, **self.by_joint})}"
 
 
 class Lazy(Mapping[str, T]):
