@@ -34,6 +34,9 @@ _MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a 
 DEEPEST = 32  # tables and lists in one another; no spec needs ten
 SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
 
+_KEY = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\."""
+_LONG_KEY = re.compile(rf"(?m)(?:^|[\[{{,])[ \t]*(?:{_KEY}[ \t]*){{{DEEPEST}}}")  # tomllib's time grows with its square
+
 MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
 Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6, json_schema_extra={"unit": "g"})]
@@ -203,6 +206,8 @@ def read(path: Path) -> Data:
     raw = read_bytes(path, _MOST_BYTES, "a spec file")
     try:
         text = raw.decode("utf-8-sig")
+        if long := _LONG_KEY.search(text):
+            raise SpecError([Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)], str(path))
         data = tomllib.loads(text)
     except UnicodeDecodeError as error:
         before = raw[: error.start].decode("utf-8", "replace")

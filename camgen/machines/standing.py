@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
+from camgen.machine.joining import Module
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
@@ -202,13 +203,12 @@ class StandingCams(Mechanism):
         """By keys of [bodies] of a machine."""
         return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
 
-    def steps(self) -> Table:
-        """By height, springs before the heads of their pins."""
-        table = super().steps()
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """With the bench's springs."""
         if not self.standing:
             return table
         titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
-        return with_springs(table, self.bench.bodies.layout, self.mounts(), titles)
+        return with_springs(table, self.bench.bodies.layout, self.mounts(), titles, module)
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from camgen.motion.laws import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial, reversed_law
-from camgen.numerics import product, solve
+from camgen.numerics import distinct, product, solve
 from camgen.tolerances import LAW_CLOSES
 
 
@@ -99,13 +99,13 @@ class Program:
     def breaks(self) -> Floats:
         """Cam angles, growing, where a derivative of order 0..3 may jump: joints and the breaks inside laws, (m,) rad."""
         inner = [b + s.span * np.array(s.law.breaks) for b, s in zip(self.joints, self.segments, strict=False) if s.scale]
-        return np.unique(np.concatenate((self.joints, *inner)))
+        return distinct(self.joints, *inner)
 
     @cached_property
     def corners(self) -> Floats:
         """The breaks between which the motion is one smooth curve: joints, and those inside laws that are not smooth, (m,)."""
         laws = [(b, s) for b, s in zip(self.joints, self.segments, strict=False) if s.scale and not s.law.smooth]
-        return np.unique(np.concatenate((self.joints, *(b + s.span * np.array(s.law.breaks) for b, s in laws))))
+        return distinct(self.joints, *(b + s.span * np.array(s.law.breaks) for b, s in laws))
 
     def knots(self, a: float, b: float) -> Floats:
         """The breaks inside a smooth stretch from a to b, where only the third derivative jumps, (k,) rad."""

@@ -27,7 +27,7 @@ from camgen.errors import Fault, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
-from camgen.numerics import Floats
+from camgen.numerics import Floats, distinct
 from camgen.spec import Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
@@ -250,7 +250,7 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
 @lru_cache(maxsize=256)
 def _against(law: Law, forwards: bool) -> Floats:
     """Places at which a law runs against the sense that it should have, (n,)."""
-    u = np.union1d(np.linspace(0, 1, 2001), law.breaks)
+    u = distinct(np.linspace(0, 1, 2001), law.breaks)
     return np.asarray(u[law(u, 1) * (1 if forwards else -1) < -LAW_CLOSES * max(1.0, law.c_v)])
 
 

@@ -79,7 +79,7 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
 
     SpecError for other units.
     """
-    heading, points = read_table(path)
+    heading, points = read_table(path, "theta and force or torque")
     every = dict.fromkeys(_OTHERS) | _ANGLES | _FORCES | _TORQUES
     names = [unit_in(cell, every) for cell in heading] if len(heading) == 2 else ["", ""]
     faults, scales = [], [1.0, 1.0]

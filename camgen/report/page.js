@@ -62,7 +62,7 @@ const camgen = (() => {
 
   // ---- parts: hidden and coloured, in the drawing too ----
 
-  if (innerWidth < 1080) document.querySelector(".legend").open = false;  // the machine is to leave room for what one reads
+  if (innerWidth < 760) document.querySelector(".legend").open = false;  // the machine is to leave room for what one reads
 
   const boxes = [...document.querySelectorAll(".legend [data-body]")];
   boxes.forEach(box => {

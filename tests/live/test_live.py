@@ -113,6 +113,16 @@ def test_a_page_may_set_known_keys_to_short_values_alone(settings: object) -> No
 # ---- explore ---------------------------------------------------------------------------------------------------------
 
 
+def test_a_preview_shows_how_each_output_moves(root: Path, tmp_path: Path) -> None:
+    """Of a slide on a lever as of a cam's own follower; the quick answer leaves curves for later."""
+    explorer = Explorer(root / "specs" / "linkage.toml", tmp_path / "out")
+    page = explorer.preview({"settings": {}})["page"]
+    assert page.index("<figcaption>Swing<") < page.index("<figcaption>Transmission angle<") and "mm/rad" not in page
+    assert "<figcaption>" not in explorer.preview({"settings": {}, "quick": True})["page"]
+    disc = Explorer(root / "specs" / "disc-cam.toml", tmp_path / "out").preview({"settings": {}})["page"]
+    assert "<figcaption>Lift<" in disc and "mm/rad" in disc
+
+
 def test_a_move_gives_the_report_of_that_variant(page: TestClient) -> None:
     first, small = asked(page, "/preview"), asked(page, "/preview", geometry__base_radius="10", geometry__follower__radius="4")
     assert first["ok"] and first["verdict"] == "All 4 findings hold" and 'id="mechanism"' in first["page"]

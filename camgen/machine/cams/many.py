@@ -22,7 +22,7 @@ import numpy as np
 
 from camgen.machine.cams.followers import FlatFace, Motion, RoundTip
 from camgen.machine.cams.profile import DiscCam, sharpness, steepness, still, touched
-from camgen.numerics import Floats, Indices, gauss_legendre
+from camgen.numerics import Floats, Indices, distinct, gauss_legendre
 
 _BLOCK = 256  # cams whose arrays stay in the processor's cache
 _PANELS = 8  # of a stretch, each with as many nodes as these
@@ -135,7 +135,7 @@ class _Kin:
             law = segment.law
             corners = [0.0, *(() if law.smooth else law.breaks), 1.0]
             for a, b in pairwise(corners):
-                edges = np.union1d(np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b])
+                edges = distinct(np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b])
                 half = np.diff(edges)[:, None] / 2
                 inner, weigh = (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
                 ends = a + _BESIDE, b - _BESIDE

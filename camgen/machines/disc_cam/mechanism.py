@@ -207,10 +207,11 @@ class DiscCamDrive(StandingCams):
         return self.making.make == "machine"
 
     def _stood(self) -> Bench:
-        from camgen.machines.bench import Bench, Tip
+        from camgen.machines.bench import Bench
+        from camgen.machines.linkage.wheels import Ridden
 
         g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
-        tip = Tip(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
+        tip = Ridden(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, tip,
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],

@@ -26,7 +26,7 @@ from camgen.findings import Finding, NotJudged, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
-from camgen.machine.joining import joined
+from camgen.machine.joining import Module, joined
 from camgen.machine.reach import folds, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
@@ -191,7 +191,7 @@ class Linkage(Mechanism):
             law = Programmed(program, chain.start[self.drive.link].angle)
             reach = law.reach
         if reach is None:
-            refuse_partial(chain)
+            refuse_partial(chain, self.allowed.transmission_angle_deg)
         else:
             refuse_range(chain, self.drive, *reach)
         refuse_folds(chain, *(reach or (0.0, math.tau)))
@@ -321,7 +321,7 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        cams = {Drawing.cam_name(c): wheels.Ridden(c.shape, c.radius, c.closure, c.at, c.tip_clearance) for c in self.cams}
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
@@ -426,10 +426,12 @@ class Linkage(Mechanism):
         kicked = [name for name, program in programs.items() if any(jump.order == 1 for jump in program.discontinuities(1))]
         return pressed(pulled(self), cams, kicked, np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
 
-    def steps(self) -> Table:
-        """By height, springs before the heads of their pins."""
-        table = super().steps()
-        return with_springs(table, self.bodies.layout, self.mounts(), {}) if self.springs else table
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """With its own springs and those of what is included."""
+        table = with_springs(table, self.bodies.layout, self.mounts(), {}, module) if self.springs else table
+        for each in self.modules:
+            table = each.mechanism.sprung_steps(table, each.module)
+        return table
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""

@@ -19,7 +19,6 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.parts.catalogue import DOWELS
-from camgen.parts.hardware import Collet
 from camgen.parts.part import hull
 
 if TYPE_CHECKING:
@@ -157,7 +156,11 @@ class Room:
     def _sleeve(self, wall: float) -> float:
         """Radius of the collet's sleeve where it is thickest, mm; 0 without a collet."""
         c = self.collet
-        return Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0).radius if self.plain else 0.0
+        if not self.plain:
+            return 0.0
+        from camgen.parts.hardware import Collet
+
+        return Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0).radius
 
     def remedy(self, more: float = 0.0) -> str:
         """What of the geometry to change, key and value, for a cam that leaves room about shaft and pivot.
