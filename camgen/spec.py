@@ -161,6 +161,12 @@ class Checked(Record):
         return ()
 
 
+def _no_device(name: str) -> str:
+    if re.fullmatch(r"con|prn|aux|nul|(com|lpt)\d", name):
+        raise ValueError("another name: no folder of Windows can have this one, which is a device's")
+    return name
+
+
 class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
@@ -172,6 +178,7 @@ class Spec(Checked):
             max_length=60,
             description="a name of small letters a-z, digits and single hyphens between them, at most 60",
         ),
+        AfterValidator(_no_device),
     ]
     print: Print = Print.model_construct()
     material: Material = Material.model_construct()
