@@ -17,7 +17,7 @@ from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.spring_sketches import sketches
-from camgen.machines.linkage.spring_steps import with_springs
+from camgen.machines.linkage.spring_steps import finished
 from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
@@ -209,7 +209,7 @@ class StandingCams(Mechanism):
         if not self.standing:
             return table
         titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
-        return with_springs(table, self.bench.bodies.layout, self.mounts(), titles, module)
+        return finished(table, self.bench.bodies, self.mounts(), titles, module)
 
     def spring_sketches(self) -> Sequence[Sketch]:
         """Those of the bench."""

@@ -427,7 +427,7 @@ class Linkage(Mechanism):
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """With its own springs and those of what is included."""
-        table = spring_steps.with_springs(table, self.bodies.layout, self.mounts(), {}, module) if self.springs else table
+        table = spring_steps.finished(table, self.bodies, self.mounts(), {}, module)
         return reduce(lambda steps, each: each.mechanism.sprung_steps(steps, each.module), self.modules, table)
 
     def spring_sketches(self) -> Sequence[Sketch]:
