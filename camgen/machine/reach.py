@@ -201,7 +201,7 @@ def determinant(chain: Chain, number: int, theta: Floats) -> Floats:
     state = chain.state(theta, 0, number + 1)
     with np.errstate(all="ignore"):
         known = chain.state(theta, 0, number).known(block)
-        rows = [np.angle(state.angles[name][0]) for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        rows = [state.direction(name) for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
         if isinstance(step, Block) and block.relations:  # laws of angles want them continuous
             rows[: len(block.angles)] = [state.angle(name)[0] for name in block.angles]
         return block.determinant(np.array(rows), known)
@@ -270,7 +270,7 @@ def _closes(chain: Chain, number: int, step: Step) -> Callable[[Floats], NDArray
 
     def closes(theta: Floats) -> NDArray[np.bool_]:
         state = chain.state(theta, 0, number + 1)
-        rows = [state.angles[name][0] for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        rows = [state.spins[name][0] for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
         finite: NDArray[np.bool_] = np.isfinite(np.array(rows)).all(axis=0)
         return finite
 

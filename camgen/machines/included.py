@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
@@ -405,7 +406,7 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
     return found
 
 
-def opened(data: specs.Data, folder: Path) -> specs.Data:
+def opened(data: reading.Data, folder: Path) -> reading.Data:
     """Copy of a spec's tables in which the path of each included spec, seen from the folder, is replaced by its tables.
 
     SpecError where the path is not a relative one; FileError where it cannot be read.
@@ -421,7 +422,7 @@ def opened(data: specs.Data, folder: Path) -> specs.Data:
                 right = 'a relative path with "/", so that the folder can be moved'
                 raise SpecError([Fault(f"include.{k}.spec", path, right)])
             file = folder / path
-            each = {**each, "spec": with_tables(specs.read(file), file.parent), "source": path}
+            each = {**each, "spec": with_tables(reading.read(file), file.parent), "source": path}
         found.append(each)
     return {**data, "include": found}
 

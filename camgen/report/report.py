@@ -12,7 +12,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -78,6 +77,8 @@ class Report:
 
     def _repr_html_(self) -> str:
         """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file."""
+        from html import escape
+
         from camgen.report import page
 
         kinds = ("_dxf_", "_stl_", "_3mf_", "_step_")

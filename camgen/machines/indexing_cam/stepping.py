@@ -24,6 +24,7 @@ from camgen.machine.targets import Advance
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
+from camgen.numerics import halved
 from camgen.study import Plot, Table
 
 WHEEL = "drive-wheel"
@@ -87,12 +88,7 @@ class Stepping:
     @cached_property
     def locks(self) -> float:
         """theta from the begin of a rise to where the freewheel locks, rad."""
-        low, high = 0.0, self.rise
-        for _ in range(60):
-            middle = (low + high) / 2
-            early = self.ratio * float(self.program(np.array([self.sense * middle]))[0]) < self.lost
-            low, high = (middle, high) if early else (low, middle)
-        return high
+        return halved(lambda at: self.ratio * float(self.program(np.array([self.sense * at]))[0]) >= self.lost, 0.0, self.rise)
 
     def wanted(self, tolerance: float) -> Advance:
         """The turn of the link in each turn of the cam, judged on its wheel; tolerance: deg."""

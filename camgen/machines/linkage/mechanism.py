@@ -320,7 +320,7 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        cams = {Drawing.cam_name(c): wheels.Ridden(c.shape, c.radius, c.closure, c.at, c.tip_clearance) for c in self.cams}
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -37,28 +37,19 @@ _WORDS = {"tip_radius": "radius", "a smaller swing": "a smaller lift", "a larger
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
-class Ridden(Protocol):
-    """What of a follower touches a cam, as in [[cam]]: the point `at` is a roller's centre, an edge, a place on a face."""
+@dataclass(frozen=True)
+class Ridden:
+    """What of a follower touches a cam, as in [[cam]]: its point `at` is a roller's centre, an edge, a place on a face.
 
-    @property
-    def shape(self) -> str:
-        """"roller", "knife" or "flat"."""
+    shape: "roller", "knife" or "flat"; radius: of a roller, mm; closure: "force", "groove" or "conjugate"; tip_clearance: of a
+    pair, mm at each tip.
+    """
 
-    @property
-    def at(self) -> str:
-        """A point of the follower."""
-
-    @property
-    def radius(self) -> float | None:
-        """Of a roller, mm."""
-
-    @property
-    def closure(self) -> str:
-        """"force", "groove" or "conjugate"."""
-
-    @property
-    def tip_clearance(self) -> float:
-        """Of a pair, mm at each tip."""
+    shape: str
+    radius: float | None
+    closure: str
+    at: str = "tip"
+    tip_clearance: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,11 @@ import numpy as np
 from camgen.findings import Finding, NotJudged
 from camgen.machine.run import solve
 from camgen.machines import pairs
-from camgen.machines.loads import bearing, counterweights, drive, follower
+from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import freed, rough
 from camgen.machines.loads.weights import Weighed, weighed
-from camgen.parts.springs import WIRES
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:
@@ -78,6 +77,8 @@ def assess(mechanism: Mechanism) -> Assessment:
     paired = pairs.told(forces, machine, outlines)
     left += paired.left
     if mechanism.spring_asked is not None and mechanism.return_spring is None:
+        from camgen.parts.springs import WIRES
+
         rate, least, _ = mechanism.spring_asked
         why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
         left.append(NotJudged("SPRING_STRESS", why, "another spring.preload or spring.rate, or a spring of another kind"))
@@ -91,8 +92,11 @@ def assess(mechanism: Mechanism) -> Assessment:
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
-    balanced = counterweights.study(mechanism, machine)
-    study = together([Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)]), balanced])
+    study = Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)])
+    if mechanism.balance is not None:
+        from camgen.machines.loads import counterweights
+
+        study = together([study, counterweights.study(mechanism, machine)])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 
