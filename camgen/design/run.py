@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.design.chains import chains
 from camgen.design.keys import Search
@@ -48,7 +49,7 @@ class Design(Protocol):
     def drawn(self) -> Drawn:
         """What a sketch shows."""
 
-    def data(self, tolerance: float | None = None) -> specs.Data:
+    def data(self, tolerance: float | None = None) -> reading.Data:
         """Tables of its spec."""
 
     def row(self, number: int) -> dict[str, Any]:
@@ -140,7 +141,7 @@ def _text_of(spec: str | Path) -> tuple[str, str]:
 class Asked:
     """What is asked of a search: the spec's tables, its text where it is to be kept, what its lines end in, and who is told."""
 
-    data: specs.Data
+    data: reading.Data
     source: str
     folder: Path
     text: str | None
@@ -150,7 +151,7 @@ class Asked:
     keep: Keep
 
     @cached_property
-    def rest(self) -> specs.Data:
+    def rest(self) -> reading.Data:
         """The tables less [wanted]."""
         return without(self.data)
 

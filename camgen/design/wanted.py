@@ -14,7 +14,8 @@ from pydantic import Field
 from camgen.errors import Fault, FileError, SpecError
 from camgen.motion.tables import read_table
 from camgen.numerics import Points
-from camgen.spec import Checked, Data, Length, Record, validate
+from camgen.reading import Data
+from camgen.spec import Checked, Length, Record, validate
 
 _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
