@@ -1,6 +1,6 @@
 """The search for paths on the three targets of tests/reference: the area of its front, and the time that it takes.
 
-Run from the checkout: python tests/bench/bench_paths.py [EFFORT]. A few minutes of two cores for each target. Score as in the
+Run from the checkout: python tests/bench/bench_paths.py [EFFORT]. About a minute of two cores for each target. Score as in the
 MIT 2.156 challenge of 2023: the share below (chamfer 0.1, material 10) that the front dominates, each bar counted twice.
 """
 
