@@ -130,6 +130,14 @@ def test_a_file_that_was_changed_and_still_holds_is_named(make: Make, tmp_path: 
     assert report.ok and [text for text in report.remarks if "changed since the build" in text and "disc-cam-cam.dxf" in text]
 
 
+def test_a_drawing_of_the_chain_is_not_said_to_be_judged(make: Make, tmp_path: Path) -> None:
+    """It is an SVG like a sheet for the laser, which is."""
+    make("linkage", "dxf")
+    (tmp_path / "linkage" / "linkage-chain.svg").write_text("nothing")
+    (told,) = (f for f in check(tmp_path / "linkage").findings if not f.ok)
+    assert told.code == "MANIFEST" and "linkage-chain.svg" in told.message
+
+
 def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
     make("disc-cam", "dxf,stl")
     (said,) = make("disc-cam", "dxf").remarks
