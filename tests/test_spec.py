@@ -21,8 +21,9 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
+from camgen.reading import read
 from camgen.settings import override
-from camgen.spec import Length, Record, Spec, choose, dump, read, schema, unknown, validate
+from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
 
 
 def even(teeth: int) -> int:

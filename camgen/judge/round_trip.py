@@ -22,6 +22,7 @@ from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.judge.as_printed import printed
 from camgen.judge.contours import contour_error
+from camgen.numerics import distinct
 
 MILLIMETRES = 4  # $INSUNITS of DXF
 _WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
@@ -197,7 +198,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
 
 def _level_error(heights: Floats, expected: Expected) -> float:
     """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
-    there, wanted = np.unique(heights), np.array(expected.levels)
+    there, wanted = distinct(heights), np.array(expected.levels)
     if not expected.stacked:
         there = there[[0, -1]]
     apart = np.abs(there[:, None] - wanted)

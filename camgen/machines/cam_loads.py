@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +12,11 @@ from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.machines.disc_cam.tables import LoadTable, SpringTable
-from camgen.motion.polydyne import NEEDED, rough
-from camgen.motion.program import Program
 from camgen.study import Plot, Study
+
+if TYPE_CHECKING:
+    from camgen.machines.disc_cam.tables import LoadTable, SpringTable
+    from camgen.motion.program import Program
 
 
 def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool) -> list[Fault]:
@@ -38,6 +40,8 @@ def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool
 
 def polydyne_faults(load: LoadTable, wanted: Program) -> list[Fault]:
     """What a correction for the follower's elasticity lacks."""
+    from camgen.motion.polydyne import NEEDED, rough
+
     found = []
     if load.stiffness is None:
         found.append(Fault("load.stiffness", "", "missing: load.polydyne corrects for it"))
@@ -63,8 +67,8 @@ def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad 
     """Both tables as the model takes them; None without [load]."""
     if load is None:
         return None
-    spring = spring or SpringTable()
-    return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, spring.rate, spring.preload, load.resistance)
+    rate, preload = (spring.rate, spring.preload) if spring else (0.0, 0.0)
+    return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, rate, preload, load.resistance)
 
 
 def lift_off(found: Loaded, load: FollowerLoad, slides: bool) -> Finding:

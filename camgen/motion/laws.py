@@ -76,10 +76,10 @@ class Law:
         return [(float(self(0.0, order)), float(self(1.0, order))) for order in range(4)]
 
     @cached_property
-    def steps(self) -> Sequence[Floats]:
+    def steps(self) -> Sequence[Sequence[float]]:
         """By how much displacement and derivatives of order 1..3 jump at the breaks, (4, m)."""
         u = np.array(self.breaks)
-        return [self(u + _BESIDE, order) - self(u - _BESIDE, order) for order in range(4)]
+        return [(self(u + _BESIDE, order) - self(u - _BESIDE, order)).tolist() for order in range(4)]
 
     @cached_property
     def extremes(self) -> tuple[float, float]:

@@ -55,14 +55,17 @@ class ShaftHole(Record):
             found.append(Fault("parts.key_width", f"{self.key_width:g}", expected))
         return found
 
-    def hole(self) -> tuple[Contour, float]:
-        """The shaft hole and how far it reaches from the axis, mm; keyway or flat on Oy."""
+    @property
+    def reach(self) -> float:
+        """How far the shaft hole reaches from the axis, mm."""
+        keyed = self.shaft == "keyway"
+        return math.hypot(self.key_width / 2, self.bore / 2 + self.key_depth) if keyed else self.bore / 2
+
+    def hole(self) -> Contour:
+        """The shaft hole; keyway or flat on Oy."""
         if self.shaft == "keyway":
-            reach = math.hypot(self.key_width / 2, self.bore / 2 + self.key_depth)
-            return keyed_bore(self.bore, self.key_width, self.key_depth), reach
-        if self.shaft == "d-flat":
-            return d_bore(self.bore, self.flat_depth), self.bore / 2
-        return circle(0j, self.bore / 2), self.bore / 2
+            return keyed_bore(self.bore, self.key_width, self.key_depth)
+        return d_bore(self.bore, self.flat_depth) if self.shaft == "d-flat" else circle(0j, self.bore / 2)
 
     def notes(self) -> tuple[str, ...]:
         """What the drawing says of the hole beside the numbers."""
@@ -115,7 +118,7 @@ def holes_in(
 
     DesignError where bore, hub (its diameter, mm) or the others find no room.
     """
-    bore, reach = made.hole()
+    bore, reach = made.hole(), made.reach
     rim = facet_contour(outline, _LAYOUT)
     refuse_wide(name, float(np.min(point_to_ring(np.zeros(1, complex), rim))), reach, hub)
     holes = (bore, *more(rim, reach))
@@ -165,7 +168,7 @@ def _cam(made: Parts, name: str, title: str, outline: Contour, pins: list[Contou
 
 def _plates(made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
-    bore, reach = made.hole()
+    bore, reach = made.hole(), made.reach
     radius = float(np.max(np.abs(facet_contour(wall, _LAYOUT)))) + made.rim
     beside = reach + min_wall + made.pin_diameter
     inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]

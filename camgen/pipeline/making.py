@@ -85,6 +85,8 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
 
     A chamfer against the elephant's foot is made at the part's own underside, which it then lies on.
     """
+    if not meshes:
+        return {}
     from camgen.files.plates import lying_side, side
 
     drawn = mechanism.print.elephant_foot > 0
@@ -165,7 +167,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
 
     sides: on which printed parts lie on the bed, where their solids are known.
     """
-    from camgen.files.plates import parts_list
+    from camgen.files.parts_list import parts_list
 
     material = mechanism.material
     density = (material.density or DENSITY[material.name]) * material.infill

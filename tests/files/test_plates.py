@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.plates import DENSITY, Layout, Spot, bed_fit, footprint, laid_out, lying_side, parts_list, side, write_plates
+from camgen.files.parts_list import DENSITY, parts_list
+from camgen.files.plates import Layout, Spot, bed_fit, footprint, laid_out, lying_side, side, write_plates
 from camgen.files.threemf import Placed, read_3mf, write_3mf
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon

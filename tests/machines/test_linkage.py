@@ -16,7 +16,8 @@ from judged import wrong
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 THETA = np.linspace(0.1, 6.2, 97)
 

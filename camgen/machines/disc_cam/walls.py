@@ -19,7 +19,7 @@ def walls(drive: DiscCamDrive) -> list[Finding]:
     made, need, found = drive.making, drive.allowed.min_wall, []
     names = ["inner"] if drive.geometry.closure == "groove" else ["cam"] if len(drive.cams) == 1 else ["cam-1", "cam-2"]
     for cam, name in zip(drive.cams, names, strict=True):
-        refuse_wide(name, cam.nearest, made.hole()[1], made.hub_diameter if made.hub_height else 0.0)
+        refuse_wide(name, cam.nearest, made.reach, made.hub_diameter if made.hub_height else 0.0)
         facets = 2 * drive.accuracy.chord_tolerance  # what the files may take of it, as there
         said = "a smaller bore or a larger base_radius widens it"
         where, wall = f"bore and nearest side of {name}", cam.nearest - made.bore / 2

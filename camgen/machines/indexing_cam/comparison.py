@@ -23,6 +23,7 @@ from camgen.machines.indexing_cam.driver import TwoCranks, driver_faults
 from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
+from camgen.numerics import halved
 from camgen.study import Table
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class Comparison:
         if size is None:
             return _NONE
         low, high = max(low, float(size) - (high - low) / (_SIZES - 1)), float(size)
-        return _halved(fits, low, high) - self.roller
+        return halved(fits, low, high, _STEPS) - self.roller
 
     def _least_ratio(self, share: float) -> float | str:
         follower = self.follower(self.base)
@@ -109,16 +110,8 @@ class Comparison:
 
         if not fits(_LONGEST):
             return _NONE
-        rise = _halved(fits, _SHORTEST, _LONGEST)
+        rise = halved(fits, _SHORTEST, _LONGEST, _STEPS)
         return rise / (180 - rise)
-
-
-def _halved(fits: Callable[[float], bool], low: float, high: float) -> float:
-    """The least that fits between one that does not and one that does."""
-    for _ in range(_STEPS):
-        middle = (low + high) / 2
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
 
 
 def compared(spec: IndexingCam) -> Table | None:

@@ -67,7 +67,7 @@ def plain_bearings(
         slides = strength.sliding(force, turning, journal.diameter, journal.length, circle(1.0, coefficient(journal, load)))
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
-        each = bent_by(name, journal, bent, sheared, float(np.max(force)), bears(name))
+        each = bent_by(name, journal, bent, sheared, float(np.max(force)), bears(name), not run.machine.loads)
         borne.bent += each
         borne.findings += [pin.finding(stronger) for pin in each]
         if journal.ball is not None:
@@ -99,9 +99,9 @@ def plain_bearings(
 
 
 def bent_posts(
-    forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid
+    forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid, fast: bool = False
 ) -> Borne:
-    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most."""
+    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most; fast: inertia alone loads them."""
     worst: dict[str, Bent] = {}
     for post in posts:
         pressed = forces.pressing.get(post.by)
@@ -112,7 +112,7 @@ def bent_posts(
         sheared = float(strength.pin_shear(force, post.diameter))
         name = f"{post.name}, under {post.by}"
         journal = Journal(post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part)
-        for each in bent_by(name, journal, bent, sheared, force, bears(post.by), not post.pull):
+        for each in bent_by(name, journal, bent, sheared, force, bears(post.by), fast and not post.pull):
             if post.name not in worst or each.stress > worst[post.name].stress:
                 worst[post.name] = each
     return Borne([each.finding(stronger) for each in worst.values()], bent=list(worst.values()))
