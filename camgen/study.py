@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
 
 from camgen.numerics import Floats, Points
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,23 @@ class Scene:
     work: str = "Assembly, step by step"
 
 
+class Later(Sequence[T]):
+    """Items that are made when the first of them is looked at: whoever wants a study's numbers alone does not wait for them."""
+
+    def __init__(self, make: Callable[[], Sequence[T]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _items(self) -> Sequence[T]:
+        return self._make()
+
+    def __getitem__(self, k: Any) -> Any:
+        return self._items[k]
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+
 @dataclass(frozen=True)
 class Study:
     """What the report shows of a mechanism, without the report knowing the mechanism.
@@ -108,8 +129,8 @@ def together(studies: Sequence[Study]) -> Study:
         numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
     return Study(
         numbers,
-        [plot for each in studies for plot in each.plots],
-        [table for each in studies for table in each.tables],
-        [sketch for each in studies for sketch in each.sketches],
+        Later(lambda: [plot for each in studies for plot in each.plots]),
+        Later(lambda: [table for each in studies for table in each.tables]),
+        Later(lambda: [sketch for each in studies for sketch in each.sketches]),
         [note for each in studies for note in each.notes],
     )

@@ -30,7 +30,7 @@ from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
-from camgen.study import Sketch, Study
+from camgen.study import Later, Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -185,9 +185,9 @@ class Included:
         found, prefix = self.mechanism.study(), self.module.prefix
         return Study(
             {self.module.name(name): value for name, value in found.numbers.items()},
-            [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots],
-            [replace(table, title=f"{prefix}: {table.title}") for table in found.tables],
-            [self.sketch(sketch) for sketch in found.sketches],
+            Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots]),
+            Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]),
+            Later(lambda: [self.sketch(sketch) for sketch in found.sketches]),
             [*self._told(), *self._fastened(), *(f"{prefix}: {note}" for note in found.notes)],
         )
 

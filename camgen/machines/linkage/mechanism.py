@@ -87,7 +87,7 @@ class Linkage(Mechanism):
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
     springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = ()
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
-    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
+    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output.model_construct()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
     counterweight: Counterweight | None = None
