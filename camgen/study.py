@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from camgen.numerics import Floats, Points
 
+ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
+
 
 @dataclass(frozen=True)
 class Plot:
