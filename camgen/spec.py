@@ -48,7 +48,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others; a default is made by
+    # model_construct, which needs none
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
@@ -160,6 +161,12 @@ class Checked(Record):
         return ()
 
 
+def _no_device(name: str) -> str:
+    if re.fullmatch(r"con|prn|aux|nul|(com|lpt)\d", name):
+        raise ValueError("another name: no folder of Windows can have this one, which is a device's")
+    return name
+
+
 class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
@@ -171,12 +178,13 @@ class Spec(Checked):
             max_length=60,
             description="a name of small letters a-z, digits and single hyphens between them, at most 60",
         ),
+        AfterValidator(_no_device),
     ]
-    print: Print = Print()
-    material: Material = Material()
-    accuracy: Accuracy = Accuracy()
-    output: Output = Output()
-    drawing: Drawing = Drawing()
+    print: Print = Print.model_construct()
+    material: Material = Material.model_construct()
+    accuracy: Accuracy = Accuracy.model_construct()
+    output: Output = Output.model_construct()
+    drawing: Drawing = Drawing.model_construct()
     laser: Laser | None = None
 
 S = TypeVar("S", bound=Checked)

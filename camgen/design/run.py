@@ -230,6 +230,13 @@ def _for_function(asked: Asked) -> str:
         return math.degrees(each.error)
 
     best = chosen(front, found, error, lambda each: each.transmission, lambda each: -each.error, "deg")
+    if error(best) > found.borne:  # without a tolerance, where the nearest of all is far off
+        raise DesignError(
+            "error at the pairs", error(best), found.borne, "deg", "the nearest buildable design",
+            f"{found.further}, or the wanted.tolerance that will do",
+            f"the nearest buildable design is {error(best):.4g} deg off at the pairs; without wanted.tolerance a twentieth of "
+            f"the rocker's swing is borne, {found.borne:.4g} deg",
+        )  # fmt: skip
     row = rows[front.index(best)]
     asked.told(f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
                f"transmission angle {row['transmission_deg']:.4g} deg and more")  # fmt: skip

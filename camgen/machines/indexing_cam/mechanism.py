@@ -58,7 +58,7 @@ from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
-from camgen.study import Plot, Sketch, Study
+from camgen.study import Later, Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
@@ -410,16 +410,19 @@ class IndexingCam(StandingCams):
         pressing = forces.pressing["contact"]
         numbers |= dict(found.numbers)
         numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
-                    "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
+                    "reaction_shaft_without_friction_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
         drawn = Plot("Contact force", f"{self.indexing.angle}, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
         sketches = () if self.standing else self._sketches()
         notes = [*found.notes, *([_NOT_MADE] if self.standing and self.unloading and self.made_unloader is None else [])]
-        beside = compared(self)
-        tables = [*found.tables, *([] if beside is None else [beside])]
+
+        def tables() -> list[Table]:
+            beside = compared(self)
+            return [*found.tables, *([] if beside is None else [beside])]
+
         if self.two_cranks is not None:
             numbers |= self.two_cranks.numbers
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
-        return Study(numbers, (*found.plots, drawn), tables, sketches, notes)
+        return Study(numbers, Later(lambda: [*found.plots, drawn]), Later(tables), sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""
