@@ -14,8 +14,8 @@ from difflib import get_close_matches
 from typing import Any
 
 from camgen.errors import Fault, SpecError
+from camgen.reading import DEEPEST, SHALLOWER, Data, depth_of
 from camgen.schemas import shortened, shown
-from camgen.spec import DEEPEST, SHALLOWER, Data, depth_of
 
 _STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
 

@@ -48,6 +48,7 @@ class Sketch:
     """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model.
 
     course: of what changes its shape, such as a thread: theta, (n,) rad -> one polyline on the ground, (n, k) complex mm.
+    z: height at which a course lies, mm; None of what is drawn in the plane alone.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Sketch:
     circles: Sequence[tuple[complex, float]] = ()
     body: str = "ground"
     course: Callable[[Floats], Points] | None = None
+    z: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

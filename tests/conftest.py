@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import fcntl
 import gc
 import hashlib
 import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,8 +18,10 @@ settings.register_profile(
     "camgen", derandomize=bool(os.environ.get("CI")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("camgen")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: each core has a process of its own
 gc.set_threshold(100_000, 50, 100)  # Python's own 700 collects so often that it takes a tenth of the time of what builds
 
+MOST_WAITED = 6000  # times 0.05 s, for a folder that another process makes
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -44,11 +46,20 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
 
     def folder(name: str, make: Callable[[Path], None]) -> Path:
-        out = shared / name
-        with open(f"{out}.lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+        out, lock = shared / name, shared / f"{name}.lock"
+        for _ in range(MOST_WAITED):
+            try:
+                lock.mkdir()  # one process alone can
+                break
+            except FileExistsError:
+                time.sleep(0.05)
+        else:
+            raise TimeoutError(f"{lock}: whoever makes this folder has not ended")
+        try:
             if not out.exists():
                 make(out)
+        finally:
+            lock.rmdir()
         return out
 
     return folder

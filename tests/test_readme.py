@@ -28,7 +28,7 @@ def test_two_commands_set_up_then_build_and_test() -> None:
 
 def test_ci_runs_exactly_these_two() -> None:
     lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
-    assert set(SETTING_UP) <= set(lines)
+    assert set(SETTING_UP) <= {line.strip() for line in lines}
     assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
 
 

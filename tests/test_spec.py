@@ -21,8 +21,9 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
+from camgen.reading import read
 from camgen.settings import override
-from camgen.spec import Length, Record, Spec, choose, dump, read, schema, unknown, validate
+from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
 
 
 def even(teeth: int) -> int:
@@ -136,7 +137,12 @@ def test_name_that_is_no_folder_name(name: str) -> None:
     assert "a-z" in fault.expected and "hyphens" in fault.expected and fault.value
 
 
-@pytest.mark.parametrize("name", ["a", "9", "a-b-c", "cam2", "x" * 60])
+@pytest.mark.parametrize("name", ["con", "nul", "com1", "lpt9"])
+def test_name_that_windows_keeps_for_a_device(name: str) -> None:
+    assert "Windows" in faults(box() | {"name": name})["name"].expected
+
+
+@pytest.mark.parametrize("name", ["a", "9", "a-b-c", "cam2", "x" * 60, "con-rod", "com10"])
 def test_name_that_is_one(name: str) -> None:
     assert validate(Box, box() | {"name": name}).name == name
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.design.chains import chains
 from camgen.design.keys import Search
@@ -47,7 +48,7 @@ class Design(Protocol):
     def drawn(self) -> Drawn:
         """What a sketch shows."""
 
-    def data(self, tolerance: float | None = None) -> specs.Data:
+    def data(self, tolerance: float | None = None) -> reading.Data:
         """Tables of its spec."""
 
     def row(self, number: int) -> dict[str, Any]:
@@ -139,7 +140,7 @@ def _text_of(spec: str | Path) -> tuple[str, str]:
 class Asked:
     """What is asked of a search: the spec's tables, its text where it is to be kept, what its lines end in, and who is told."""
 
-    data: specs.Data
+    data: reading.Data
     source: str
     folder: Path
     text: str | None
@@ -149,7 +150,7 @@ class Asked:
     keep: Keep
 
     @cached_property
-    def rest(self) -> specs.Data:
+    def rest(self) -> reading.Data:
         """The tables less [wanted]."""
         return without(self.data)
 
@@ -229,6 +230,13 @@ def _for_function(asked: Asked) -> str:
         return math.degrees(each.error)
 
     best = chosen(front, found, error, lambda each: each.transmission, lambda each: -each.error, "deg")
+    if error(best) > found.borne:  # without a tolerance, where the nearest of all is far off
+        raise DesignError(
+            "error at the pairs", error(best), found.borne, "deg", "the nearest buildable design",
+            f"{found.further}, or the wanted.tolerance that will do",
+            f"the nearest buildable design is {error(best):.4g} deg off at the pairs; without wanted.tolerance a twentieth of "
+            f"the rocker's swing is borne, {found.borne:.4g} deg",
+        )  # fmt: skip
     row = rows[front.index(best)]
     asked.told(f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
                f"transmission angle {row['transmission_deg']:.4g} deg and more")  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 
 from camgen.errors import CamgenError
 from camgen.machine.model import unit_of
-from camgen.spec import Data
+from camgen.reading import Data
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import __version__
-from camgen.errors import FileError
+from camgen.errors import FileError, file_errors
 from camgen.files.formats import Job
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats, Ints
@@ -206,10 +206,8 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
 
     FileError when it is refused, in a unit that there is not, or places far too much.
     """
-    try:
+    with file_errors(path):
         return _package(str(path), Path(path).read_bytes(), strict)
-    except OSError as error:
-        raise FileError(path, error.strerror or str(error)) from None
 
 
 @lru_cache(maxsize=16)  # several checks look at each file of a folder

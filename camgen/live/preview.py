@@ -11,9 +11,9 @@ from camgen.errors import DesignError, SpecError
 from camgen.pipeline.curves import as_designed
 from camgen.pipeline.jobs import changed
 from camgen.pipeline.shown import animation
+from camgen.reading import Data
 from camgen.report.page import to_html
 from camgen.report.report import Report
-from camgen.spec import Data
 from camgen.study import Study
 
 

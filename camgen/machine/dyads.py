@@ -53,17 +53,21 @@ def two_angles(known: Jet, r1: float, r2: float, branch: int) -> tuple[Spin, Spi
     first, second = [z1], [z2]
     if order > 0:
         # z1 x z2 is half the signed root; inner products with z2 and z1 part the two rates.
-        swing = (-2.0 * branch) / divisor
+        swing = np.divide(-2.0 * branch, divisor, out=half)
         left, right = np.conj(z1), np.conj(z2)
         w1, w2 = inner(right, known[1]) * swing, inner(left, known[1]) * swing
         first.append(w1)
         second.append(w2)
     if order > 1:
+        q -= r1**2 + r2**2
+        q *= -0.5  # z1 . z2
         s1, s2 = w1 * w1, w2 * w2
-        both = (r1**2 + r2**2) - q
-        both *= 0.5  # z1 . z2
-        first.append((inner(right, known[2]) - s1 * both + s2 * r2**2) * swing)
-        second.append((inner(left, known[2]) - s1 * r1**2 + s2 * both) * swing)
+        for spin, other, share1, share2 in ((first, right, q, r2**2), (second, left, r1**2, q)):
+            a = s2 * share2
+            a -= s1 * share1
+            a += inner(other, known[2])
+            a *= swing
+            spin.append(a)
     return first, second
 
 

@@ -117,14 +117,14 @@ def turned(z: Any, w: Any, a: Any, order: int) -> Jet:
         return [z]
     if not isinstance(w, np.ndarray) and not isinstance(a, np.ndarray):
         return [z, times(1j * w, z), times(1j * a - w * w, z)][: order + 1]
-    factors = np.zeros((order, *np.shape(z)), complex)
-    factors[0].imag = w
-    if order > 1:
-        np.multiply(w, w, out=factors[1].real)
-        np.negative(factors[1].real, out=factors[1].real)
-        factors[1].imag = a
-    factors *= z
-    return [z, *factors]
+    rows: Jet = [z]
+    for real, imag in ((0.0, w), (w * w, a))[:order]:
+        row = np.empty(np.shape(z), complex)
+        np.negative(real, out=row.real)
+        row.imag = imag
+        row *= z
+        rows.append(row)
+    return rows
 
 
 def thread_length(*places: Points) -> Floats:

@@ -405,8 +405,7 @@ class Machine:
         loads = [load for load in self.loads if not isinstance(load, Gravity)]
         for named in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
             names = [each.name for each in named]
-            twice = {name for name in names if names.count(name) > 1}
-            if twice:
+            if twice := {name for name in names if names.count(name) > 1}:
                 raise ValueError(f"named twice: {', '.join(sorted(twice))}")
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
         for each in (*self.joints, *self.drives, *loads, *self.outputs):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,7 +54,7 @@ class State:
     def direction(self, group: str) -> Floats:
         """A group's angle but for whole turns."""
         z = self.spins[group][0]
-        angle = np.arctan2(z.imag, z.real)
+        angle = np.arctan2(z.imag.copy(), z.real.copy())  # its loop is slow on a view
         own = cmath.phase(self.levers[group])
         if own:
             angle -= own
@@ -62,15 +63,20 @@ class State:
     def angle(self, group: str) -> Jet:
         """A group's angle with derivatives, continuous from the drawn position."""
         if group not in self._angle:
-            low, high = (float(np.min(self.theta)), float(np.max(self.theta))) if self.theta.size else (0.0, 0.0)
-            theta, values = self.chain.followed(group, low, high)
             angle = self.direction(group)
-            turns = self._nearest(theta, values) - angle
+            turns = self._nearest(*self.chain.followed(group, *self._range))
+            turns -= angle
             turns *= 1 / math.tau
             np.rint(turns, out=turns)
             turns *= math.tau
-            self._angle[group] = np.add(turns, angle, out=turns)
+            turns += angle
+            self._angle[group] = turns
         return [self._angle[group], *self.spins[group][1:]]
+
+    @cached_property
+    def _range(self) -> tuple[float, float]:
+        """The least and the greatest theta."""
+        return (float(self.theta.min()), float(self.theta.max())) if self.theta.size else (0.0, 0.0)
 
     def _nearest(self, theta: Floats, values: Floats) -> Floats:
         """The angle where it was followed nearest to each of our theta, (n,) rad: off by less than half a turn."""
@@ -211,7 +217,7 @@ class State:
         if not self.theta.size:
             rows = [np.zeros((block.size, 0))] * (self.order + 1)
         else:
-            trace = self.chain.trace(block, float(self.theta.min()), float(self.theta.max()))
+            trace = self.chain.trace(block, *self._range)
             block.trace = trace
             rows = block.solve(self.theta, self.known(block), self.order)
         for name in block.angles:

@@ -90,8 +90,8 @@ def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, w
         "peak_contact_force_n": _peak(found.force),
         "peak_torque_n_m": _peak(found.torque),
         "peak_power_w": float(np.nanmax(power)),
-        **{f"peak_reaction_{name}_n": _peak(reaction) for name, reaction in forces.reactions.items()},
-        **{f"peak_reaction_{name}_n": _peak(normal) for name, normal in forces.normals.items()},
+        **{f"reaction_{name}_without_friction_n": _peak(reaction) for name, reaction in forces.reactions.items()},
+        **{f"reaction_{name}_without_friction_n": _peak(normal) for name, normal in forces.normals.items()},
     }
     # of a round tip the force passes the tip, where the mass is: what is left is rounding
     moments = {f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()}

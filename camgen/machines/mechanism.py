@@ -55,7 +55,7 @@ from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
 from camgen.parts.sheets import why_not
 from camgen.spec import Spec, validate
-from camgen.study import Study, Table
+from camgen.study import Sketch, Study, Table
 
 if TYPE_CHECKING:
     from camgen.parts.set_screws import SetScrewHub
@@ -350,6 +350,10 @@ class Mechanism(Spec, ABC):
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """Steps of assembly with those of its springs; module: how it stands in the machine whose steps they are."""
         return table
+
+    def spring_sketches(self) -> Sequence[Sketch]:
+        """Its springs as the report draws them in motion."""
+        return ()
 
     def idle(self) -> Sequence[str]:
         """Keys that were set and say nothing of this machine, dotted."""

@@ -16,7 +16,8 @@ from camgen.machine.joining import Module
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.spring_steps import with_springs
+from camgen.machines.linkage.spring_sketches import sketches
+from camgen.machines.linkage.spring_steps import finished
 from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
@@ -27,7 +28,7 @@ from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
 from camgen.parts.stiffness import bending_stiffness
-from camgen.study import Table
+from camgen.study import Sketch, Table
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
@@ -208,7 +209,11 @@ class StandingCams(Mechanism):
         if not self.standing:
             return table
         titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
-        return with_springs(table, self.bench.bodies.layout, self.mounts(), titles, module)
+        return finished(table, self.bench.bodies, self.mounts(), titles, module)
+
+    def spring_sketches(self) -> Sequence[Sketch]:
+        """Those of the bench."""
+        return sketches(self.bench.bodies.layout, self.courses) if self.standing else ()
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

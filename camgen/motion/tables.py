@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from camgen.errors import Fault, FileError, SpecError
-from camgen.spec import Data, read_bytes
+from camgen.reading import Data, read_bytes
 
 _MOST_BYTES = 50_000_000
 _ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}

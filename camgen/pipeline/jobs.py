@@ -16,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
 from camgen.files.formats import FORMATS
@@ -57,13 +58,13 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
     return changed(*read_tables(spec), overrides)
 
 
-def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
+def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
     assert not isinstance(spec, Mechanism), "has no tables of its own"
     if isinstance(spec, Mapping):
-        data, source, folder = specs.tables(spec), "spec", Path()
+        data, source, folder = reading.tables(spec), "spec", Path()
     else:
-        data, source, folder = specs.read(Path(spec)), str(spec), Path(spec).parent
+        data, source, folder = reading.read(Path(spec)), str(spec), Path(spec).parent
     if "include" in data:
         from camgen.machines.included import opened
 
@@ -72,7 +73,11 @@ def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
 
 
 def changed(
-    data: specs.Data, source: str, folder: Path, overrides: Sequence[str] = (), like: tuple[specs.Data, specs.Spec] | None = None
+    data: reading.Data,
+    source: str,
+    folder: Path,
+    overrides: Sequence[str] = (),
+    like: tuple[reading.Data, specs.Spec] | None = None,
 ) -> Mechanism:
     """The mechanism of some tables with some keys set anew; like: see `validate`."""
     for setting in overrides:
@@ -89,17 +94,17 @@ def changed(
 class Template:
     """Tables of a spec, its source and folder, and settings of all its variants: what a variant leaves alone is read once."""
 
-    data: specs.Data
+    data: reading.Data
     source: str
     folder: Path
     settings: Sequence[str] = ()
 
     @cached_property
-    def _tables(self) -> specs.Data:
+    def _tables(self) -> reading.Data:
         return reduce(override, self.settings, self.data)
 
     @cached_property
-    def _like(self) -> tuple[specs.Data, specs.Spec] | None:
+    def _like(self) -> tuple[reading.Data, specs.Spec] | None:
         try:
             return self._tables, changed(self._tables, self.source, self.folder)
         except CamgenError:

@@ -33,8 +33,7 @@ _COLUMNS = ("sheet", "part", "copy", "x_mm", "y_mm", "angle_deg")
 
 def sheet_parts(mechanism: Mechanism) -> list[Part]:
     """The parts that are cut of sheets."""
-    laser = mechanism.laser
-    return [part for part in mechanism.parts() if laser is not None and not why_not(part, laser.thickness)]
+    return [part for part in mechanism.parts() if mechanism.cut_of_sheet(part)]
 
 
 def _path(part: Part, laser: Laser) -> Part:

@@ -24,7 +24,7 @@ DRAWN = np.array([[0, 20, 70, 45 + 40j, 20 + 60j]], complex)  # O, A, C, B, P
 PATH = FOUR_BAR.trace(DRAWN, 720)[0][:, 0]
 TARGET = Target(PATH)
 GOAL = Goal(TARGET, 0.2 * TARGET.chord, 10 * TARGET.chord)
-TASK = Task(FOUR_BAR, 1, 32, 25, (1.0,))
+TASK = Task(FOUR_BAR, (1,))
 
 
 def test_a_four_bar_is_the_only_chain_of_two_pairs() -> None:

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from camgen import spec as specs
+from camgen import reading
 from camgen.cli import main
 from camgen.errors import SpecError
 from camgen.live import run as live
@@ -50,7 +50,7 @@ def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("path", sorted(folder().rglob("*.toml")), ids=lambda path: path.stem)
 def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(path: Path) -> None:
-    text, data = path.read_text(encoding="utf-8"), specs.read(path)
+    text, data = path.read_text(encoding="utf-8"), reading.read(path)
     listed = numbers(data, described(load(data["mechanism"]), data["mechanism"]))
     assert len(listed) >= 3
     for number in listed:

@@ -18,7 +18,7 @@ from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import load_table
 from camgen.pipeline.jobs import read_mechanism
-from camgen.spec import read
+from camgen.reading import read
 
 SPECS = starters.folder()
 TURN = np.linspace(0, math.tau, 361)

@@ -17,7 +17,8 @@ import tomli_w
 from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build, check
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 Floats = np.ndarray
 DWELLS = [

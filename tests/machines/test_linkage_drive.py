@@ -14,7 +14,8 @@ import tomli_w
 from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 STEPPED = [{"kind": "rise", "span_deg": 270.0, "lift_deg": 360.0, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 90.0}]
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+import numpy as np
 import pytest
 
 import camgen
 from camgen.machines.mechanism import Mechanism
+from camgen.pipeline.shown import animation
 
 DISC = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}, {"kind": "return", "span_deg": 180, "law": "cycloidal"}
 
@@ -96,3 +98,20 @@ def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: M
     before = {copy for laid in table.copies[:step] for copy in laid}
     assert len(over) == 2 and not over & before and over <= {copy for laid in table.copies[step:] for copy in laid}
     assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))
+
+
+def test_springs_are_drawn_between_their_pins() -> None:
+    """From the pin in the ground to that of the follower, at their height; of an included machine where it stands."""
+    theta, whole, own = np.linspace(0, 6, 7), including(), bench()
+    (drawn,), (there,) = own.spring_sketches(), whole.spring_sketches()
+    assert drawn.course is not None and there.course is not None and drawn.z is not None and there.z is not None
+    line = drawn.course(theta)
+    spring = own.return_spring
+    assert spring is not None and np.ptp(line[:, 0]) == 0
+    inside = np.abs(line[:, -1] - line[:, 0]) + own.sizes.pin_diameter  # type: ignore[attr-defined]
+    assert spring.shortest - 1e-6 < inside.min() < inside.max() < spring.longest + 1e-6
+    assert np.ptp(inside) > 0.5 * (spring.longest - spring.shortest)
+    np.testing.assert_allclose(there.course(theta), line + 200, atol=1e-9)
+    tops = [mount.z for mount in whole.mounts() if mount.part.startswith("own-")]
+    assert there.z - drawn.z == pytest.approx(min(tops) - min(mount.z for mount in own.mounts()))
+    assert "spring" in [body.name for body in animation(own).bodies]

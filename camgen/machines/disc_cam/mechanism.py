@@ -57,11 +57,11 @@ class DiscCamDrive(StandingCams):
 
     geometry: Geometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)]
-    motor: Motor = Motor()
+    motor: Motor = Motor.model_construct()
     load: LoadTable | None = None
     spring: SpringTable | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -417,7 +417,7 @@ class IndexingCam(StandingCams):
         pressing = forces.pressing["contact"]
         numbers |= dict(found.numbers)
         numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
-                    "peak_reaction_shaft_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
+                    "reaction_shaft_without_friction_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
         drawn = Plot("Contact force", f"{self.indexing.angle}, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
         sketches = () if self.standing else self._sketches()
         notes = [*found.notes, *([_NOT_MADE] if self.standing and self.unloading and self.made_unloader is None else [])]

@@ -21,7 +21,7 @@ import numpy as np
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.model import Clutch
 from camgen.machine.targets import Advance
-from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques
+from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, torques
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
@@ -100,14 +100,7 @@ class Stepping:
     def torques(self, theta: Floats, omega: float, load: Load, spring: SpringTorque | None) -> Torques:
         """Of the link while it is turned, and of the follower; omega: of theta, rad/s."""
         _, taken, engaged = self.taken(theta)
-        slope, bend = (self.program(theta, order) for order in (1, 2))
-        inertia = np.where(engaged, load.inertia * load.ratio * bend * omega**2, 0.0)
-        resisting = np.where(engaged, load.friction * np.sign(omega * slope), 0.0)
-        pull = np.zeros(len(theta)) if spring is None else spring(taken / self.index)
-        own = load.follower_inertia * bend * omega**2
-        bare = load.ratio * (inertia + resisting) + own
-        helped = bare - load.ratio * np.where(engaged, pull, 0.0)
-        return Torques(inertia, pull, bare, helped, bare * slope, helped * slope)
+        return torques((taken, self.program(theta, 1), self.program(theta, 2)), self.index, omega, load, spring, engaged)
 
     def pushes(self, theta: Floats, found: Torques, load: Load, pull: Floats) -> Floats:
         """Torque in the freewheel of the wheel, (n,) N m, nan while it runs free; pull: of the spring on the link, N m."""

@@ -122,6 +122,17 @@ class Bodies:
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws, *plates.bought(self.layout)]
 
+    @property
+    def stands(self) -> str:
+        """On what the plate stands, which is not made, and what turns the shaft."""
+        deep = -min(mount.z for mount in self.mounts)
+        open_ = f" It is open under the shaft, {deep:.4g} mm deep at least." if deep > 0 and self.sizes.face is None else ""
+        turns = f"what is coupled to the shaft's lower end turns it, by its flat {self.sizes.shaft_flat:g} deep"
+        turns = "the hand crank turns it from below" if self.sizes.hand_crank else turns
+        turns = turns if self.sizes.face is None else "the motor under the plate turns it: leave it room there"
+        held = "a board or frame of yours: two screws from behind, in the plate's outermost holes, hold it."
+        return f"{held}{open_} {turns[0].upper()}{turns[1:]}"
+
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate."""
         face = self.sizes.face

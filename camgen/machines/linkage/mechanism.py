@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -31,7 +31,7 @@ from camgen.machine.reach import folds, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
+from camgen.machines.linkage import bridges, figures, sheets, spring_sketches, spring_steps, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -43,7 +43,6 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
-from camgen.machines.linkage.spring_steps import with_springs
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
@@ -58,7 +57,7 @@ from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
-from camgen.study import Study, Table, together
+from camgen.study import Sketch, Study, Table, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
@@ -88,7 +87,7 @@ class Linkage(Mechanism):
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
     springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = ()
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
-    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
+    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output.model_construct()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
     counterweight: Counterweight | None = None
@@ -428,10 +427,13 @@ class Linkage(Mechanism):
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """With its own springs and those of what is included."""
-        table = with_springs(table, self.bodies.layout, self.mounts(), {}, module) if self.springs else table
-        for each in self.modules:
-            table = each.mechanism.sprung_steps(table, each.module)
-        return table
+        table = spring_steps.finished(table, self.bodies, self.mounts(), {}, module)
+        return reduce(lambda steps, each: each.mechanism.sprung_steps(steps, each.module), self.modules, table)
+
+    def spring_sketches(self) -> Sequence[Sketch]:
+        """Its own, and those of what is included."""
+        own = spring_sketches.sketches(self.bodies.layout, self.courses) if self.springs and self.lacking() is None else ()
+        return (*own, *(each.sketch(s) for each in self.modules for s in each.mechanism.spring_sketches()))
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
@@ -443,7 +445,6 @@ class Linkage(Mechanism):
         return {"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)}
 
     def study(self) -> Study:
-        """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar; then those of
-        what is included, and all outputs over one turn."""
+        """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
         return together([figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)])
 

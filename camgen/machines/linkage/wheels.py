@@ -193,18 +193,15 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law, body = joint.law, machine.body(joint.follower)
     assert isinstance(law, Scaled)
-    top, at, centre = _highest(law.program), complex(body.points[spec.at]), pivot(machine, joint.cam)[1]
+    top, first = _highest(law.program), _follower(machine, joint, spec, spec.at, 1)
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
-        assert isinstance(slide, m.Slide)
-        way, turn = law.sign * cmath.exp(1j * slide.angle), cmath.exp(1j * slide.turn)
-        start = slide.guide.at + cmath.exp(1j * slide.angle) * joint.rest + turn * (at - slide.runner.at) - centre
-        away = (start / way).real
-        return at - (2 * away + top) * way / turn
-    held, hinge = pivot(machine, joint.follower)
-    arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
-    mirrored = (arm / far).conjugate() * far * cmath.exp(-1j * law.sign * top)
-    return held + mirrored * cmath.exp(-1j * joint.rest)
+        assert isinstance(slide, m.Slide) and isinstance(first, SlidingTip)
+        way = law.sign * first.along
+        return complex(body.points[spec.at]) - (2 * (first.start / way).real + top) * way * cmath.exp(-1j * slide.turn)
+    assert isinstance(first, SwingingArm)
+    mirrored = (first.arm / first.pivot).conjugate() * first.pivot * cmath.exp(-1j * law.sign * top)
+    return pivot(machine, joint.follower)[0] + mirrored * cmath.exp(-1j * joint.rest)
 
 
 def _signed(law: Scaled) -> Program:

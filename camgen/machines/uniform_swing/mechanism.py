@@ -68,14 +68,14 @@ class UniformSwing(Mechanism):
     """Spec and answers of a uniform-swing cam drive; the output is the follower's angle s, rad, 0 in mid position."""
 
     geometry: Geometry
-    motor: Motor = Motor()
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    base: BaseTable = BaseTable()
-    frame: FrameTable = FrameTable()
-    collet: ColletTable = ColletTable()
-    nozzle: NozzleTable = NozzleTable()
-    spring: SpringTable = SpringTable()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    motor: Motor = Motor.model_construct()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    base: BaseTable = BaseTable.model_construct()
+    frame: FrameTable = FrameTable.model_construct()
+    collet: ColletTable = ColletTable.model_construct()
+    nozzle: NozzleTable = NozzleTable.model_construct()
+    spring: SpringTable = SpringTable.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.distances import point_to_ring
+from camgen.geometry.distances import inside, point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle, kidney, polygon
 from camgen.parts.catalogue import MotorFace, Screw
@@ -260,9 +260,6 @@ def swept_box(rims: Points) -> complex:
 
 def overlap(region: Region, rims: Points, but: tuple[complex, float]) -> float:
     """How deep points, (n,) complex, lie inside a region's outline, mm, 0 where none does; `but`: a disc left out of it."""
-    import shapely
-
     ring = facet_contour(region.outer, FACETS)
-    inner = shapely.Polygon(np.column_stack([ring.real, ring.imag]))
-    inside = rims[shapely.contains_xy(inner, rims.real, rims.imag) & (np.abs(rims - but[0]) > but[1])]
-    return float(np.max(point_to_ring(inside, ring))) if len(inside) else 0.0
+    deep = rims[inside(rims, ring) & (np.abs(rims - but[0]) > but[1])]
+    return float(np.max(point_to_ring(deep, ring))) if len(deep) else 0.0
