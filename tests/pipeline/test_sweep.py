@@ -86,7 +86,8 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
         (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
         (["a=1:2"], {"zipped": True, "latin": 5}, "one of the three"), (["a=1:1e999:3"], {}, "finite"),
-        (["a=nan:3:3"], {}, "finite"), (["a=1:b:3"], {}, "finite numbers"), (["a=1:2:3.5"], {}, "whole"),
+        (["a=nan:3:3"], {}, "finite"), (["a=1:b:3"], {}, "finite numbers"),
+        (["a=:"], {}, "finite numbers"), (["a=1::3"], {}, "finite numbers"), (["a=1:2:3.5"], {}, "whole"),
     ],
 )  # fmt: skip
 def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
@@ -324,6 +325,7 @@ def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
         (["--vary", "geometry.base_radius=1:9:1000000", "--vary", "parts.bore=1:9:1000000"], 2, "1,000,000,000,000 variants"),
         (["--vary", "geometry.base_radius=20,30", "-o", "t.txt"], 2, ".csv or .parquet"),
         (["--vary", "geometry.base_radius=20,30", "--grid", "--zip"], 2, "one of the three"),
+        (["--vary", "geometry.base_radius=20,30", "--workers", "here"], 2, "tcp://HOST:PORT"),
     ],
 )
 def test_bad_input_writes_nothing(
