@@ -131,6 +131,11 @@ def holes_in(
     return holes
 
 
+def pins_beside(made: Parts, min_wall: float) -> float:
+    """Distance from the axis of the pins that hold a groove's inner cam, mm."""
+    return made.reach + min_wall + made.pin_diameter
+
+
 def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
     """DesignError where the bore, by its reach, or the hub, by its diameter, leaves a cam; room: to the cam's side, mm."""
     widest = max(reach, hub / 2)
@@ -168,9 +173,8 @@ def _cam(made: Parts, name: str, title: str, outline: Contour, pins: list[Contou
 
 def _plates(made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
-    bore, reach = made.hole(), made.reach
+    bore, beside = made.hole(), pins_beside(made, min_wall)
     radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + made.rim
-    beside = reach + min_wall + made.pin_diameter
     inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]
     corners = [cmath.rect(radius - made.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
     outer = [circle(corner, made.pin_diameter / 2) for corner in corners]
