@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from judged import wrong
 from test_linkage_bodies import cam_rocker
 
-from camgen import build, check
+from camgen import build
 from camgen.errors import SpecError
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.tolerance_report import tolerance
@@ -46,8 +47,8 @@ def test_preload_is_no_play_and_no_fault(tmp_path: Path) -> None:
     loose = tmp_path / "loose"
     made(loose, *PAIR, "geometry.tip_clearance=0.05")
     shutil.copy(loose / "c" / "c-cam-2.dxf", tmp_path / "c" / "c-cam-2.dxf")
-    wrong = [f for f in check(tmp_path / "c").findings if not f.ok]
-    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in wrong)
+    found = wrong(tmp_path / "c", "dxf")
+    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in found)
 
 
 def test_air_of_a_pair_in_a_linkage(tmp_path: Path) -> None:
