@@ -8,6 +8,7 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
 from datetime import date
