@@ -103,6 +103,11 @@ def distinct(*several: ArrayLike) -> NDArray[Any]:
     return x[new]
 
 
+def among(values: NDArray[Any], known: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values are among the known ones, which grow, each of them once or more, (n,)."""
+    return np.asarray(known[np.minimum(np.searchsorted(known, values), len(known) - 1)] == values)
+
+
 def least_squares(table: Floats, right: Floats) -> Floats:
     """The x (k,) for which table (n, k) x comes nearest to right (n,); 0 for a column that depends on those before it.
 
