@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from judged import wrong
 from test_linkage_bodies import cam_rocker
 
-from camgen import build, check
+from camgen import build
 from camgen.errors import SpecError
 from camgen.machine.model import Cam
 from camgen.machine.run import solve
@@ -50,8 +51,8 @@ def test_preload_is_no_play_and_no_fault(tmp_path: Path) -> None:
     loose = tmp_path / "loose"
     made(loose, *PAIR, "geometry.tip_clearance=0.05")
     shutil.copy(loose / "c" / "c-cam-2.dxf", tmp_path / "c" / "c-cam-2.dxf")
-    wrong = [f for f in check(tmp_path / "c").findings if not f.ok]
-    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in wrong)
+    found = wrong(tmp_path / "c", "dxf")
+    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in found)
 
 
 def test_what_a_preload_presses_with_at_most() -> None:
