@@ -30,8 +30,9 @@ _COPIES = 3
 _WEIGHTS = (0.1, 10.0)  # least and greatest, of the bars' share in the value against the error's
 _SHAKEN = 10  # copies of a design
 _SHARES = (0.003, 0.1)  # of the drawing's size: least and greatest that points are moved by
-_ROUNDS = 4  # of shaking in a unit of effort
+_ROUNDS = 6  # of shaking in a unit of effort
 _NEAR = 0.98  # a design is shaken too that would be on the front with such shares of its error and bars
+_APART = 0.01  # least difference of the bars of designs that are shaken, as a share
 _MEASURED = 2000  # angles of a turn at the end
 
 
@@ -76,7 +77,7 @@ def search(
     for again in range(effort * _ROUNDS):
         best = front(design for designs in by_chain.values() for design in designs)
         told(f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them")
-        close = (tuple(_near(by_chain[chain], best)) for chain in kinds)
+        close = (tuple(_near(front(by_chain[chain], _APART), best)) for chain in kinds)
         tasks = [Task(chain, (seed, k, again), each) for k, (chain, each) in enumerate(zip(kinds, close, strict=True)) if each]
         for task, designs in zip(tasks, run(solve, tasks), strict=True):
             by_chain[task.chain] = front([*by_chain[task.chain], *designs])
@@ -89,11 +90,11 @@ def _near(designs: Iterable[Found], best: Sequence[Found]) -> Iterable[Found]:
             if not any(one.error < _NEAR * each.error and one.bars < _NEAR * each.bars for one in best))  # fmt: skip
 
 
-def front(designs: Iterable[Found]) -> list[Found]:
-    """Those that no other one beats in both error and bars, by rising error."""
+def front(designs: Iterable[Found], step: float = 0.0) -> list[Found]:
+    """Those that no other one beats in both error and bars, by rising error; each with less bars by a share of them."""
     kept: list[Found] = []
     for design in sorted(designs, key=lambda each: (each.error, each.bars)):
-        if not kept or design.bars < kept[-1].bars:
+        if not kept or design.bars < (1 - step) * kept[-1].bars:
             kept.append(design)
     return kept
 

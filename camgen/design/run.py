@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 Told = Callable[[str], None]
 
 _FOUND = ("points", "links", "lengths", "output", "slide", "slot", "gear", "cam", "layers")  # tables that a search makes
+_STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
 _WORST, _MOST = 0.2, 10.0  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 
 
@@ -264,7 +265,7 @@ def _for_path(asked: Asked) -> str:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
-    front = [Candidate(each, points, asked.rest, wanted.joined) for each in found]
+    front = [Candidate(each, points, asked.rest, wanted.joined) for each in paths.front(found, _STEP)]
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
     summary = (f"{len(front)} designs: each is nearer to the path than all with less bar, or has less bar than all "

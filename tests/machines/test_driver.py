@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import Placed, placing, write_3mf
@@ -19,7 +20,7 @@ from camgen.machine.run import solve
 from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
 
@@ -98,7 +99,7 @@ def test_files_of_a_cam_that_turns_unevenly(tmp_path: Path) -> None:
         assert report.ok, [finding for finding in report.findings if not finding.ok]
     folder = tmp_path / "uneven" / "indexing-cam"
     shutil.copy(tmp_path / "even" / "indexing-cam" / "indexing-cam-cam.dxf", folder)
-    assert "MOTION_ERROR" in {finding.code for finding in check(folder).findings if not finding.ok}
+    assert "MOTION_ERROR" in {finding.code for finding in wrong(folder, "dxf")}
 
 
 @pytest.mark.parametrize(
