@@ -130,3 +130,6 @@ def motion(
 
     with file_errors():
         return roll(Path(file), follower, height, layer, harmonics)
+
+
+motion.__name__ = "camgen.motion"  # by which Python finds the modules of the wing in `import camgen.motion.laws as laws`

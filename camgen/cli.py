@@ -23,6 +23,8 @@ from camgen.commands.running import complain
 from camgen.errors import CamgenError, FileError, explained, printable
 
 _COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
+# Neither numpy's threads are of use here, 20 ms to start them, nor what other packages would add to pydantic, 4 ms to look for.
+_ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
 
 
@@ -43,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
             signal.signal(asked, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what stdout's encoding does not
         sys.stdout.reconfigure(errors="backslashreplace")
+    for name, value in _ENVIRONMENT.items():
+        os.environ.setdefault(name, value)
     try:
         code = _run(arguments)
         if sys.stdout is not None:

@@ -132,9 +132,9 @@ def explained(error: CamgenError | OSError) -> CamgenError:
 
 
 @contextmanager
-def file_errors() -> Iterator[None]:
-    """`with file_errors():` raises the FileError that stands for an OSError."""
+def file_errors(path: object = None) -> Iterator[None]:
+    """`with file_errors():` raises the FileError that stands for an OSError; path: of the file, unless the error knows it."""
     try:
         yield
     except OSError as error:
-        raise explained(error) from error
+        raise explained(error) if path is None else FileError(path, error.strerror or str(error)) from error

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
@@ -59,11 +59,17 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
             if rows.size > 1:
                 columns = k + np.flatnonzero(filled[rows, k:].any(axis=0))
                 part = table[rows[:, None], columns]
-                pivot = np.argmax(np.abs(part[:, 0]), axis=0)
-                swapped = np.flatnonzero(pivot)
-                best = part[pivot[swapped], :, swapped]
-                part[pivot[swapped], :, swapped] = part[0, :, swapped]
-                part[0, :, swapped] = best
+                sizes = np.abs(part[:, 0])
+                largest, pivot = sizes[0], np.zeros(n, np.intp)
+                for r in range(1, len(sizes)):
+                    pivot = np.where(sizes[r] > largest, r, pivot)
+                    largest = np.maximum(largest, sizes[r])
+                for r in range(1, len(sizes)):
+                    swapped = np.flatnonzero(pivot == r)
+                    if len(swapped) == n:  # most often all of them: they are one machine at many angles
+                        part[[0, r]] = part[[r, 0]]
+                    elif len(swapped):
+                        part[r][:, swapped], part[0][:, swapped] = part[0][:, swapped], part[r][:, swapped]
                 factors = part[1:, 0] / part[0, 0]
                 part[1:, 1:] -= factors[:, None] * part[0, 1:]
                 table[rows[:, None], columns] = part
@@ -93,6 +99,19 @@ def _solve_one(matrix: Floats, right: Floats) -> Floats:
             found[k] = table[k, size:] / table[k, k]
             table[:k, size:] -= table[:k, k : k + 1] * found[k]
     return found if np.isfinite(found).all() else np.full(right.shape, math.nan)
+
+
+def distinct(*several: ArrayLike) -> NDArray[Any]:
+    """The numbers of several arrays, growing, each once, (n,); np.unique would load masked arrays, which nothing here is."""
+    x = np.sort(np.concatenate(several))
+    new = np.ones(len(x), bool)
+    new[1:] = x[1:] != x[:-1]
+    return x[new]
+
+
+def among(values: NDArray[Any], known: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values are among the known ones, which grow, each of them once or more, (n,)."""
+    return np.asarray(known[np.minimum(np.searchsorted(known, values), len(known) - 1)] == values)
 
 
 def least_squares(table: Floats, right: Floats) -> Floats:
@@ -184,6 +203,14 @@ def sign_changes(f: Callable[[Floats], Floats], grid: Floats, slope: Callable[[F
     return roots(both, grid[found], grid[found + 1])
 
 
+def halved(fits: Callable[[float], bool], low: float, high: float, steps: int = _STEPS) -> float:
+    """The least that fits, between what does not and what does, by bisection."""
+    for _ in range(steps):
+        middle = (low + high) / 2
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
+
+
 def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int = _STEPS) -> Floats:
     """Where functions are greatest, each between its low and high, (n,), with one crest there; golden section.
 
@@ -203,7 +230,7 @@ def greatest(
 
     also: further places to try, where f has a corner.
     """
-    x, best = np.unique(np.concatenate((np.linspace(a, b, count), also))), -math.inf
+    x, best = distinct(np.linspace(a, b, count), also), -math.inf
     for _ in range(40):
         y = f(x)
         k = int(np.nanargmax(y))

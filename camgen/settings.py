@@ -14,16 +14,20 @@ from difflib import get_close_matches
 from typing import Any
 
 from camgen.errors import Fault, SpecError
+from camgen.reading import DEEPEST, SHALLOWER, Data, depth_of
 from camgen.schemas import shortened, shown
-from camgen.spec import DEEPEST, SHALLOWER, Data, depth_of
 
 _STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
+
+_PLAIN = re.compile(r"[\w-]+(\.[\w-]+)*=")  # most settings
 
 _DECIMAL = re.compile(r"-?(0|[1-9]\d*)\.\d+")  # as TOML has it, too
 
 
 def split_setting(setting: str) -> tuple[list[str], str]:
     """The keys of "lengths.'A-B' = 5", bare or quoted as in TOML, and the text behind "="; no keys where it has no such form."""
+    if plain := _PLAIN.match(setting):
+        return plain[0][:-1].split("."), setting[plain.end() :]
     keys, place = list[str](), 0
     while found := _STEP.match(setting, place):
         quoted, literal, bare, end = found.groups()
@@ -52,7 +56,6 @@ def override(data: Data, setting: str) -> Data:
     shorter, and where there is nothing to remove.
     """
     keys, text = split_setting(setting)
-    path = dotted(keys)
     if not all(keys):
         raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
     removed, value = not text.strip(), _value(text)
@@ -62,11 +65,11 @@ def override(data: Data, setting: str) -> Data:
     changed = dict(data)
     holder: Any = changed
     for depth, name in enumerate(keys, 1):
-        key, last = _key(holder, name, keys[: depth - 1], path), depth == len(keys)
+        key, last = _key(holder, keys, depth), depth == len(keys)
         if removed and isinstance(holder, dict) and key not in holder:
             where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
             nearest = get_close_matches(name, holder, 1)
-            fault = Fault(f"--set {path}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
+            fault = Fault(f"--set {dotted(keys)}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
             raise SpecError([fault])
         if not last:
             inner = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
@@ -90,11 +93,12 @@ def _value(text: str) -> Any:
         return text.strip()
 
 
-def _key(holder: Any, name: str, above: Sequence[str], path: str) -> Any:
-    """A step of --set's path as a key of the table, or an index of the list, that stands at the steps above it."""
+def _key(holder: Any, keys: Sequence[str], depth: int) -> Any:
+    """The step of --set's path at a depth as a key of the table, or an index of the list, that stands at the steps above it."""
+    name = keys[depth - 1]
     if isinstance(holder, dict):
         return name
-    where = ".".join(above)
+    where, path = ".".join(keys[: depth - 1]), dotted(keys)
     if not isinstance(holder, list):
         raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
     if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):

@@ -1,6 +1,5 @@
-"""Spec files: the tables that all mechanisms share, and the way from TOML to a checked record and back.
+"""Spec files: the tables that all mechanisms share, and the way from plain tables to a checked record and back to TOML.
 
-read      file -> data (plain tables, lists, numbers, text)
 choose    data -> name of the mechanism
 validate  data -> record of a mechanism's class, or SpecError with every fault
 dump      record -> TOML with every default filled in
@@ -9,30 +8,22 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
-import os
 import re
-import stat
-import tomllib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
 from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
-from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError
 from pydantic_core.core_schema import ErrorType
 
-from camgen.errors import UNKNOWN, Fault, FileError, SpecError
-from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling, shortened, shown, step_below
-
-Data = dict[str, Any]
+from camgen.errors import UNKNOWN, Fault, SpecError
+from camgen.reading import Data
+from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling, shown, step_below
 
 _WIDE = 110  # characters of a line of TOML
-_MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
-DEEPEST = 32  # tables and lists in one another; no spec needs ten
-SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
 
 MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
 Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
@@ -58,7 +49,8 @@ Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
-    # defer_build: a table gets a validator where it is read by itself, not as a part of others
+    # defer_build: a table gets a validator where it is read by itself, not as a part of others; a default is made by
+    # model_construct, which needs none
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
@@ -170,6 +162,12 @@ class Checked(Record):
         return ()
 
 
+def _no_device(name: str) -> str:
+    if re.fullmatch(r"con|prn|aux|nul|(com|lpt)\d", name):
+        raise ValueError("another name: no folder of Windows can have this one, which is a device's")
+    return name
+
+
 class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
@@ -181,93 +179,16 @@ class Spec(Checked):
             max_length=60,
             description="a name of small letters a-z, digits and single hyphens between them, at most 60",
         ),
+        AfterValidator(_no_device),
     ]
-    print: Print = Print()
-    material: Material = Material()
-    accuracy: Accuracy = Accuracy()
-    output: Output = Output()
-    drawing: Drawing = Drawing()
+    print: Print = Print.model_construct()
+    material: Material = Material.model_construct()
+    accuracy: Accuracy = Accuracy.model_construct()
+    output: Output = Output.model_construct()
+    drawing: Drawing = Drawing.model_construct()
     laser: Laser | None = None
 
 S = TypeVar("S", bound=Checked)
-
-# ---- reading ---------------------------------------------------------------------------------------------------------
-
-
-def read(path: Path) -> Data:
-    """Tables of a TOML file.
-
-    FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
-    deeper than any spec.
-    """
-    raw = read_bytes(path, _MOST_BYTES, "a spec file")
-    try:
-        text = raw.decode("utf-8-sig")
-        data = tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        before = raw[: error.start].decode("utf-8", "replace")
-        fault = Fault(_place(before), f"byte 0x{raw[error.start]:02x}", "text in UTF-8")
-        raise SpecError([fault], str(path)) from None
-    except (ValueError, RecursionError) as error:
-        raise SpecError([_syntax_fault(text, error)], str(path)) from None
-    if not data:
-        expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
-        raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
-    return tables(data, str(path))
-
-
-def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
-    """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec."""
-    data = dict(given)
-    deep = depth_of(data)
-    if deep > DEEPEST:
-        raise SpecError([Fault("spec", f"nested {deep} deep", SHALLOWER)], source)
-    return data
-
-
-def read_bytes(path: Path, most: int, what: str) -> bytes:
-    """A file's bytes; FileError where it cannot be read, is no plain file (a pipe may wait for ever), or has more than `most`."""
-    try:
-        status = os.stat(path)
-        if stat.S_ISDIR(status.st_mode):
-            raise FileError(path, f"is a folder, {what} was expected")
-        if not stat.S_ISREG(status.st_mode):
-            raise FileError(path, f"is no file but a pipe or a device, {what} was expected")
-        if status.st_size > most:
-            raise FileError(path, f"has {status.st_size / 1e6:.0f} MB, {what} of at most {most / 1e6:.0f} MB was expected")
-        return Path(path).read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
-        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
-
-
-def depth_of(value: Any) -> int:
-    """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
-    deepest, level = 0, [value]
-    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * DEEPEST:
-        deepest += 1
-        level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
-    return deepest
-
-
-def _place(before: str) -> str:
-    """Line and column of what follows `before`, both counted from 1."""
-    return f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
-
-
-def _syntax_fault(text: str, error: Exception) -> Fault:
-    """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
-    if isinstance(error, RecursionError):
-        return Fault("TOML", "", SHALLOWER)
-    said = re.fullmatch(r"(?s)(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
-    if said is None:  # a number or a date that Python cannot hold comes without a place
-        return Fault("TOML", "", str(error).partition(";")[0])
-    reason, line, column = said.groups()
-    end = text.rstrip()
-    place = f"line {line}, column {column}" if line else _place(end)
-    lines = (text if line else end).split("\n")
-    quoted = lines[int(line) - 1 if line else -1].strip()
-    return Fault(place, shortened(quoted), f"valid TOML: {reason}")
-
 
 # ---- checking --------------------------------------------------------------------------------------------------------
 
@@ -296,14 +217,20 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     raise SpecError(faults, source)
 
 
-def validate(cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = ()) -> S:
+def validate(
+    cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = (), like: tuple[Data, Spec] | None = None
+) -> S:
     """The tables as a record of the class; SpecError with every fault at once, each by its dotted path.
 
     A key in the other of American and British spelling is taken for the one that is meant; hints: what is told of such.
+    like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
+    old, made = like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)  # it fills tables
     try:
-        record = cls.model_validate(_tuples(data))
+        record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
+        if made is not None:
+            return validate(cls, data, source, hints)
         told = _respell(cls, data := deepcopy(data), error)
         if told:
             return validate(cls, data, source, (*hints, *told))
@@ -328,11 +255,27 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
     return told
 
 
-def _tuples(value: Any) -> Any:
-    """The value with every list as a tuple, as frozen records hold them."""
+def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
+    """The value with every list as a tuple, as frozen records hold them; what is `old` itself as the record made of it."""
     if isinstance(value, dict):
-        return {key: _tuples(item) for key, item in value.items()}
-    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+        if not (isinstance(made, Record) and isinstance(old, dict)):
+            return {key: _tuples(item) for key, item in value.items()}
+        if value is old:
+            return made
+        names = _names(type(made))
+        return {key: _tuples(item, old[key], getattr(made, names[key])) if key in old and key in names else _tuples(item)
+                for key, item in value.items()}  # fmt: skip
+    if not isinstance(value, list):
+        return value
+    if isinstance(old, list) and isinstance(made, tuple) and len(value) == len(old) == len(made):
+        return tuple(map(_tuples, value, old, made))
+    return tuple(map(_tuples, value))
+
+
+@lru_cache
+def _names(cls: type[Record]) -> dict[str, str]:
+    """A table's keys, and what its record calls them."""
+    return {field.alias or name: name for name, field in cls.model_fields.items()}
 
 
 @lru_cache

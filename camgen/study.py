@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
 
 from camgen.numerics import Floats, Points
+
+T = TypeVar("T")
+ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,7 @@ class Sketch:
     """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model.
 
     course: of what changes its shape, such as a thread: theta, (n,) rad -> one polyline on the ground, (n, k) complex mm.
+    z: height at which a course lies, mm; None of what is drawn in the plane alone.
     """
 
     name: str
@@ -51,6 +57,7 @@ class Sketch:
     circles: Sequence[tuple[complex, float]] = ()
     body: str = "ground"
     course: Callable[[Floats], Points] | None = None
+    z: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +91,23 @@ class Scene:
     work: str = "Assembly, step by step"
 
 
+class Later(Sequence[T]):
+    """Items that are made when the first of them is looked at: whoever wants a study's numbers alone does not wait for them."""
+
+    def __init__(self, make: Callable[[], Sequence[T]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _items(self) -> Sequence[T]:
+        return self._make()
+
+    def __getitem__(self, k: Any) -> Any:
+        return self._items[k]
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+
 @dataclass(frozen=True)
 class Study:
     """What the report shows of a mechanism, without the report knowing the mechanism.
@@ -106,8 +130,8 @@ def together(studies: Sequence[Study]) -> Study:
         numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
     return Study(
         numbers,
-        [plot for each in studies for plot in each.plots],
-        [table for each in studies for table in each.tables],
-        [sketch for each in studies for sketch in each.sketches],
+        Later(lambda: [plot for each in studies for plot in each.plots]),
+        Later(lambda: [table for each in studies for table in each.tables]),
+        Later(lambda: [sketch for each in studies for sketch in each.sketches]),
         [note for each in studies for note in each.notes],
     )

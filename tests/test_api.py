@@ -118,7 +118,7 @@ def test_import_is_light_and_the_wing_of_motion_leaves_the_function_be() -> None
     code = (
         "import sys, camgen\n"
         "assert not {'numpy', 'pydantic', 'click', 'tomllib'} & set(sys.modules), 'heavy'\n"
-        "import camgen.motion.laws\nfrom camgen.motion import segments\n"
+        "import camgen.motion.laws as laws\nfrom camgen.motion import segments\n"
         "assert callable(camgen.motion) and camgen.motion.__doc__.startswith('Motion of a follower')\n"
         "assert all(getattr(camgen, name).__doc__ for name in camgen.__all__)"
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,8 +21,9 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
+from camgen.reading import read
 from camgen.settings import override
-from camgen.spec import Length, Record, Spec, choose, dump, read, schema, unknown, validate
+from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
 
 
 def even(teeth: int) -> int:
@@ -135,7 +137,12 @@ def test_name_that_is_no_folder_name(name: str) -> None:
     assert "a-z" in fault.expected and "hyphens" in fault.expected and fault.value
 
 
-@pytest.mark.parametrize("name", ["a", "9", "a-b-c", "cam2", "x" * 60])
+@pytest.mark.parametrize("name", ["con", "nul", "com1", "lpt9"])
+def test_name_that_windows_keeps_for_a_device(name: str) -> None:
+    assert "Windows" in faults(box() | {"name": name})["name"].expected
+
+
+@pytest.mark.parametrize("name", ["a", "9", "a-b-c", "cam2", "x" * 60, "con-rod", "com10"])
 def test_name_that_is_one(name: str) -> None:
     assert validate(Box, box() | {"name": name}).name == name
 
@@ -173,6 +180,17 @@ def test_toml_beyond_python(tmp_path: Path, content: str) -> None:
     path.write_text(content)
     with pytest.raises(SpecError):
         read(path)
+
+
+@pytest.mark.parametrize("line", ["a%s = 1", "[a%s]", "b = {c = 1, 'a'%s = 1}"])
+def test_a_key_of_many_steps_is_refused_before_it_is_parsed(tmp_path: Path, line: str) -> None:
+    """tomllib alone takes a minute for a key of 50,000."""
+    path = tmp_path / "s.toml"
+    path.write_text("d = 1\n" + line % (50_000 * " . a"))
+    begin = time.process_time()
+    with pytest.raises(SpecError, match=r"line 2, column \d+.* nested at most 32 deep"):
+        read(path)
+    assert time.process_time() - begin < 1
 
 
 def test_what_is_no_readable_file(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ _STYLE = (
     ".link{stroke-width:4;stroke-linecap:round;stroke:#0b5cad}.part{fill:#0b5cad;fill-opacity:.12;stroke:#0b5cad}"
     ".other{stroke:#b4560f}.thin{stroke-width:1;stroke:#5b6675}.dash{stroke-width:1;stroke:#5b6675;stroke-dasharray:6 4}"
     ".joint{fill:#fff;stroke-width:1.8}.dot{fill:#1d2530}text{fill:#1d2530;text-anchor:middle;dominant-baseline:central}"
-    ".sign{font-style:italic}.head{fill:#5b6675;stroke:none}"
+    ".sign{font-style:italic}.small{font-size:13px}.head{fill:#5b6675;stroke:none}"
 )
 
 Place = Callable[[complex], complex]  # from mm, y up, to px, y down
@@ -74,6 +74,22 @@ class Picture:
         def drawn(at: Place) -> str:
             z = at(place) + beside.conjugate()
             return f'<text class="{kind}" x="{z.real:.1f}" y="{z.imag:.1f}">{head}{low}{tail}</text>'
+
+        self.drawn.append(drawn)
+
+    def named(self, text: str, place: complex, beside: complex) -> None:
+        """What a curve is called, at the end of a thin line from a place on it, px, y up."""
+        self.reach.append(place)
+
+        def drawn(at: Place) -> str:
+            z = at(place)
+            end = z + beside.conjugate()
+            anchor, gap = ("start", 4) if beside.real > 0 else ("end", -4)
+            return (
+                f'<path class="thin" d="M{_xy(z)}L{_xy(end)}"/><circle class="dot" cx="{z.real:.1f}" cy="{z.imag:.1f}" r="1.8"/>'
+                f'<text class="small" style="text-anchor:{anchor}" x="{end.real + gap:.1f}" y="{end.imag:.1f}">'
+                f"{escape(text)}</text>"
+            )
 
         self.drawn.append(drawn)
 
@@ -155,34 +171,87 @@ def disc_cam() -> Picture:
     trace, touch = turn * complex(cam.pitch(theta)), turn * complex(cam.profile(theta))
     rest = math.sqrt((base + roller) ** 2 - beside**2)
     all_round = np.linspace(0, math.tau, 361)
-    fig = Picture("Disc cam with a sliding roller: circles, curves and pressure angle")
+    fig = Picture("Disc cam with a sliding roller: circles, curves and pressure angle", 600)
+    fig.reach.append(-46 + 0j)  # room for names
     fig.curve("part", turn * facet_contour(cam.outline, 0.05), closed=True)
     fig.curve("dash", turn * cam.pitch(all_round), closed=True)
     fig.circle("thin", 0j, base)
-    fig.circle("dash", 0j, base + roller)
+    fig.circle("thin", 0j, base + roller)
     fig.circle("other", trace, roller)
     fig.line("dash", beside - 1j * 8, complex(beside, trace.imag + 30))
     fig.line("link", trace, trace + 26j)
     normal = (trace - touch) / abs(trace - touch)
     fig.arrow("other", touch, trace + 26 * normal)
     fig.angle("α", trace, trace + 1j, trace + normal, 20)
-    fig.line("thin", -8 + 1j * rest, complex(beside + 32, rest))
+    fig.named("push", trace + 22 * normal, -16 - 6j)
+    fig.named("profile", turn * complex(cam.profile(math.radians(170))), 64 - 12j)
+    fig.named("pitch curve", turn * complex(cam.pitch(math.radians(185))), 26 - 22j)
+    fig.named("base circle", cmath.rect(base, math.radians(165)), -62 - 12j)
+    fig.named("prime circle", cmath.rect(base + roller, math.radians(140)), -24 + 24j)
+    fig.line("thin", 8 + 1j * rest, complex(beside + 32, rest))
     fig.line("thin", trace, trace + 32)
     fig.size("s", complex(beside + 28, rest), complex(beside + 28, trace.imag), beside=12 + 0j)
     fig.line("thin", 0j, complex(base + 32))
-    fig.size("d", complex(beside + 28, 0), complex(beside + 28, rest), beside=12 + 0j)
+    fig.size("d", complex(beside + 28, 0), complex(beside + 28, rest), beside=-12 + 0j)
     fig.size("e", -6j, beside - 6j, beside=-12j)
     for radius, deg, text in ((base, 200, "r_b"), (base + roller, 225, "r_p")):
         end = cmath.rect(radius, math.radians(deg))
         fig.arrow("thin", 0j, end)
         fig.sign(text, 0.6 * end, 12j * end / abs(end))
-    fig.arrow("thin", trace, trace + cmath.rect(roller, math.radians(205)))
-    fig.sign("r_f", trace + cmath.rect(roller, math.radians(205)), -14 + 0j)
+    fig.arrow("thin", trace, trace + cmath.rect(roller, math.radians(165)))
+    fig.sign("r_f", trace + cmath.rect(roller, math.radians(165)), -12 + 0j)
     fig.arrow("thin", cmath.rect(base + 16, math.radians(-62)), cmath.rect(base + 16, math.radians(-55)))
     fig.curve("thin", (base + 16) * np.exp(1j * np.radians(np.linspace(-85, -57, 25))))
     fig.sign("θ", cmath.rect(base + 16, math.radians(-72)), 12 - 16j)
     fig.joint("O", 0j, 12 + 12j)
-    fig.joint("T", trace, -14 + 10j)
+    fig.joint("T", trace, 14 + 12j)
+    return fig
+
+
+def swinging_roller() -> Picture:
+    """An arm with a roller, in the middle of its rise."""
+    base, roller, c, a, theta = 30.0, 8.0, 70.0, 56.0, math.radians(50)
+    follower = {"motion": "oscillating", "shape": "roller", "radius": roller, "pivot_distance": c, "arm": a}
+    segments = [
+        {"kind": "rise", "span_deg": 100, "lift": 24, "law": "cycloidal"},
+        {"kind": "return", "span_deg": 100, "to": 0, "law": "cycloidal"},
+        {"kind": "dwell", "span_deg": 160},
+    ]
+    geometry = {"base_radius": base, "follower": follower}
+    spec = camgen.load({"mechanism": "disc-cam", "name": "arm", "geometry": geometry, "segment": segments})
+    cam = spec.cams[0]
+    turn = cmath.exp(1j * theta)
+    trace, touch = turn * complex(cam.pitch(theta)), turn * complex(cam.profile(theta))
+    normal, pivot = (trace - touch) / abs(trace - touch), complex(c)
+    rest = pivot - a * cmath.exp(1j * math.acos((c**2 + a**2 - (base + roller) ** 2) / (2 * c * a)))
+    way = -1j * (trace - pivot) / a  # of the trace point, as the arm rises
+    way = -way if (way / normal).real < 0 else way
+    fig = Picture("Disc cam with a swinging roller: arm, angle, pressure angle", 600)
+    fig.reach.append(-66 + 0j)  # room for names
+    fig.curve("part", turn * facet_contour(cam.outline, 0.05), closed=True)
+    fig.curve("dash", turn * cam.pitch(np.linspace(0, math.tau, 361)), closed=True)
+    fig.circle("thin", 0j, base + roller)
+    fig.line("thin", 0j, pivot)
+    fig.line("dash", pivot, rest)
+    fig.line("link", pivot, trace)
+    fig.circle("other", trace, roller)
+    fig.arrow("other", touch, trace + 26 * normal)
+    fig.line("dash", trace, trace + 26 * way)
+    fig.angle("α", trace, trace + way, trace + normal, 20)
+    fig.named("push", trace + 22 * normal, 18 - 6j if normal.real > way.real else -18 - 6j)
+    fig.angle("γ_0", pivot, 0j, rest, 14)
+    fig.angle("γ", pivot, 0j, trace, 24)
+    fig.sign("a", (trace + pivot) / 2, 12j * (trace - pivot) / a)
+    fig.sign("c", 0.62 * pivot, 11j)
+    end = cmath.rect(base + roller, math.radians(125))
+    fig.arrow("thin", 0j, end)
+    fig.sign("r_p", 0.6 * end, 12j * end / abs(end))
+    fig.named("prime circle", cmath.rect(base + roller, math.radians(152)), -24 + 14j)
+    fig.named("pitch curve", turn * complex(cam.pitch(math.radians(150))), -22 - 12j)
+    fig.named("profile", turn * complex(cam.profile(math.radians(165))), 26 + 4j)
+    fig.joint("O", 0j, -12 + 12j)
+    fig.joint("C", pivot, 14 + 10j)
+    fig.joint("T", trace, -14 - 6j)
     return fig
 
 
@@ -218,7 +287,7 @@ def uniform_swing() -> Picture:
     middle = model.alpha_1 + model.swing / 2
     tips, b, c = [complex(model.tip(a)) for a in ends], complex(model.corner(middle)), complex(model.tip(middle))
     a = complex(model.pivot)
-    fig = Picture("Uniform swing: cam, follower ABC in its middle, its tip at both ends")
+    fig = Picture("Uniform swing: cam, follower ABC in its middle, its tip at both ends", 640)
     fig.curve("part", np.exp(0.5j * math.pi) * facet_contour(spec.cam.outline, 0.05), closed=True)
     fig.curve("dash", model.tip(np.linspace(*ends, 61)))
     fig.line("thin", 0j, a)
@@ -226,7 +295,7 @@ def uniform_swing() -> Picture:
     for k, tip in enumerate(tips, 1):
         fig.line("thin", a, tip)
         fig.line("thin", 0j, tip)
-        fig.sign(f"r_{k}", 0.5 * tip, (-12 + 4j, 13 + 0j)[k - 1])
+        fig.sign(f"r_{k}", 0.5 * tip, (-14 + 4j, 16 + 6j)[k - 1])
         fig.angle(f"α_{k}", a, 0j, tip, (34, 22)[k - 1])
         fig.angle(f"β_{k}", 0j, -1j, tip, (11, 36)[k - 1])
         fig.joint(f"C_{k}", tip, (-18 + 0j, 16 - 8j)[k - 1], "dot")
@@ -239,7 +308,7 @@ def uniform_swing() -> Picture:
     fig.joint("O", 0j, -12 + 12j)
     fig.joint("A", a)
     fig.joint("B", b, 14 - 10j)
-    fig.joint("C", c, -14 - 10j)
+    fig.joint("C", c, -18 - 14j)
     return fig
 
 
@@ -263,7 +332,7 @@ def eccentric_drive() -> Picture:
     fig.arrow("other", p + 9, p + 20)
     fig.joint("O", o, -13 - 12j)
     fig.joint("E", e, 2 + 16j)
-    fig.joint("P", p, 2 + 22j)
+    fig.joint("P", p, 2 + 30j)
     return fig
 
 
@@ -289,7 +358,7 @@ def thread_take_up() -> Picture:
     fig.sign("l_2", (a + b) / 2, 13j)
     fig.sign("l_3", (b + c) / 2, 14 + 0j)
     fig.sign("l_0", (o + c) / 2, -13j)
-    fig.sign("q", (a + c) / 2, 10 + 8j)
+    fig.sign("q", (a + c) / 2, -10 - 6j)
     fig.angle("θ", o, c, a, 5)
     fig.angle("μ", b, a, c, 6)
     fig.angle("β", b, a, d, 11)
@@ -297,7 +366,7 @@ def thread_take_up() -> Picture:
         ("O", o, -13 - 10j),
         ("A", a, -14 + 8j),
         ("B", b, 14 + 8j),
-        ("C", c, 14 - 10j),
+        ("C", c, 18 + 2j),
         ("D", d, 14 - 8j),
     ):
         fig.joint(name, place, beside)
@@ -334,9 +403,9 @@ def chain_stitch() -> Picture:
     fig.size("l_3", 0j, complex(d.l3), -1j * (g.protrusion + 0.7), -13j)
     fig.size("b", complex(far, 0), complex(far, g.height), 1.2)
     fig.size("l_H", complex(far, -g.protrusion), complex(far, 0), 1.2)
-    fig.joint("V_0", 0j, 16 + 12j, "dot")
+    fig.joint("V_0", 0j, -20 + 10j, "dot")
     fig.joint("V_1", complex(d.l3), -8 + 14j, "dot")
-    fig.joint("B", low, 12 + 10j, "dot")
+    fig.joint("B", low, 6 - 14j, "dot")
     fig.joint("C", c, 4 + 14j, "dot")
     return fig
 
@@ -360,11 +429,14 @@ def indexing_cam() -> Picture:
     fig.line("link", a, c)
     fig.circle("other", c, follower.tip_radius)
     fig.size("pivot distance", o, a, -1j * 1.25 * pinion * ratio, -12j)
-    fig.sign("arm", (a + c) / 2, 4 - 16j)
+    fig.sign("arm", (a + c) / 2, -8 + 14j)
+    fig.sign("cam", -0.5 * pinion * ratio, 0j, "small")
+    fig.named("gear", a + cmath.rect(pinion * ratio, math.radians(125)), -20 + 22j)
+    fig.named("pinion", table + pinion * 1j, 6 + 34j)
     fig.joint("O", o)
     fig.joint("A", a)
-    fig.joint("C", c, -14 - 14j)
-    fig.joint("T", table, 6 + 18j)
+    fig.joint("C", c, 18 - 6j)
+    fig.joint("T", table, 16 - 14j)
     return fig
 
 
@@ -405,7 +477,8 @@ def quick_return() -> Picture:
     fig.line("link", d, e)
     fig.line("other", o, a)
     fig.line("dash", o, d)
-    fig.angle("α", d, d + cmath.rect(1, math.pi / 2 + half), d + cmath.rect(1, math.pi / 2 - half), 24)
+    fig.angle("", d, d + cmath.rect(1, math.pi / 2 + half), d + cmath.rect(1, math.pi / 2 - half), 24)
+    fig.sign("α", d + cmath.rect(24, math.pi / 2 - half / 2), 14j)
     fig.sign("a", (o + a) / 2, -12 + 4j)
     fig.sign("d", (o + d) / 2, -10 - 30j)
     for name, place, beside in (("O", o, -14 - 8j), ("A", a, 14 + 2j), ("D", d, 14 - 8j), ("E", e, 14 + 8j)):
@@ -415,6 +488,7 @@ def quick_return() -> Picture:
 
 FIGURES: Mapping[str, Callable[[], Picture]] = {
     "disc-cam": disc_cam,
+    "swinging-roller": swinging_roller,
     "flat-face": flat_face,
     "uniform-swing": uniform_swing,
     "eccentric-drive": eccentric_drive,

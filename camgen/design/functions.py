@@ -24,8 +24,8 @@ from camgen.design.wanted import FunctionWish
 from camgen.design.weighed import Weighed, rounded_up
 from camgen.errors import DesignError
 from camgen.numerics import Floats, solve
+from camgen.reading import Data
 from camgen.report.sketches import Drawn
-from camgen.spec import Data
 
 ROCKER, CRANK = "rocker", "crank"
 _GRID = 90  # places of each of phi0 and psi0

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from camgen.errors import CamgenError, DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
-from camgen.pipeline.jobs import changed, prepare
+from camgen.pipeline.jobs import Template, prepare
 from camgen.spec import unknown
 
 _EACH = 60  # designs for each key and unit of effort
@@ -82,14 +83,13 @@ class Search:
     def costs(self, designs: Floats) -> Floats:
         """Of some designs, (keys, n) -> (n,); the best is kept."""
         settings = [self._settings(values) for values in designs.T]
-        made: list[Mechanism | CamgenError] = []
-        for each in settings:
-            try:
-                made.append(changed(dict(self.data), self.source, self.folder, each))
-            except (DesignError, SpecError) as error:
-                made.append(error)
+        made = self._template.variants(settings)
         prepare(made)
         return np.array([self._cost(*each) for each in zip(designs.T, settings, made, strict=True)])
+
+    @cached_property
+    def _template(self) -> Template:
+        return Template(dict(self.data), self.source, self.folder)
 
     def _settings(self, values: Floats) -> Sequence[str]:
         """Values of the keys as settings; a word by its number."""
@@ -103,7 +103,7 @@ class Search:
         try:
             if isinstance(made, CamgenError):
                 raise made
-            findings, figures = made.limits(), made.figures()
+            findings, figures = made.forecast(), made.figures()
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED

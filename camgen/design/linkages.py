@@ -13,8 +13,8 @@ from camgen.design.chains import Chain
 from camgen.design.paths import Found
 from camgen.design.weighed import Weighed, rounded_up
 from camgen.numerics import Points
+from camgen.reading import Data
 from camgen.report.sketches import Drawn
-from camgen.spec import Data
 
 TRACED, CRANK = "P", "crank"
 _STEPS = 2000  # angles at which the worst distance is looked for

@@ -1,8 +1,9 @@
-"""Linkages that trace a wanted path: random drawings of every chain, evolved coarsely, polished, and the best kept.
+"""Linkages that trace a wanted path: random drawings of every chain, evolved, polished, and the best shaken and polished on.
 
     sow       random drawings of a chain, the best of them a population
     evolve    differential evolution with its own factors learnt (JADE, Zhang and Sanderson 2009)
-    polish    Gauss-Newton on the exact distances (`polish.py`)
+    polish    Gauss-Newton on the exact distances (`polish.py`), each design with a weight of its bars for its place on the front
+    shake     designs on the front or near it, moved a little by chance, are polished again (basin hopping, Wales and Doye 1997)
     front     the designs that no other one beats in both error and length of bars
 
 A task is one chain with one seed and draws on nothing else, so the front is the same for any number of cores.
@@ -19,15 +20,20 @@ import numpy as np
 
 from camgen.design.chains import Chain, chains
 from camgen.design.polish import Goal, normed, packed, polished, unpacked
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Indices, Points
 
-_SOWN = 3000
+_SOWN, _POPULATION, _GENERATIONS = 3000, 48, 40  # drawings of a chain
 _GLANCED = 64  # angles of a turn while evolving
 _BEST = 0.1  # share of the population that the others are drawn towards
-_POLISHED = 12  # designs of a task, each by every weight
-_WEIGHTS = (0.02, 0.2, 1.0)  # of the bars against the error
+_POLISHED = 12  # evolved designs of a chain, each by so many weights:
+_COPIES = 3
+_WEIGHTS = (0.1, 10.0)  # least and greatest, of the bars' share in the value against the error's
+_SHAKEN = 10  # copies of a design
+_SHARES = (0.003, 0.1)  # of the drawing's size: least and greatest that points are moved by
+_ROUNDS = 6  # of shaking in a unit of effort
+_NEAR = 0.98  # a design is shaken too that would be on the front with such shares of its error and bars
+_APART = 0.01  # least difference of the bars of designs that are shaken, as a share
 _MEASURED = 2000  # angles of a turn at the end
-_RICHEST = 12  # chains that are searched again
 
 
 @dataclass(frozen=True)
@@ -42,13 +48,11 @@ class Found:
 
 @dataclass(frozen=True)
 class Task:
-    """One chain from one seed: population, generations and the weights by which it evolves."""
+    """One chain from one seed, and the designs that are to be shaken; none: it is sown."""
 
     chain: Chain
-    seed: int
-    size: int
-    generations: int
-    weights: tuple[float, ...]
+    seed: tuple[int, ...]
+    known: tuple[Found, ...] = ()
 
 
 Told = Callable[[str], None]
@@ -65,28 +69,32 @@ def search(
 ) -> list[Found]:  # fmt: skip
     """Designs for a path, a front from the least error to the least length of bars; run: `map`, or that of several cores.
 
-    effort: how often the richest chains are searched again. The same call gives the same front.
+    effort: how long the designs near the front are shaken. The same call gives the same front.
     """
     solve = partial(solved, goal)
-    first = [Task(chain, seed * 100_003 + k, 48, 40, (1.0,)) for k, chain in enumerate(kinds)]
-    by_chain = dict(zip(kinds, run(solve, first), strict=True))
-    found = front(design for designs in by_chain.values() for design in designs)
-    for again in range(effort):
-        told(f"{len(found)} designs on the front; the {min(_RICHEST, len(kinds))} best chains are searched again")
-        ranked = sorted(kinds, key=lambda chain: -area(by_chain[chain], goal))[:_RICHEST]
-        tasks = [Task(chain, (seed + 1) * 100_003 + 1000 * (again * _RICHEST + k) + repeat, 64, 120, (0.3, 1.0, 3.0))
-                 for k, chain in enumerate(ranked) for repeat in range(4)]  # fmt: skip
+    tasks = [Task(chain, (seed, k)) for k, chain in enumerate(kinds)]
+    by_chain = dict(zip(kinds, run(solve, tasks), strict=True))
+    for again in range(effort * _ROUNDS):
+        best = front(design for designs in by_chain.values() for design in designs)
+        told(f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them")
+        close = (tuple(_near(front(by_chain[chain], _APART), best)) for chain in kinds)
+        tasks = [Task(chain, (seed, k, again), each) for k, (chain, each) in enumerate(zip(kinds, close, strict=True)) if each]
         for task, designs in zip(tasks, run(solve, tasks), strict=True):
             by_chain[task.chain] = front([*by_chain[task.chain], *designs])
-        found = front(design for designs in by_chain.values() for design in designs)
-    return found
+    return front(design for designs in by_chain.values() for design in designs)
 
 
-def front(designs: Iterable[Found]) -> list[Found]:
-    """Those that no other one beats in both error and bars, by rising error."""
+def _near(designs: Iterable[Found], best: Sequence[Found]) -> Iterable[Found]:
+    """Those that no design of a front beats clearly in both error and bars."""
+    return (each for each in designs
+            if not any(one.error < _NEAR * each.error and one.bars < _NEAR * each.bars for one in best))  # fmt: skip
+
+
+def front(designs: Iterable[Found], step: float = 0.0) -> list[Found]:
+    """Those that no other one beats in both error and bars, by rising error; each with less bars by a share of them."""
     kept: list[Found] = []
     for design in sorted(designs, key=lambda each: (each.error, each.bars)):
-        if not kept or design.bars < kept[-1].bars:
+        if not kept or design.bars < (1 - step) * kept[-1].bars:
             kept.append(design)
     return kept
 
@@ -102,15 +110,26 @@ def area(designs: Iterable[Found], goal: Goal) -> float:
 def solved(goal: Goal, task: Task) -> list[Found]:
     """The front of one task."""
     rng, chain = np.random.default_rng(task.seed), task.chain
-    starts = [_evolved(goal, task, weight, rng) for weight in task.weights]
-    numbers, error, bars = (np.concatenate(parts) for parts in zip(*starts, strict=True))
-    picked = _picked(error, bars)
-    if not picked.size:
+    if task.known:
+        numbers = np.tile(normed(packed(np.array([each.drawn for each in task.known]))), (_SHAKEN, 1))
+        error, bars = np.tile([[each.error, each.bars] for each in task.known], (_SHAKEN, 1)).T
+        numbers += _chance(rng, _SHARES, len(numbers))[:, None] * rng.normal(size=numbers.shape)
+    else:
+        numbers, error, bars = _evolved(goal, chain, rng)
+        best = _best(error, bars)
+        best = np.tile(best[np.unique(np.linspace(0, len(best) - 1, min(len(best), _POLISHED)).astype(int))], _COPIES)
+        numbers, error, bars = numbers[best], error[best], bars[best]
+    if not numbers.size:
         return []
-    weights = np.repeat(_WEIGHTS, picked.size)
-    better, error, bars = polished(chain, np.tile(numbers[picked], (len(_WEIGHTS), 1)), weights, goal)
+    weight = _chance(rng, _WEIGHTS, len(numbers)) * (error / goal.worst) / (bars / goal.most)
+    better, error, bars = polished(chain, numbers, weight, goal)
     drawn = unpacked(better)
-    return front(each for k in _picked(error, bars) if (each := _measured(goal, chain, drawn[k])))
+    return front(each for k in _best(error, bars) if (each := _measured(goal, chain, drawn[k])))
+
+
+def _chance(rng: np.random.Generator, ends: tuple[float, float], count: int) -> Floats:
+    """Numbers between two, each size as likely as another, (count,)."""
+    return np.exp(rng.uniform(math.log(ends[0]), math.log(ends[1]), count))
 
 
 def _measured(goal: Goal, chain: Chain, drawn: Points) -> Found | None:
@@ -123,44 +142,41 @@ def _measured(goal: Goal, chain: Chain, drawn: Points) -> Found | None:
     return Found(chain, tuple((drawn * factor + shift).tolist()), error, float(np.sum(lengths)))
 
 
-def _picked(error: Floats, bars: Floats) -> Floats:
-    """Numbers of the designs on the front, of a long one those evenly along it."""
+def _best(error: Floats, bars: Floats) -> Indices:
+    """Numbers of the designs on the front, by rising error."""
     order = np.lexsort((bars, error))
     order = order[np.isfinite(error[order])]
-    order = order[bars[order] < np.concatenate([[np.inf], np.minimum.accumulate(bars[order])[:-1]])]
-    if len(order) <= _POLISHED:
-        return np.asarray(order)
-    return np.asarray(order[np.unique(np.linspace(0, len(order) - 1, _POLISHED).astype(int))])
+    return np.asarray(order[bars[order] < np.concatenate([[np.inf], np.minimum.accumulate(bars[order])[:-1]])])
 
 
-def _glanced(goal: Goal, chain: Chain, numbers: Floats, weight: float) -> tuple[Floats, Floats, Floats]:
+def _glanced(goal: Goal, chain: Chain, numbers: Floats) -> tuple[Floats, Floats, Floats]:
     """Value, error and bars of designs by a fast look; one that cannot be made costs more the more it opens."""
     drawn = unpacked(numbers)
     paths, least = chain.trace(drawn, _GLANCED)
     error, bars = np.full(len(drawn), np.inf), np.full(len(drawn), np.inf)
     closed = np.flatnonzero(least >= goal.sine)
     if closed.size:
-        laid, factor = goal.target.laid(paths[:, closed])
+        laid, factor, _ = goal.target.laid(paths[:, closed])
         lengths = chain.lengths(drawn[closed]) * np.abs(factor)[:, None]
         bars[closed] = np.sum(lengths, axis=1)
         use = goal.allows(lengths, least[closed]) & (bars[closed] < goal.most)
         error[closed[use]] = goal.target.glance(laid[:, use])
-    value = goal.value(error, bars, weight)
+    value = goal.value(error, bars, 1.0)
     return np.where(np.isfinite(value), value, 50.0 - np.clip(least, -40.0, 1.0)), error, bars
 
 
-def _evolved(goal: Goal, task: Task, weight: float, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
+def _evolved(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
     """Designs met on the way that were better than what they replaced, and the last population: numbers, error, bars."""
-    chain, size = task.chain, task.size
+    size = _POPULATION
     sown = rng.normal(size=(_SOWN, chain.size)) + 1j * rng.normal(size=(_SOWN, chain.size))
     x = normed(packed(sown))
-    value, error, bars = _glanced(goal, chain, x, weight)
+    value, error, bars = _glanced(goal, chain, x)
     best = np.argsort(value, kind="stable")[:size]
     x, value = x[best], value[best]
     met = [(x, error[best], bars[best])]
     left, factor, crossing = x[:0], 0.5, 0.5
     numbers = np.arange(size)
-    for _ in range(task.generations):
+    for _ in range(_GENERATIONS):
         rates = np.clip(rng.normal(crossing, 0.1, size), 0.0, 1.0)
         factors = np.clip(factor + 0.1 * rng.standard_cauchy(size), 0.05, 1.0)
         leaders = np.argsort(value, kind="stable")[: math.ceil(_BEST * size)]
@@ -170,7 +186,7 @@ def _evolved(goal: Goal, task: Task, weight: float, rng: np.random.Generator) ->
         crossed = rng.random(x.shape) < rates[:, None]
         crossed[numbers, rng.integers(x.shape[1], size=size)] = True
         tried = np.where(crossed, x + factors[:, None] * (leader - x + one - other), x)
-        then, error, bars = _glanced(goal, chain, tried, weight)
+        then, error, bars = _glanced(goal, chain, tried)
         better = then < value
         if better.any():
             left = np.concatenate([left, x[better]])[-size:]

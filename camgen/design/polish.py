@@ -16,7 +16,7 @@ import numpy as np
 
 from camgen.design.chains import Chain
 from camgen.design.target import Flags, Near, Target
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Indices, Points
 
 _STEPS = 128  # angles of a turn
 _ROUNDS = 14
@@ -70,9 +70,11 @@ def normed(numbers: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _State:
-    """Designs as they lie on the target: paths (steps, designs), lengths (designs, bars), what is near, and what it costs."""
+    """Designs as they lie on the target: paths (steps, designs) and the points that count for it, (4, designs); lengths
+    (designs, bars), what is near, and what it costs."""
 
     laid: Points
+    held: Indices
     lengths: Floats
     near: Near
     value: Floats
@@ -80,8 +82,9 @@ class _State:
     def mixed(self, other: _State, take: Flags) -> _State:
         """The other's designs where they are taken."""
         lengths = np.where(take[:, None], other.lengths, self.lengths)
-        laid, value = (np.where(take, b, a) for a, b in ((self.laid, other.laid), (self.value, other.value)))
-        return _State(laid, lengths, self.near.mixed(other.near, take), value)
+        pairs = ((self.laid, other.laid), (self.held, other.held), (self.value, other.value))
+        laid, held, value = (np.where(take, b, a) for a, b in pairs)
+        return _State(laid, held, lengths, self.near.mixed(other.near, take), value)
 
 
 def polished(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> tuple[Floats, Floats, Floats]:
@@ -105,11 +108,11 @@ def polished(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> tuple
 def _state(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> _State:
     drawn = unpacked(numbers)
     paths, least = chain.trace(drawn, _STEPS)
-    laid, factor = goal.target.laid(paths)
+    laid, factor, held = goal.target.laid(paths)
     lengths = chain.lengths(drawn) * np.abs(factor)[:, None]
     near = goal.target.near(laid)
     near = replace(near, error=np.where(goal.allows(lengths, least), near.error, np.inf))
-    return _State(laid, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight))
+    return _State(laid, held, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight))
 
 
 def _expanded(chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: _State) -> tuple[Floats, Floats]:
@@ -118,7 +121,7 @@ def _expanded(chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: 
     moved = np.repeat(numbers[:, None], count, axis=1)
     moved[:, np.arange(count), np.arange(count)] += _SHARE
     drawn = unpacked(moved.reshape(-1, count))
-    laid, factor = goal.target.laid(chain.trace(drawn, _STEPS)[0])
+    laid, factor = goal.target.laid_by(chain.trace(drawn, _STEPS)[0], np.repeat(state.held, count, axis=1))
     shift = ((laid.reshape(_STEPS, designs, count) - state.laid[:, :, None]) / _SHARE).transpose(1, 0, 2)
     lengths = (chain.lengths(drawn) * np.abs(factor)[:, None]).reshape(designs, count, -1)
     longer = (lengths - state.lengths[:, None]) / _SHARE
@@ -135,6 +138,7 @@ def _expanded(chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: 
         distance = np.maximum(np.abs(gap), 1e-12)
         grown = (np.conj(gap / distance)[:, :, None] * move).real  # slope of each distance
         share = 1 / (goal.worst * gap.shape[1])
-        slope += share * np.einsum("ntd,nt->nd", grown, np.minimum(distance / small, 1.0))
-        bend += share * np.einsum("ntd,nt,nte->nde", grown, 1 / np.maximum(distance, small), grown)
+        heavy = (grown * (share / np.maximum(distance, small))[:, :, None]).transpose(0, 2, 1)
+        slope += (heavy @ distance[:, :, None])[:, :, 0]
+        bend += heavy @ grown
     return slope, bend

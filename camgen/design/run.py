@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.design.chains import chains
 from camgen.design.keys import Search
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 Told = Callable[[str], None]
 
 _FOUND = ("points", "links", "lengths", "output", "slide", "slot", "gear", "cam", "layers")  # tables that a search makes
+_STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
 _WORST, _MOST = 0.2, 10.0  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 
 
@@ -47,7 +49,7 @@ class Design(Protocol):
     def drawn(self) -> Drawn:
         """What a sketch shows."""
 
-    def data(self, tolerance: float | None = None) -> specs.Data:
+    def data(self, tolerance: float | None = None) -> reading.Data:
         """Tables of its spec."""
 
     def row(self, number: int) -> dict[str, Any]:
@@ -139,7 +141,7 @@ def _text_of(spec: str | Path) -> tuple[str, str]:
 class Asked:
     """What is asked of a search: the spec's tables, its text where it is to be kept, what its lines end in, and who is told."""
 
-    data: specs.Data
+    data: reading.Data
     source: str
     folder: Path
     text: str | None
@@ -149,7 +151,7 @@ class Asked:
     keep: Keep
 
     @cached_property
-    def rest(self) -> specs.Data:
+    def rest(self) -> reading.Data:
         """The tables less [wanted]."""
         return without(self.data)
 
@@ -229,6 +231,13 @@ def _for_function(asked: Asked) -> str:
         return math.degrees(each.error)
 
     best = chosen(front, found, error, lambda each: each.transmission, lambda each: -each.error, "deg")
+    if error(best) > found.borne:  # without a tolerance, where the nearest of all is far off
+        raise DesignError(
+            "error at the pairs", error(best), found.borne, "deg", "the nearest buildable design",
+            f"{found.further}, or the wanted.tolerance that will do",
+            f"the nearest buildable design is {error(best):.4g} deg off at the pairs; without wanted.tolerance a twentieth of "
+            f"the rocker's swing is borne, {found.borne:.4g} deg",
+        )  # fmt: skip
     row = rows[front.index(best)]
     asked.told(f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
                f"transmission angle {row['transmission_deg']:.4g} deg and more")  # fmt: skip
@@ -256,7 +265,7 @@ def _for_path(asked: Asked) -> str:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
-    front = [Candidate(each, points, asked.rest, wanted.joined) for each in found]
+    front = [Candidate(each, points, asked.rest, wanted.joined) for each in paths.front(found, _STEP)]
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
     summary = (f"{len(front)} designs: each is nearer to the path than all with less bar, or has less bar than all "

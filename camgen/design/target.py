@@ -68,12 +68,24 @@ class Target:
         distances = tree.query(np.stack(np.meshgrid(x, y), axis=-1))[0]  # type: ignore[attr-defined]
         return np.asarray(distances, dtype=np.float32)
 
-    def laid(self, paths: Points) -> tuple[Points, Points]:
-        """Paths (steps, designs) as they lie on the target, and the complex factor that did it (scale and turn), (designs,)."""
-        chord = _chords(paths)
-        size = np.maximum(np.abs(chord), 1e-300)
-        factor = np.conj(chord) / size * (self.chord / size)
-        return _to_corner(paths * factor), np.asarray(factor, complex)
+    def laid(self, paths: Points) -> tuple[Points, Points, Indices]:
+        """Paths (steps, designs) as they lie on the target, the complex factor that did it (scale and turn), (designs,), and
+        the points that count for it, (4, designs): ends of the chord, least x, least y."""
+        ends = _ends(paths)
+        turned = paths * self._factor(paths, ends)
+        held = np.stack([*ends, np.argmin(turned.real, axis=0), np.argmin(turned.imag, axis=0)])
+        return *self.laid_by(paths, held), held
+
+    def laid_by(self, paths: Points, held: Indices) -> tuple[Points, Points]:
+        """The same where it is known which points count, as for paths that hardly differ."""
+        factor = self._factor(paths, held[:2])
+        own = np.arange(paths.shape[1])
+        return paths * factor - ((paths[held[2], own] * factor).real + 1j * (paths[held[3], own] * factor).imag), factor
+
+    def _factor(self, paths: Points, ends: Indices) -> Points:
+        own = np.arange(paths.shape[1])
+        chord = paths[ends[1], own] - paths[ends[0], own]
+        return np.asarray(np.conj(chord) * (self.chord / np.maximum(np.abs(chord) ** 2, 1e-300)), complex)
 
     def glance(self, laid: Points) -> Floats:
         """Error of each path, (designs,), by the grid and few points: within a few hundredths of the spacing of the points."""
@@ -100,11 +112,10 @@ class Target:
         out, goal = self.trees[sense].query(np.stack([laid.real.T, laid.imag.T], axis=-1))
         wanted = self.many[sense]
         nearest = np.empty((laid.shape[1], len(wanted)), dtype=np.intp)
-        back = np.empty(nearest.shape)
-        for k, path in enumerate(laid.T):
-            distance = np.abs(wanted[:, None] - path)
-            nearest[k] = np.argmin(distance, axis=1)
-            back[k] = distance[np.arange(len(wanted)), nearest[k]]
+        level = np.stack([-wanted.real, -wanted.imag, np.ones(len(wanted))], axis=1)
+        for k, path in enumerate(laid.T):  # half of the distance's square, less what all have
+            nearest[k] = np.argmin(level @ np.stack([path.real, path.imag, 0.5 * np.abs(path) ** 2]), axis=1)
+        back = np.abs(wanted - np.take_along_axis(laid.T, nearest, axis=1))
         error = np.mean(out, axis=1) + np.mean(back, axis=1)
         return Near(error, self.senses[sense][goal], np.broadcast_to(wanted, back.shape), nearest)
 
@@ -130,27 +141,30 @@ def _to_corner(paths: Points) -> Points:
     return np.asarray(paths - (np.min(paths.real, axis=0) + 1j * np.min(paths.imag, axis=0)), complex)
 
 
-def _chords(paths: Points) -> Points:
-    """Longest chord of each path (steps, designs) between points that are extreme in one of some directions, (designs,)."""
+def _ends(paths: Points) -> Indices:
+    """Ends of the longest chord of each path (steps, designs) between points extreme in one of some directions, (2, designs)."""
     angles = math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     directions = np.stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
     reach = np.stack([paths.real.T, paths.imag.T], axis=-1).astype(np.float32) @ directions
     own = np.arange(paths.shape[1])[:, None]
-    chords = paths.T[own, np.argmax(reach, axis=1)] - paths.T[own, np.argmin(reach, axis=1)]
-    return np.asarray(chords[own[:, 0], np.argmax(np.abs(chords), axis=1)])
+    high, low = np.argmax(reach, axis=1), np.argmin(reach, axis=1)
+    chords = paths.T[own, high] - paths.T[own, low]
+    best = np.argmax(chords.real**2 + chords.imag**2, axis=1)[:, None]
+    return np.stack([np.take_along_axis(each, best, axis=1)[:, 0] for each in (low, high)])
 
 
 def _farthest(points: Points) -> complex:
     """From one end of the longest chord to the other."""
     from scipy.spatial import ConvexHull, QhullError
+    from scipy.spatial.distance import cdist
 
     try:
         points = points[ConvexHull(np.stack([points.real, points.imag], axis=-1)).vertices]
     except QhullError:  # all on one line: its ends are the extremes along it
         along = (points * np.conj(points[np.argmax(np.abs(points - points[0]))] - points[0])).real
         points = points[[int(np.argmin(along)), int(np.argmax(along))]]
-    distance = np.abs(points[:, None] - points)
-    a, b = np.unravel_index(np.argmax(distance), distance.shape)
+    places = np.stack([points.real, points.imag], axis=-1)
+    a, b = divmod(int(np.argmax(cdist(places, places, "sqeuclidean"))), len(points))
     return complex(points[b] - points[a])
 
 

@@ -14,7 +14,8 @@ from pydantic import Field
 from camgen.errors import Fault, FileError, SpecError
 from camgen.motion.tables import read_table
 from camgen.numerics import Points
-from camgen.spec import Checked, Data, Length, Record, validate
+from camgen.reading import Data
+from camgen.spec import Checked, Length, Record, validate
 
 _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
@@ -37,7 +38,7 @@ class PathWish(Record):
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
     transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least between two links at a pin")
-    effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how often the best chains are searched again")
+    effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how long the best designs are bettered")
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
 
     @property
@@ -74,7 +75,9 @@ class FunctionWish(Record):
     function: tuple[tuple[Turn, Turn], ...] = Field(
         min_length=3, max_length=200, description="deg, [crank, rocker]: both turned counter-clockwise, from anywhere"
     )
-    tolerance: Annotated[float, Field(gt=0, le=180)] | None = Field(None, description="deg, how far the rocker may be off")
+    tolerance: Annotated[float, Field(gt=0, le=180)] | None = Field(
+        None, description="deg, how far the rocker may be off; the nearest design, within a twentieth of its swing, unless given"
+    )
     frame: Length = Field(60.0, description="mm, between the pivots of crank and rocker")
     shortest: Length | None = Field(None, description="mm, least length of a link; a fifth of frame unless given")
     longest: Length | None = Field(None, description="mm, greatest one; twice frame unless given")
@@ -90,6 +93,12 @@ class FunctionWish(Record):
     def further(self) -> str:
         """What gives the search more room."""
         return "a greater wanted.longest, a smaller wanted.shortest or wanted.transmission_deg"
+
+    @property
+    def borne(self) -> float:
+        """How far the rocker may be off, deg."""
+        rocker = [b for _, b in self.function]
+        return self.tolerance or (max(rocker) - min(rocker)) / 20
 
     @property
     def turns(self) -> Sequence[tuple[float, float]]:

@@ -240,7 +240,7 @@ def _foreign(folder: Path) -> Iterator[Path]:
 
 def manifest_files(folder: Path) -> list[str]:
     """Names of the files that a build listed in its manifest.json; FileError where that is no manifest of camgen's."""
-    from camgen.spec import read_bytes
+    from camgen.reading import read_bytes
 
     path = folder / MANIFEST
     try:

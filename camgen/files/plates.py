@@ -1,4 +1,4 @@
-"""Ready to print: all copies of all parts laid on as few beds as it takes, and the list of parts.
+"""Ready to print: all copies of all parts laid on as few beds as it takes.
 
     side        a direction of the part that is turned down: the one that carries most and overhangs least
     contact     area that lies on the bed
@@ -24,7 +24,6 @@ import numpy as np
 from camgen.findings import Finding, at_most
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats, Points
-from camgen.parts.catalogue import DENSITY as DENSITY
 from camgen.parts.part import Part
 
 if TYPE_CHECKING:
@@ -37,12 +36,6 @@ _TRIED = 12  # flat sides beyond the six along the axes
 _AT_ONCE = 20_000  # points of a hull that are turned at once
 _UNIT = 0.001  # mm in which rectangles are packed
 _SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numbers are rounded
-
-# The rule of print time. A bead as wide as the nozzle and half as high, laid at this speed, gives the volumetric flow;
-# parts are printed solid; each layer of each copy costs as much again for travel, retraction and slow outer walls.
-PRINT_SPEED = 60.0  # mm/s
-LAYER_SHARE = 0.5  # of the nozzle: height of a layer
-LAYER_OVERHEAD = 6.0  # s
 
 
 # ---- the side to lie on ------------------------------------------------------------------------------------------------
@@ -154,7 +147,7 @@ def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
     cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
     hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
     sides = np.diff(hull)
-    tried = _framed(hull, -np.angle(sides[np.abs(sides) > 0]))
+    tried = _framed(hull, -np.angle(sides[np.abs(sides) > 0]) if np.any(sides) else np.zeros(1))
     best = min(tried, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
     if _fits(best, bed):
         return best
@@ -282,44 +275,3 @@ def placed(spots: Sequence[Spot]) -> list[Placed]:
         turned = np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
         found.append(Placed(spot.part, f"{spot.part} {spot.copy}", turned))
     return found
-
-
-# ---- the list of parts -----------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Row:
-    """A printed part in the list: count, and material (mm^3), mass (g) and time to print (min) of ALL its copies."""
-
-    part: str
-    title: str
-    count: int
-    material_mm3: float
-    mass_g: float
-    print_min: float
-
-
-COLUMNS = ("part", "title", "count", "material_mm3", "mass_g", "print_min")
-
-
-def parts_list(
-    parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None,
-    sides: Mapping[str, Side] = MappingProxyType({}), layer: float | None = None,
-) -> list[Row]:  # fmt: skip
-    """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
-
-    The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for a plastic not in DENSITY
-    unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
-    """
-    density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
-    layer = layer or LAYER_SHARE * nozzle
-    flow = nozzle * layer * PRINT_SPEED
-    rows = []
-    for part in parts:
-        height = sides[part.name].height if part.name in sides else part.thickness
-        seconds = part.volume / flow + math.ceil(height / layer - 1e-6) * LAYER_OVERHEAD
-        rows.append(
-            Row(part.name, part.title, part.count, part.count * part.volume, part.count * part.volume * density,
-                part.count * seconds / 60)
-        )  # fmt: skip
-    return rows

@@ -40,6 +40,7 @@ _FONT, _CAP = "Helvetica", 0.718  # and the height of its capitals by the size [
 _DXF_CODES = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
 
 Align = Literal["left", "centre", "right"]
+_HALIGN: dict[Align, int] = {"left": 0, "centre": 1, "right": 2}  # in a DXF
 
 
 @dataclass(frozen=True)
@@ -112,18 +113,11 @@ class Sheet:
         self.things.append(Fill((tip, foot + 0.5j * direction, foot - 0.5j * direction), layer))
 
     def text(
-        self,
-        at: complex,
-        text: str,
-        height: float = 2.5,
-        align: Align = "left",
-        direction: complex = 1,
-        layer: str = "TEXT",
-        room: float = math.inf,
+        self, at: complex, text: str, height: float = 2.5, align: Align = "left", layer: str = "TEXT", room: float = math.inf
     ) -> None:
         """Add a line of text, smaller where it might be longer than `room` mm; nothing where it is empty."""
         if text:
-            line = Text(at, text, height, align, direction, layer)
+            line = Text(at, text, height, align, layer=layer)
             self.things.append(replace(line, height=height * min(1.0, room / line.room)))
 
 
@@ -180,14 +174,6 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
 
     scale: mm of paper for a mm of the part; datum: where the part's origin is on the paper.
     """
-    from ezdxf.enums import TextEntityAlignment
-
-    alignment = {
-        "left": TextEntityAlignment.LEFT,
-        "centre": TextEntityAlignment.CENTER,
-        "right": TextEntityAlignment.RIGHT,
-    }
-
     def xy(z: complex) -> tuple[float, float]:
         w = (z - datum) / scale + 0
         return w.real, w.imag
@@ -202,9 +188,9 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
             if thing.layer in _DASHES:
                 at |= {"linetype": _DASHES[thing.layer][0], "ltscale": 0.5 / scale}
             if isinstance(thing, Text):
-                at |= {"height": thing.height / scale, "rotation": math.degrees(cmath.phase(thing.direction))}
-                entity = space.add_text(thing.text.translate(_DXF_CODES), dxfattribs=at)
-                entity.set_placement(xy(thing.at), align=alignment[thing.align])
+                at |= {"height": thing.height / scale, "rotation": math.degrees(cmath.phase(thing.direction)), "valign": 0,
+                       "halign": _HALIGN[thing.align], "insert": xy(thing.at), "align_point": xy(thing.at)}  # fmt: skip
+                space.add_text(thing.text.translate(_DXF_CODES), dxfattribs=at)
             elif isinstance(thing, Fill):
                 a, b, c = map(xy, thing.corners)
                 space.add_solid([a, b, c, c], dxfattribs=at)

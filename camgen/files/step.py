@@ -220,7 +220,7 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[Placed], list[str]]:
 
     FileError where it cannot be read, is cut short, or holds other things than upright walls between level faces.
     """
-    from camgen.spec import read_bytes
+    from camgen.reading import read_bytes
 
     text = read_bytes(path, _MOST_BYTES, "a STEP file").decode("latin-1")
     if not text.startswith("ISO-10303-21;") or not text.rstrip().endswith("END-ISO-10303-21;"):

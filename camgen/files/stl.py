@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.errors import FileError
+from camgen.errors import FileError, file_errors
 from camgen.files.formats import Job
 from camgen.geometry.mesh import Mesh, welded
 
@@ -40,10 +40,8 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
 
     normals: keep the stored ones, which many programs leave at zero; FileError then where the file is text.
     """
-    try:
+    with file_errors(path):
         data = Path(path).read_bytes()
-    except OSError as error:
-        raise FileError(path, error.strerror or str(error)) from None
     count = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * count:
         rows = np.frombuffer(data, _ROW, offset=84)

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import __version__
-from camgen.errors import FileError
+from camgen.errors import FileError, file_errors
 from camgen.files.formats import Job
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats, Ints
@@ -42,6 +42,7 @@ _DECIMALS = 9
 _NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes millimetres then
 MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
 MOST_BYTES = 1_000_000_000  # unpacked
+_SMALL, _PACKED = 1_000_000, 100  # bytes; how often a larger part may be as long as it is packed: meshes are 10 times
 BUILD, _NONE = -1, -2
 _BULK = re.compile(rb"(?:<(?:vertex|triangle) [^<>]*/>\s*)+")  # what most of a package consists of
 _OURS = {"[content_types].xml", "_rels/.rels", "3d/3dmodel.model"}  # parts of a package as camgen writes it
@@ -176,8 +177,8 @@ class Package:
     """A 3MF file: its unit, what is built, and what is wrong with it as a package.
 
     items: meshes as placed; components of an assembly are resolved to the meshes they are made of.
-    warnings: lib3mf's own, objects of one name, of another type than model or that nothing builds, vertices that no
-    triangle uses (left out of the meshes).
+    warnings: lib3mf's own, objects of one name, of another type than model or that nothing builds, copies under another part's
+    name, vertices that no triangle uses (left out of the meshes).
     """
 
     unit: str
@@ -205,10 +206,8 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
 
     FileError when it is refused, in a unit that there is not, or places far too much.
     """
-    try:
+    with file_errors(path):
         return _package(str(path), Path(path).read_bytes(), strict)
-    except OSError as error:
-        raise FileError(path, error.strerror or str(error)) from None
 
 
 @lru_cache(maxsize=16)  # several checks look at each file of a folder
@@ -253,17 +252,21 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
     warnings += [f"{count} objects have the name '{name}'" for name, count in names.items() if count > 1]
     items: list[Item] = []
     waiting = [
-        (item.GetObjectResource().GetUniqueResourceID(), _matrix(item.GetObjectTransform()))
+        (item.GetObjectResource().GetUniqueResourceID(), _matrix(item.GetObjectTransform()), {item.GetPartNumber()})
         for item in _each(model.GetBuildItems(), "GetCurrent")
     ][::-1]
     built = set()
     while waiting:
-        number, outer = waiting.pop()
+        number, outer, labels = waiting.pop()
         built.add(number)
         if number in meshes:
-            items.append(Item(*meshes[number], outer[:3]))
+            name, mesh = meshes[number]
+            items.append(Item(name, mesh, outer[:3]))
+            ours = re.compile(rf"({re.escape(name)}([- ]\d+)?)?")  # as the part is named, or with the number of its copy
+            warnings += [f"'{label}' is made of '{name}'" for label in sorted(labels) if strict and not ours.fullmatch(label)]
         else:
-            waiting += [(part, product(outer, inner)) for part, inner in reversed(inside[number])]
+            within = labels | {kinds[number].GetName()}
+            waiting += [(part, product(outer, inner), within) for part, inner in reversed(inside[number])]
     warnings += [f"nothing builds object '{thing.GetName()}'" for number, thing in kinds.items() if number not in built]
     return Package(model.GetUnit().name, tuple(warnings), tuple(items))
 
@@ -301,6 +304,10 @@ def _looked_through(path: str | Path) -> list[str]:
             size = sum(part.file_size for part in package.infolist())
             if size > MOST_BYTES:
                 raise FileError(path, f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read")
+            for part in package.infolist():
+                if part.file_size > _SMALL and part.file_size > _PACKED * part.compress_size:
+                    said = f"{part.filename} unpacks to {part.file_size / 1e6:.0f} MB from {part.compress_size / 1e6:.3g} MB"
+                    raise FileError(path, f"{said}; {_PACKED} times as much at most is read")
             parts = {name: package.read(name) for name in package.namelist()}
         if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
             return _extras(parts)

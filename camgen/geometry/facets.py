@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth
-from camgen.numerics import roots
+from camgen.numerics import distinct, roots
 
 # (turn of the tangent, length, change of curvature) of many short panels -> their shares.
 ShareLaw = Callable[[Floats, Floats, Floats], Floats]
@@ -83,7 +83,7 @@ class Track:
         turns = t[1:-1][radians[:-1] < radians[1:]]
         zeros = roots(lambda s, _: (self._bend(s), np.zeros(s.size)), t[flips], t[flips + 1], LAST_STEP)
         flat = (kappa[1:-1] == 0) & ((kappa[:-2] != 0) | (kappa[2:] != 0))
-        self.cuts = np.unique(np.concatenate([zeros, t[1:-1][flat], turns]))
+        self.cuts = distinct(zeros, t[1:-1][flat], turns)
 
     def _nodes(self, t: Floats) -> Points:
         """Rows point, derivative, curvature."""
@@ -160,7 +160,7 @@ def sagittas(track: Track, t: Floats) -> Floats:
     chord = np.diff(z)
     size = np.abs(chord)
     along = np.where(size > 0, chord / np.where(size > 0, size, 1), 1)
-    edges = np.sort(np.concatenate([t, track.cuts[~np.isin(track.cuts, t)]])) if track.cuts.size else t
+    edges = distinct(t, track.cuts)
     own = np.clip(np.searchsorted(t, edges[:-1], "right") - 1, 0, size.size - 1)
     tangents = piece.at(edges, 1)
 

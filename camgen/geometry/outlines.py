@@ -23,7 +23,7 @@ import numpy as np
 
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
-from camgen.numerics import gauss_legendre
+from camgen.numerics import distinct, gauss_legendre
 from camgen.tolerances import SAME_POINT
 
 _CONGRUENT = 1e-12  # share of its size by which an image may differ from the curve and still have its facets
@@ -118,7 +118,7 @@ class Smooth:
         inside = [t for t in self.knots if low < t < high]
         if not inside:
             return even
-        both = np.union1d(even, inside)
+        both = distinct(even, inside)
         return both if self.t0 < self.t1 else both[::-1]
 
     def at(self, t: Any, order: int = 0) -> Points:

@@ -14,6 +14,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Floats, Line, Piece, Points, Smooth, end_point, start_point
+from camgen.numerics import distinct
 from camgen.tolerances import INTERSECTION, SAME_POINT
 
 _EVEN = 384  # samples of a piece, evenly in its parameter
@@ -106,12 +107,12 @@ def _samples(piece: Piece, least: float) -> tuple[Floats, Points]:
     """Parameters and points along a piece; those within `least` mm of an end are left out, for at a cusp they are rounding."""
     if isinstance(piece, Line):
         return np.array([piece.t0, piece.t1]), np.array([piece.a, piece.b])
-    u = np.unique(np.concatenate((np.linspace(0, 1, _EVEN), _GRADED, 1 - _GRADED)))
+    u = distinct(np.linspace(0, 1, _EVEN), _GRADED, 1 - _GRADED)
     t = piece.t0 + (piece.t1 - piece.t0) * u
     if isinstance(piece, Smooth) and piece.knots:  # a loop may lie between any two of them
         knots = piece.spread(2)
-        t = np.concatenate((t, *(knots[:-1] + share * np.diff(knots) for share in np.linspace(0, 1, _BETWEEN, endpoint=False))))
-        t = np.unique(t)[:: 1 if piece.t0 < piece.t1 else -1]
+        between = (knots[:-1] + share * np.diff(knots) for share in np.linspace(0, 1, _BETWEEN, endpoint=False))
+        t = distinct(t, *between)[:: 1 if piece.t0 < piece.t1 else -1]
     z = piece.at(t)
     keep = np.minimum(np.abs(z - z[0]), np.abs(z - z[-1])) > least
     keep[[0, -1]] = True
@@ -167,7 +168,7 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
     y0, y1 = boxed(np.minimum(a.imag, b.imag), np.minimum), boxed(np.maximum(a.imag, b.imag), np.maximum)
     boxes = shapely.box(x0, y0, x1, y1)
     first, second = np.sort(shapely.STRtree(boxes).query(boxes), axis=0)
-    first, second = np.unique(np.stack([first, second]), axis=1)
+    first, second = np.divmod(distinct(first * len(boxes) + second), len(boxes))
     offsets = np.arange(_BLOCK)
     i = np.broadcast_to((starts[first, None] + offsets)[:, :, None], (len(first), _BLOCK, _BLOCK)).ravel()
     j = np.broadcast_to((starts[second, None] + offsets)[:, None, :], (len(first), _BLOCK, _BLOCK)).ravel()

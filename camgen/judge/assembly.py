@@ -30,6 +30,7 @@ COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
 Row = tuple[str, str, float, float, float]
 _PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching
 _ROLLING = 0.08  # mm, the same of tip and cam, or of teeth, on the way round; how they touch is judged far more finely
+_NOTHING = 1e-6  # mm^3, less than any part has
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
 _FINEST = 0.001  # mm, and no finer than this
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
@@ -67,6 +68,8 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     try:
         for name, item, on in standing(package, machine):
             bodies.append(Body(name, slabs_of(item.placed), courses[on], at=home[on]))
+            if not abs(item.mesh.volume) > _NOTHING:
+                raise ValueError(f"{name} has no volume")
         for thing in machine.stand_ins:
             bodies.append(Body(thing.name, _slabs(thing, float(start[thing.body].angle[0])), courses[thing.body]))
         clearances = swept(

@@ -231,7 +231,7 @@ def _own_tip(
     file = named(where, {own.part})
     if outline.own is None:
         said = "the part has no such tip, or it does not fit the cam"
-        return at_most("TIP_MOTION", math.inf, 2 * moved.limit, moved.unit, file, said), {}
+        return at_most("TIP_MOTION", math.nan, 2 * moved.limit, moved.unit, file, said), {}
     radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"

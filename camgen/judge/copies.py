@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -34,20 +33,27 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Copies | Non
     found, wanted = Counter(item.name for item in package.items), Counter(name for name, _ in places or ())
     if places is not None and found != wanted:
         remarks.append(f"{found.total()} copies instead of {wanted.total()}")
+    for name, mesh in package.meshes.items():
+        if name in originals and not np.array_equal(mesh.faces, originals[name].faces):
+            remarks.append(f"{name} is not of the triangles of its own file")
+    turned = [(item.name, item.transform[:, :3]) for item in package.items]
+    remarks += [f"a copy of {name} is mirrored or flat" for name, turn in turned if not np.linalg.det(turn) > 0]
     if remarks:
         return strange(path, remarks)
-    off = max((_unlike(mesh, originals[name]) for name, mesh in package.meshes.items()), default=0.0)
     reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
     far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
-    for item in package.items:
-        turn = item.transform[:, :3]
-        bent = float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))) if np.linalg.det(turn) > 0 else math.inf
-        off = max(off, bent * reach)
-    if places is not None:
-        off = max(off, _astray([(item.name, item.transform) for item in package.items], places))
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
-    return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
+    faults = [(float(np.max(np.abs(mesh.vertices - originals[name].vertices))), f"{name} is not as in its own file")
+              for name, mesh in package.meshes.items()]  # fmt: skip
+    bent = ((float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))), name) for name, turn in turned)
+    faults += [(off * reach, f"a copy of {name} is deformed") for off, name in bent]
+    if places is not None:
+        laid = [(item.name, item.transform) for item in package.items]
+        faults += [(off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)]
+    off, said = max(faults, default=(0.0, ""))
+    if off <= limit:
+        said = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
+    return at_most("ROUND_TRIP", off, limit, "mm", where, said)
 
 
 def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) -> Finding:
@@ -58,34 +64,31 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
     from camgen.files.step import read_step
 
     bodies, copies, remarks = read_step(path)
-    where = path.name
-    if sorted(bodies) != sorted(files) or len(copies) != len(places):
+    where, faults = path.name, list[tuple[float, str]]()
+    if sorted(bodies) != sorted(files) or Counter(copy.object for copy in copies) != Counter(name for name, _ in places):
         held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
         remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
+    for name, file in files.items() if not remarks else ():
+        own, body = read_exact(file, name)[0], bodies[name]
+        if (own.corners.shape, own.edges, own.faces) != (body.corners.shape, body.edges, body.faces):
+            remarks = [*remarks, f"{name} is not of the faces of its own file"]
+            continue
+        faults.append((float(np.max(np.abs(own.corners - body.corners))), f"{name} is not as in its own file"))
     if remarks:
         return strange(path, remarks)
-    off = 0.0
-    for name, file in files.items():
-        own, body = read_exact(file, name)[0], bodies[name]
-        same = own.corners.shape == body.corners.shape and (own.edges, own.faces) == (body.edges, body.faces)
-        off = max(off, float(np.max(np.abs(own.corners - body.corners))) if same else math.inf)
-    off = max(off, _astray([(copy.object, copy.transform) for copy in copies], places))
-    said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
+    laid = [(copy.object, copy.transform) for copy in copies]
+    faults += [(off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)]
+    off, said = max(faults, default=(0.0, ""))
+    if off <= tolerances.SAME_POINT:
+        said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
-def _astray(laid: Copies, places: Copies) -> float:
-    """How far copies lie from the nearest place of their part, and places from their nearest copy, as the largest difference of
-    transforms: no copy astray, no place empty."""
+def _astray(laid: Copies, places: Copies) -> list[tuple[float, str]]:
+    """How far each copy lies from the nearest place of its part, and each place from its nearest copy, as the largest difference
+    of transforms, with the part's name: no copy astray, no place empty. There are as many of each part."""
 
     def nearest(name: str, at: Floats, others: Copies) -> float:
-        return min((float(np.max(np.abs(at - place))) for other, place in others if other == name), default=math.inf)
+        return min(float(np.max(np.abs(at - place))) for other, place in others if other == name)
 
-    return max((nearest(*each, others) for ones, others in ((laid, places), (places, laid)) for each in ones), default=0.0)
-
-
-def _unlike(mesh: Mesh, original: Mesh) -> float:
-    """Largest distance between the corners of two meshes that should be one, mm; inf where they are not of the same triangles."""
-    if mesh.faces.shape != original.faces.shape or not np.array_equal(mesh.faces, original.faces):
-        return math.inf
-    return float(np.max(np.abs(mesh.vertices - original.vertices)))
+    return [(nearest(name, at, others), name) for ones, others in ((laid, places), (places, laid)) for name, at in ones]

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import Fault, SpecError
 from camgen.geometry.rings import Ring
@@ -163,7 +164,7 @@ def read_follower(given: str | PathLike[str] | Mapping[str, Any], option: str = 
     if isinstance(given, str) and not given.endswith(".toml"):
         data = _inline(given, option)
     else:
-        data = specs.tables(given, option) if isinstance(given, Mapping) else specs.read(Path(given))
+        data = reading.tables(given, option) if isinstance(given, Mapping) else reading.read(Path(given))
         table = data.get("follower", data)
         data = table if isinstance(table, dict) else {"motion": table}
     return cast(FollowerTable, specs.validate(cast(Any, FollowerTable), data, option))
@@ -189,10 +190,10 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
     return found
 
 
-def _inline(text: str, option: str) -> specs.Data:
+def _inline(text: str, option: str) -> reading.Data:
     """Tables of "oscillating,pivot=60/0,arm=67": the first word is the motion, a point is x/y, a value is TOML's or text."""
     first, *rest = [item.strip() for item in text.split(",")]
-    data: specs.Data = {}
+    data: reading.Data = {}
     if "=" in first:
         rest.insert(0, first)
     else:

@@ -33,7 +33,7 @@ from camgen.machine.features import (
     SlotFaces,
     Steady,
 )
-from camgen.machine.model import GROUND, Cam, Function, Gear, Joint, Machine, Output, Path, Pin, Place, Slide, Slot
+from camgen.machine.model import GROUND, Cam, Gear, Joint, Machine, Output, Pin, Place, Slide, Slot, centres_of, placed
 from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
 
@@ -158,7 +158,7 @@ class _Builder:
 
     def __init__(self, machine: Machine, mounts: Sequence[Mount], made: Sequence[Mount], found: Readings) -> None:
         self.mounts, self.made, self.found = mounts, dict(zip(mounts, made, strict=True)), found
-        self.joints: dict[str, Joint] = {joint.name: joint for joint in machine.joints}
+        self.machine, self.joints = machine, {joint.name: joint for joint in machine.joints}
         self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
@@ -387,18 +387,17 @@ class _Builder:
         return self._mount(tip.part, Place(body), tip.at).place(found.centre), None, radius
 
     def output(self, output: Output, marks: Sequence[Eye]) -> Output:
-        """The output with its places where their marks are."""
+        """The output with its places where the eyes of joints, or their marks, are."""
 
         def seen(place: Place) -> Place:
+            for meant, joint in zip(self.machine.joints, self.joints.values(), strict=True):
+                for side, now in zip(centres_of(meant), centres_of(joint), strict=True):
+                    if side.body == place.body and abs(side.at - place.at) < SAME_POINT:
+                        return now
             for eye in marks:
                 for mount in self.mounts:
                     if (mount.part, mount.body) == (eye.part, place.body) and abs(mount.place(eye.at) - place.at) < SAME_POINT:
                         return self._placed(eye, place)
             return place
 
-        of = output.of
-        if isinstance(of, Path):
-            return replace(output, of=Path(seen(of.of)))
-        if isinstance(of, Function):
-            return replace(output, of=replace(of, of=tuple(seen(place) for place in of.of)))
-        return output
+        return replace(output, of=placed(output.of, seen))

@@ -22,9 +22,9 @@ from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
 from camgen.judge.as_printed import printed
 from camgen.judge.contours import contour_error
+from camgen.numerics import distinct
 
 MILLIMETRES = 4  # $INSUNITS of DXF
-_WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
 
 def _level_error(heights: Floats, expected: Expected) -> float:
     """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
-    there, wanted = np.unique(heights), np.array(expected.levels)
+    there, wanted = distinct(heights), np.array(expected.levels)
     if not expected.stacked:
         there = there[[0, -1]]
     apart = np.abs(there[:, None] - wanted)
@@ -244,6 +244,9 @@ def _judge_sections(
             off, remark = math.nan, f"{found} contours instead of {count}"
             break
         here = _section_error(shapes, meant.shapes, expected, place, eyes)
+        if math.isinf(here):
+            off, remark = math.nan, "a piece has the holes of another one"
+            break
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
     if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):
@@ -252,7 +255,7 @@ def _judge_sections(
     made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
     wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
-        facets = 2 * max(_WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
+        facets = 2 * max(tolerances.WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
     shape = made[0][1][0]
@@ -281,8 +284,9 @@ def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tup
 
 
 def _wall(shape: Shape) -> float:
-    facets = [ring.facetted(min(_WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in (shape.outer, *shape.holes)]
-    return thinnest_wall(facets[0], facets[1:])
+    rings = (shape.outer, *shape.holes)
+    outer, *holes = (ring.facetted(min(tolerances.WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in rings)
+    return thinnest_wall(outer, holes)
 
 
 def _bore(shape: Shape, diameter: float | None) -> Circle | None:

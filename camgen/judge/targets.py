@@ -11,7 +11,6 @@ from camgen.findings import Finding
 from camgen.judge.proof import Proof
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, unit_of
-from camgen.machine.targets import Course
 
 
 def judge_targets(asked: Sequence[Asked], proof: Proof, theta: Floats, where: str) -> list[Finding]:
@@ -19,6 +18,8 @@ def judge_targets(asked: Sequence[Asked], proof: Proof, theta: Floats, where: st
     findings = []
     for each in asked:
         if each.targets:
+            from camgen.machine.targets import Course
+
             moved = proof.moved(each.output, theta)
             unit, scale = unit_of(proof.machine.output(each.output))
             whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9

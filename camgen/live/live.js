@@ -70,7 +70,9 @@ function explore(numbers) {
       const details = document.createElement("details"), summary = document.createElement("summary");
       details.open = tables.size < 12;
       summary.textContent = table || "spec";
-      details.append(summary);
+      const lines = document.createElement("div");
+      if (point) { summary.append(Object.assign(document.createElement("small"), { textContent: ", mm" })); lines.className = "points"; }
+      details.append(summary, lines);
       tables.set(table, details);
     }
     const line = document.createElement("div"), label = document.createElement("label");
@@ -80,8 +82,7 @@ function explore(numbers) {
     label.htmlFor = box.id = id;
     label.textContent = (point ? point[1] + " " + "xy"[point[2]] : number.key.slice(table ? table.length + 1 : 0)) + " ";
     label.title = number.about;
-    const unit = point ? "mm" : number.unit;
-    if (unit) label.append(Object.assign(document.createElement("small"), { textContent: unit }));
+    if (number.unit && !point) label.append(Object.assign(document.createElement("small"), { textContent: number.unit }));
     line.append(label, box);
     if (number.choices.length) box.append(...number.choices.map(choice => new Option(choice, choice)));
     else {
@@ -107,7 +108,7 @@ function explore(numbers) {
     }
     box.addEventListener("input", () => { follow(box); moved(); });
     boxes.set(number.key, box);
-    tables.get(table).append(line);
+    tables.get(table).lastChild.append(line);
   }
   byId("tables").replaceChildren(...tables.values());
 
@@ -128,8 +129,8 @@ function explore(numbers) {
   }
 
   // One request in flight; what moves meanwhile is asked for again after it. Where the whole answer takes long, a quick one
-  // comes while values move, and the whole when they rest.
-  let busy = false, again = false, whole = 0;
+  // comes while values move, and the whole when they rest; at first the quick one too, for its verdict and picture.
+  let busy = false, again = false, whole = Infinity;
   async function answered(quick) {
     const began = performance.now(), answer = await ask("/preview", { settings: settings(), quick }), took = performance.now() - began;
     if (!quick) whole = took;
@@ -150,7 +151,7 @@ function explore(numbers) {
       const quick = whole > 350;
       await answered(quick);
       if (quick && !again) {
-        for (let k = 0; k < 20 && !again; k++) await new Promise(done => setTimeout(done, 20));
+        for (let k = 0; k < 20 && isFinite(whole) && !again; k++) await new Promise(done => setTimeout(done, 20));
         if (!again) await answered(false);
       }
     } while (again);

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from camgen.errors import DesignError, SpecError
+from camgen.pipeline.curves import as_designed
 from camgen.pipeline.jobs import changed
 from camgen.pipeline.shown import animation
+from camgen.reading import Data
 from camgen.report.page import to_html
 from camgen.report.report import Report
-from camgen.spec import Data
 from camgen.study import Study
 
 
@@ -24,14 +25,15 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     began = time.perf_counter()
     try:
         mechanism = changed(data, source, folder, settings)
-        findings, study = mechanism.limits(), Study() if quick else mechanism.study()
+        findings, study = mechanism.forecast(), Study() if quick else mechanism.study()
+        plots = [] if quick else [*as_designed(mechanism), *study.plots]
         shown = animation(mechanism, study.sketches)
     except SpecError as error:
         return told("no valid spec", [str(fault) for fault in error.faults])
     except DesignError as error:
         return told("cannot be made", [str(error)])
     report = Report(
-        mechanism.name, mechanism.mechanism, findings, study.numbers, plots=study.plots, notes=study.notes, animation=shown,
+        mechanism.name, mechanism.mechanism, findings, study.numbers, plots=plots, notes=study.notes, animation=shown,
         not_judged=mechanism.unpressed(),
     )
     page = to_html(report)

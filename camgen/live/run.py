@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camgen.errors import FileError
-from camgen.spec import read_bytes
+from camgen.reading import read_bytes
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette

@@ -27,6 +27,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
 from camgen.live.numbers import Number, numbers, overrides, write
@@ -129,11 +130,11 @@ class Explorer:
 
     def read(self) -> None:
         """Take the spec as its file has it now."""
-        raw = specs.read_bytes(self.spec, 10_000_000, "a spec file")
+        raw = reading.read_bytes(self.spec, 10_000_000, "a spec file")
         self.data, self.source, self.folder = read_tables(self.spec)
         self.digest = sha256(raw).hexdigest()
         kind = specs.choose(self.data, MECHANISMS, self.source)
-        self.numbers: list[Number] = numbers(specs.read(self.spec), described(load(kind), kind))
+        self.numbers: list[Number] = numbers(reading.read(self.spec), described(load(kind), kind))
 
     def preview(self, asked: Answer) -> Answer:
         """A variant's page; quick: without what takes long."""
@@ -159,7 +160,7 @@ class Explorer:
         return overrides(asked.get("settings"), self.numbers)
 
     def _unchanged(self) -> bytes:
-        raw = specs.read_bytes(self.spec, 10_000_000, "a spec file")
+        raw = reading.read_bytes(self.spec, 10_000_000, "a spec file")
         if sha256(raw).hexdigest() != self.digest:
             raise FileError(self.spec, "was changed since this page read it; reload the page to see the new values")
         return raw

@@ -14,14 +14,20 @@ import numpy as np
 from camgen.machine.model import MM, Body, Floats, Points
 
 
+def together(body: Body, *others: Body) -> Body:
+    """The body with others that are fixed on it; all in its frame."""
+    bodies = (body, *others)
+    mass = sum(each.mass for each in bodies)
+    if not mass:
+        return body
+    centre = sum(each.mass * each.centre for each in bodies) / mass
+    inertia = sum(each.inertia + each.mass * abs((each.centre - centre) * MM) ** 2 for each in bodies)
+    return replace(body, mass=mass, centre=centre, inertia=inertia)
+
+
 def with_weight(body: Body, mass: float, place: complex) -> Body:
     """The body and a point mass, as one."""
-    if mass == 0:
-        return body
-    total = body.mass + mass
-    centre = (body.mass * body.centre + mass * place) / total
-    spread = body.mass * abs(body.centre - centre) ** 2 + mass * abs(place - centre) ** 2
-    return replace(body, mass=total, centre=centre, inertia=body.inertia + spread * MM**2)
+    return together(body, Body(body.name, mass=mass, centre=place)) if mass else body
 
 
 def balanced(body: Body, about: complex, radius: float, carried: float = 0.0, at: complex = 0) -> Body:

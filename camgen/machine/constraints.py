@@ -258,16 +258,35 @@ class Constraints:
                 gradient[:, 0, k] = slope
             return value, gradient
         places = [self.place(place, q) for place in of.of]
-        value = of.value(*(np.asarray(seen.where)[None] for seen in places))[0]
-        still = [np.stack([seen.where, np.zeros(n, complex)]) for seen in places]
-        for k, seen in enumerate(places):
-            steep = np.zeros(n, complex)
+        for seen, steep in zip(places, self._steep(of, places), strict=True):
+            self._enter(gradient[:, 0], seen, steep)
+        return of.value(*(np.asarray(seen.where)[None] for seen in places))[0], gradient
+
+    def _steep(self, of: Function, places: Sequence[_Seen]) -> list[Points]:
+        """How a function grows with each of its places, (n,) each: along x + i along y."""
+        still = [np.stack([seen.where, np.zeros(len(seen.where), complex)]) for seen in places]
+        found = []
+        for k in range(len(places)):
+            steep = np.zeros(still[k].shape[1], complex)
             for part in (1.0, 1j):
                 moved = [s.copy() for s in still]
                 moved[k][1] = part
                 steep += part * of.value(*moved)[1]
-            self._enter(gradient[:, 0], seen, steep)
-        return value, gradient
+            found.append(steep)
+        return found
+
+    def by_place(self, name: str, q: Floats) -> list[tuple[Place, Any, Any]]:
+        """Of each place of an output what 1 mm of it along its body's x, and along y, does to the output, (n,), complex for a
+        path, with no body moved."""
+        of = self.machine.output(name).of
+        if not isinstance(of, Path | Function):
+            return []
+        on = [of.of] if isinstance(of, Path) else list(of.of)
+        turned = [np.exp(1j * (self.angle(place.body, q) + np.zeros(len(q)))) for place in on]
+        if isinstance(of, Path):
+            return [(of.of, turned[0], 1j * turned[0])]
+        steep = self._steep(of, [self.place(place, q) for place in on])
+        return [(place, np.real(s.conj() * t), np.real(s.conj() * 1j * t)) for place, s, t in zip(on, steep, turned, strict=True)]
 
     def press(self, total: Floats, place: Place, q: Floats, force: Points) -> None:
         """Add to generalised forces, (n, 3 bodies), what a force (complex) on a place does: N and N mm."""

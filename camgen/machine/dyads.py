@@ -1,6 +1,6 @@
 """Dyads in closed form: one vector loop with two unknowns, all angles at once.
 
-    two angles             known + c1 e1 + c2 e2 = 0               RRR
+    two angles             known + c1 e1 = c2 e2                   RRR
     an angle, a length     known + c e + u d = 0                   slider: d is known
                            known + (c + u d) e = 0                 inverted slider, slot: d turns with e
     two lengths            known + u1 d1 + u2 d2 = 0               linear
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.machine.jets import Jet, Spin, cross, minus, plus, times, vanishes
+from camgen.machine.jets import Jet, Spin, cross, plus, times, vanishes
 from camgen.numerics import Floats
 
 # A dyad that misses by less than this share of its size squared is taken as just closing: rounding of theta does as much.
@@ -33,39 +33,41 @@ def signed_root(square: Floats, slack: float, branch: int) -> tuple[Floats, Floa
     return root, np.where(root == 0, np.nan, root)
 
 
-def two_angles(known: Jet, c1: complex, c2: complex, branch: int) -> tuple[Spin, Spin]:
-    """Both spins; branch +1 has c1 e1 to the left of the way that is to close."""
+def two_angles(known: Jet, r1: float, r2: float, branch: int) -> tuple[Spin, Spin]:
+    """Spins of both legs, of these lengths: known + z1 = z2; branch +1 has z1 to the left of the way to the second's foot."""
     order = len(known) - 1
-    r1, r2 = abs(c1), abs(c2)
-    total, differ = (r1 + r2) ** 2, (r1 - r2) ** 2
-    way = -known[0]
-    q = way.real * way.real
-    q += way.imag * way.imag
+    near, far = (r1 - r2) ** 2, (r1 + r2) ** 2
+    q = np.square(known[0].real)
+    q += np.square(known[0].imag)
     # Heron's formula in factors, which lose nothing to cancellation: the root is four times the triangle's area.
-    square = total - q
-    square *= q - differ
-    root, divisor = signed_root(square, (total * JUST_CLOSES) * total, branch)
-    half = 0.5 / q
-    u = np.empty(way.shape, complex)
-    np.multiply(root, half, out=u.imag)
-    half *= r1**2 - r2**2
-    np.add(half, 0.5, out=u.real)
-    z1 = u
-    z1 *= way
-    z2 = np.subtract(way, z1, out=way)
-    first, second = [z1 * (1 / c1)], [z2 * (1 / c2)]
+    square = far - q
+    square *= q - near
+    root, divisor = signed_root(square, (far * JUST_CLOSES) * far, 1)
+    half = (-0.5 * branch) / q
+    z1 = np.empty(q.shape, complex)
+    np.multiply(root, half, out=z1.imag)
+    half *= branch * (r1**2 - r2**2)
+    np.subtract(half, 0.5, out=z1.real)
+    z1 *= known[0]
+    z2 = z1 + known[0]
+    first, second = [z1], [z2]
     if order > 0:
-        # z1 x z2 is minus half the root; inner products with z2 and z1 part the two rates.
-        swing = 2.0 / divisor
-        z1, z2 = np.conj(z1), np.conj(z2)
-        w1, w2 = inner(z2, known[1]) * swing, inner(z1, known[1]) * -swing
+        # z1 x z2 is half the signed root; inner products with z2 and z1 part the two rates.
+        swing = np.divide(-2.0 * branch, divisor, out=half)
+        left, right = np.conj(z1), np.conj(z2)
+        w1, w2 = inner(right, known[1]) * swing, inner(left, known[1]) * swing
         first.append(w1)
         second.append(w2)
     if order > 1:
-        s1, s2 = w1 * w1, w2 * w2
-        both = (q - (r1**2 + r2**2)) * 0.5  # z1 . z2
-        first.append((inner(z2, known[2]) - (s1 * both + s2 * r2**2)) * swing)
-        second.append(((s2 * both + s1 * r1**2) - inner(z1, known[2])) * swing)
+        q -= r1**2 + r2**2
+        q *= -0.5  # z1 . z2
+        s1, s2 = np.square(w1), np.square(w2)
+        for spin, other, share1, share2 in ((first, right, q, r2**2), (second, left, r1**2, q)):
+            a = s2 * share2
+            a -= s1 * share1
+            a += inner(other, known[2])
+            a *= swing
+            spin.append(a)
     return first, second
 
 
@@ -75,37 +77,40 @@ def inner(conjugate: Any, b: Any) -> Any:
 
 
 def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Spin, Jet]:
-    """The spin and the length along the known way d; branch +1 has c e ahead along d."""
+    """The spin of c e and the length along the known way d; branch +1 has c e ahead along d."""
     r = abs(c)
-    x = -known[0] * np.conj(d[0])
+    x = known[0] * np.conj(d[0])
     y = x.imag
     root, divisor = signed_root((r - y) * (r + y), JUST_CLOSES * r**2, branch)
-    z = (root + 1j * y) * d[0]
-    angle, length = [z / c], [x.real - root]
-    return _rates(known, z, d, angle, length, -divisor, inverted=False)
+    z = np.empty(y.shape, complex)
+    z.real = root
+    np.negative(y, out=z.imag)
+    z *= d[0]
+    root = root + x.real
+    return _rates(known, z, d, [z], [np.negative(root, out=root)], divisor, inverted=False)
 
 
 def inverted(known: Jet, c: complex, d: complex, branch: int) -> tuple[Spin, Jet]:
-    """The spin and the length along d, which turns with e; branch +1 has the end ahead of c's foot."""
+    """The spin of e and the length along d, which turns with e; branch +1 has the end ahead of c's foot."""
     foot = c * d.conjugate()
     p, q = foot.real, foot.imag
     far = np.abs(known[0])
     root, divisor = signed_root((far - q) * (far + q), JUST_CLOSES * q**2, branch)
-    e = -known[0] / (d * (root + 1j * q))
-    angle, length = [e], [root - p]
-    return _rates(known, -known[0], [d * e], angle, length, -divisor, inverted=True)
+    z = known[0] * -1.0
+    e = z / (d * (root + 1j * q))
+    return _rates(known, z, [d * e], [e], [root - p], divisor, inverted=True)
 
 
-def _rates(known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, area: Any, inverted: bool) -> tuple[Jet, Jet]:
-    """Rates of an angle whose vector is z and a length along d; area is the cross product of their columns i z and d."""
+def _rates(known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, divisor: Any, inverted: bool) -> tuple[Jet, Jet]:
+    """Rates of an angle whose vector is z and a length along d; divisor is the cross product of their columns d and i z."""
     order, u = len(known) - 1, length[0]
     along = d[0]
 
     def part(f: Any) -> tuple[Any, Any]:
         """w, u' of i z w + d u' = -f, by Cramer."""
         if vanishes(f):
-            return 0.0 * area, 0.0 * area
-        return -cross(f, along) / area, dot(z, f) / area
+            return 0.0 * divisor, 0.0 * divisor
+        return cross(f, along) / divisor, dot(z, f) / -divisor
 
     if order > 0:
         f = known[1] if inverted else plus(known[1], times(u, d[1]))
@@ -113,7 +118,7 @@ def _rates(known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, area: Any, inver
         angle.append(w)
         length.append(v)
     if order > 1:
-        f = minus(known[2], w * w * z)
+        f = plus(known[2], -w * w * z)
         f = f + 2j * v * w * along if inverted else plus(plus(f, times(u, d[2])), times(2 * v, d[1]))
         a, b = part(f)
         angle.append(a)

@@ -15,14 +15,27 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from camgen.machine.model import Law, Output, Pose
 from camgen.numerics import Floats
 
 if TYPE_CHECKING:
     from camgen.machine.targets import Advance, Target
+
+
+T = TypeVar("T")
+
+
+def mapped(record: T, change: Callable[[str, Any], Any]) -> T:
+    """A record with change(key, value) in place of its values, of those in tuples one by one."""
+
+    def each(key: str, value: Any) -> Any:
+        return tuple(each(key, one) for one in value) if isinstance(value, tuple) else change(key, value)
+
+    keys = (key.name for key in fields(record))  # type: ignore[arg-type]
+    return replace(record, **{key: each(key, getattr(record, key)) for key in keys})  # type: ignore[type-var]
 
 
 @dataclass(frozen=True)
@@ -256,6 +269,12 @@ class PartPose(Pose):
 
     flipped: bool = False
     z: float = 0.0
+
+
+def heights(stands: Mount | PartPose, part: float, low: float, high: float) -> tuple[float, float]:
+    """From where to where in the assembly what reaches from low to high in a part as drawn does, mm; part: its thickness."""
+    low, high = (part - high, part - low) if stands.flipped else (low, high)
+    return stands.z + low, stands.z + high
 
 
 @dataclass(frozen=True)

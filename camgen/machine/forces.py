@@ -79,6 +79,17 @@ class Forces:
     smooth: Mapping[str, Floats] = field(default_factory=dict)
     locks: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
 
+    def __repr__(self) -> str:
+        """The peaks alone."""
+        borne, given = peaks(self.reactions), peaks(self.drives)
+        return f"Forces at {len(self.energy)} angles; reactions to {borne} N; drives to {given} N m or N"
+
+
+def peaks(values: Mapping[str, Points] | Mapping[str, Floats]) -> str:
+    """The greatest size of each, (n,), by its name, as text."""
+    found = {name: round(float(np.max(np.nan_to_num(np.abs(rows)), initial=0.0)), 12) for name, rows in values.items()}
+    return ", ".join(f"{name} {peak:.4g}" for name, peak in found.items()) or "none"
+
 
 def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:
     """Forces at poses q and their derivatives to theta, (n, 3 bodies), theta growing steadily at `speed` rad/s."""

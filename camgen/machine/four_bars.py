@@ -9,7 +9,6 @@ million positions, a gigabyte.   [the dyad of `dyads.two_angles`, without deriva
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -45,12 +44,10 @@ class Block:
     def transmission(self) -> tuple[Floats, Floats]:
         """Least and greatest angle between coupler and output crank over the angles, rad, (designs,); it grows with the span."""
         with np.errstate(invalid="ignore"):
-            ends = [fold(np.where(np.isfinite(self.b.real), self.span, out), axis=0)
-                    for fold, out in ((np.min, np.inf), (np.max, -np.inf))]  # fmt: skip
             sides, product = self.coupler**2 + self.output**2, 2 * self.coupler * self.output
+            ends = (np.fmin.reduce(self.span, axis=0), np.fmax.reduce(self.span, axis=0))  # of those that are not nan
             least, most = (np.arccos(np.clip((sides - end) / product, -1.0, 1.0)) for end in ends)
-        none = ~np.isfinite(ends[0])
-        return np.where(none, math.nan, least), np.where(none, math.nan, most)
+        return least, most
 
     @property
     def output_range(self) -> Floats:
@@ -58,14 +55,15 @@ class Block:
 
         A full turn of the output counts as one: the angle is followed from each angle to the next.
         """
-        arm = self.b - self.frame
+        arm = self.b - self.frame.astype(complex)
         seen = arm * np.conj(np.sum(arm, axis=0))  # from the mean direction: within a quarter turn most rockers stay
         with np.errstate(invalid="ignore", divide="ignore"):
             slope = np.divide(seen.imag, seen.real)
             found = np.arctan(np.max(slope, axis=0)) - np.arctan(np.min(slope, axis=0))
             wide = np.flatnonzero(np.min(seen.real, axis=0) <= 0)
         if wide.size:
-            steps = arm[1:, wide] * np.conj(arm[:-1, wide])
+            arm = arm[:, wide]
+            steps = arm[1:] * np.conj(arm[:-1])
             turned = np.cumsum(np.arctan2(steps.imag, steps.real), axis=0)
             found[wide] = np.maximum(np.max(turned, axis=0), 0.0) - np.minimum(np.min(turned, axis=0), 0.0)
         return np.asarray(found)
@@ -88,8 +86,8 @@ def four_bars(
     turn = np.exp(1j * np.asarray(theta, float))[:, None]
     for first in range(0, given[0].size, block):
         f, r, c, o, side = (each[first : first + block] for each in given)
-        a = turn * r
-        way = f - a
+        a = turn * r.astype(complex)
+        way = f.astype(complex) - a
         span = way.real**2
         span += way.imag**2
         square = (c + o) ** 2 - span  # Heron's formula in factors, which lose nothing to cancellation
@@ -98,11 +96,12 @@ def four_bars(
             root = np.sqrt(square, out=square)
             half = 0.5 / span
             root *= half
-            root *= side
-            half *= c**2 - o**2
-            half += 0.5
             b = np.empty(way.shape, complex)
-            b.real, b.imag = half, root
+            np.multiply(root, side, out=b.imag)
+            half *= c**2 - o**2
+            np.add(half, 0.5, out=b.real)
+            root *= 0.0  # nan where it is open
+            span += root
             b *= way
         b += a
         yield Block(first, f, c, o, a, b, span)

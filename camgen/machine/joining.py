@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from camgen.machine.features import Asked, Eye, Faces, Flat, Mount, OwnTip, Teeth
+from camgen.machine.features import Asked, Eye, Faces, Flat, Mount, OwnTip, Ring, Teeth, mapped
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -34,7 +34,7 @@ from camgen.numerics import Floats
 
 T = TypeVar("T")
 
-_RECORDS = Angle | Along | Path | Eye | Faces | Flat | OwnTip | Teeth  # that stand in others
+_RECORDS = Angle | Along | Path | Eye | Faces | Flat | OwnTip | Ring | Teeth  # that stand in others
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,7 @@ class Module:
 
     def renamed(self, record: T) -> T:
         """A joint, load, output or feature with the names and places that it has in the whole."""
-        changed = {each.name: self._renamed(each.name, getattr(record, each.name)) for each in fields(record)}  # type: ignore[arg-type]
-        return replace(record, **changed)  # type: ignore[type-var]
+        return mapped(record, self._renamed)
 
     def _renamed(self, key: str, value: Any) -> Any:
         """A value of a record, under its key."""
@@ -165,8 +164,6 @@ class Module:
         if isinstance(value, Function):
             places = tuple(self._place(place) for place in value.of)
             return Function(places, _Shifted(value.value, self.at) if self.at else value.value)
-        if isinstance(value, tuple):
-            return tuple(self._renamed(key, each) for each in value)
         if isinstance(value, str) and key in _NAMES:
             return _NAMES[key](self, value)
         return self.renamed(value) if isinstance(value, _RECORDS) else value

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -320,6 +320,18 @@ def unit_of(output: Output) -> tuple[str, float]:
     return ("deg", math.degrees(1)) if isinstance(output.of, Angle) else ("mm", 1.0)
 
 
+def places_of(of: Angle | Along | Path | Function) -> tuple[Place, ...]:
+    """The places that a measure sees."""
+    return (of.of,) if isinstance(of, Path) else of.of if isinstance(of, Function) else ()
+
+
+def placed(of: Angle | Along | Path | Function, at: Callable[[Place], Place]) -> Angle | Along | Path | Function:
+    """The same measure of other places."""
+    if isinstance(of, Function):
+        return replace(of, of=tuple(at(place) for place in of.of))
+    return Path(at(of.of)) if isinstance(of, Path) else of
+
+
 Named = Body | Joint | Drive | Force | Torque | Spring | TorsionSpring | Resistance | Effort | Output
 N = TypeVar("N", bound=Named)
 
@@ -350,6 +362,11 @@ def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
         case Effort(of=Function() as of) | Output(of=Function() as of):
             return tuple(place.body for place in of.of)
     return ()
+
+
+def centres_of(joint: Joint) -> tuple[Place, ...]:
+    """Places of a joint that are centres of a hole or a pin."""
+    return (joint.a, joint.b) if isinstance(joint, Pin) else (joint.runner,) if isinstance(joint, Slot) else ()
 
 
 def slide_of(each: Joint | Drive | Load | Output) -> str | None:
@@ -388,8 +405,7 @@ class Machine:
         loads = [load for load in self.loads if not isinstance(load, Gravity)]
         for named in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
             names = [each.name for each in named]
-            twice = {name for name in names if names.count(name) > 1}
-            if twice:
+            if twice := {name for name in names if names.count(name) > 1}:
                 raise ValueError(f"named twice: {', '.join(sorted(twice))}")
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
         for each in (*self.joints, *self.drives, *loads, *self.outputs):

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -43,11 +43,13 @@ STRAY = 0.05
 
 @dataclass(frozen=True)
 class Vectors:
-    """A sum of vectors: signed origins of bodies, levers by group, lengths along ways that turn with a group; of a loop 0."""
+    """A sum of vectors: signed origins of bodies, levers by group, lengths along ways that turn with a group, and what
+    stands still; of a loop 0."""
 
-    roots: tuple[tuple[int, str], ...]
-    levers: dict[str, complex]
-    ways: tuple[tuple[str, str, complex], ...]  # slide, group, unit vector in the group's axes
+    roots: tuple[tuple[int, str], ...] = ()
+    levers: dict[str, complex] = field(default_factory=dict)
+    ways: tuple[tuple[str, str, complex], ...] = ()  # slide, group, unit vector in the group's axes
+    still: complex = 0j
 
 
 @dataclass(frozen=True)
@@ -370,23 +372,6 @@ class Block:
         for row in rows:
             row[:, open_ | ~found] = np.nan
         return rows
-
-
-def relation_jet(relation: Relation, parts: Sequence[tuple[float, Jet]], argument: Jet | None, order: int) -> Jet:
-    """The known part of a relation: constant + shares of known unknowns - law of a known argument, with derivatives."""
-    rows: Jet = [relation.constant, 0, 0][: order + 1]
-    for share, jet in parts:
-        rows = [plus(row, times(share, value)) for row, value in zip(rows, jet, strict=False)]
-    if relation.law is not None and argument is not None:
-        angle = np.asarray(argument[0] + relation.shift)
-        inner = [relation.law(angle, k) for k in range(order + 1)]
-        rows[0] = rows[0] - inner[0]
-        if order > 0:
-            rows[1] = plus(rows[1], times(-inner[1], argument[1]))
-        if order > 1:
-            curve = plus(times(inner[2], times(argument[1], argument[1])), times(inner[1], argument[2]))
-            rows[2] = plus(rows[2], times(-1.0, curve))
-    return rows
 
 
 def solved(matrices: Floats, right: Floats) -> Floats:

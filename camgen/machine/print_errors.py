@@ -1,11 +1,13 @@
 """What errors of making do to a machine's outputs, to first order: modes, each an error of unit size somewhere in a part.
 
     cam       its outline is off along its normal by o + e . n + waves of order 2 to 4 round the bore; the tip by its radius; mm
-    centre    the centre of a hole or pin of a Pin, Slot or Slide is off by so much along x or y of its body, mm
+    centre    the centre of a hole or pin of a Pin, Slot or Slide, or of a pen's hole, is off by so much along x or y of its
+              body, mm
 
 With conditions c(q) = 0 of all joints and their slopes A, an error that shifts them by r moves the bodies by -A^-1 r. What that,
 or an outline that stands out, opens or closes at a cam's first contact the follower takes up by its s: the way of the contact
-along its normal for a unit of s is the lever. What is then left at the second contact is play.
+along its normal for a unit of s is the lever. What is then left at the second contact is play. Where an output's place is a hole
+that is off, the output goes with it.
 """
 
 from __future__ import annotations
@@ -17,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from camgen.machine.constraints import Constraints, solved
-from camgen.machine.model import Cam, Pin, Slide, Slot
+from camgen.machine.model import Cam, Machine, Pin, Place, Slide, Slot, centres_of
 from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
+from camgen.tolerances import SAME_POINT
 
 _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
 WAVES = (2, 3, 4)  # orders of the form error; the first is a bore off its centre
@@ -90,10 +93,17 @@ class _Contact:
     outline: Floats
 
 
+def hole_at(machine: Machine, place: Place, holes: Mapping[str, Place]) -> str | None:
+    """Where the modes of the hole or pin that is at a place are, of its first joint; None where nothing is made there."""
+    made = [(f"{joint.name}, {side.body}", side) for joint in machine.joints for side in centres_of(joint)] + [*holes.items()]
+    return next((where for where, at in made if at.body == place.body and abs(at.at - place.at) < SAME_POINT), None)
+
+
 def sensitivities(
-    run: Run, outputs: Sequence[str], sizes: Sizes, exact: Collection[str] = ()
+    run: Run, outputs: Sequence[str], sizes: Sizes, exact: Collection[str] = (), holes: Mapping[str, Place] | None = None
 ) -> tuple[list[Mode], dict[str, Sensitivity]]:
-    """All modes of a machine at the run's angles, and what they do to each output; exact: cams whose tip is no print."""
+    """All modes of a machine at the run's angles, and what they do to each output; exact: cams whose tip is no print; holes:
+    what is made beside the joints, such as a pen's, by where its modes are."""
     machine, theta = run.machine, run.theta
     system, q = Constraints(machine), run.poses()
     slopes = system.evaluate(q, theta)[1]
@@ -117,6 +127,11 @@ def sensitivities(
                     modes.append(Mode(f"{joint.name}, {body}", "centre", sizes.place, along))
                     stands.append(np.zeros((len(contacts), len(q))))
                     shifts.append(shift)
+    for where in holes or ():
+        for axis in (1 + 0j, 1j):
+            modes.append(Mode(where, "centre", sizes.place, axis))
+            stands.append(np.zeros((len(contacts), len(q))))
+            shifts.append(np.zeros((len(q), system.height)))
     gives = -solved(slopes, np.stack(shifts, axis=2), system.holds)  # (n, 3 bodies, modes), the cams' s held
     units = np.zeros((len(q), system.height, len(cams)))
     for c, cam in enumerate(cams):
@@ -142,6 +157,10 @@ def sensitivities(
                 one, two = np.abs(levers[:, first[c], c]), np.abs(levers[:, k, c])
                 held[contact.cam.name] = (open_[:, k] * (steep[:, c] / two)[:, None]).T, (1 / one + 1 / two) * steep[:, c]
         moved: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
+        for place, x, y in system.by_place(name, q):
+            hole = hole_at(machine, place, holes or {})
+            for k in (k for k, mode in enumerate(modes) if (mode.where, mode.kind) == (hole, "centre")):
+                moved[k] += x if modes[k].along == 1 else y
         found[name] = Sensitivity(moved, {j.name: reach[j.name] for j in machine.joints if j.clearance > 0}, held)
     return modes, found
 

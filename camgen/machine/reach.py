@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from camgen.errors import DesignError, listed
 from camgen.machine.closed_form import four_bar
-from camgen.machine.loops import Chain, Direct, Step, chain_of
+from camgen.machine.loops import Chain, chain_of
 from camgen.machine.model import GROUND, Machine, Pin
 from camgen.machine.newton import Block
+from camgen.machine.state import Direct, Step
 from camgen.numerics import Floats, roots
 
 # Angles a turn that are looked at first.
@@ -74,21 +75,38 @@ def reach(machine: Machine) -> Reach:
     return Reach(low, high, False, (below, above))
 
 
-def refuse_partial(machine: Machine) -> None:
-    """Raise DesignError where the machine cannot turn fully: the range that it can have, and the joints that end it."""
+def refuse_partial(machine: Machine, least: float = 0.0) -> None:
+    """Raise DesignError where the machine cannot turn fully: the range that it can have with a transmission angle of at least
+    so many degrees, and the joints that end it."""
     found = reach(machine)
     if found.full:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)
     names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    spare, driven = min(1.0, (high - low) / 10), machine.drives[0].body
+    driven, (begin, end, short) = machine.drives[0].body, _steep(machine, found, least)
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
         "range of the drive", high - low, 360, "deg", f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, drive.range_deg = [{low + spare:.4g}, {high - spare:.4g}], or change the lengths of its links"
+        f"let it go to and fro, drive.range_deg = [{begin:.4g}, {end:.4g}]{short}, or change the lengths of its links"
         + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
     )  # fmt: skip
+
+
+def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, str]:
+    """The range about the drawn position, deg, a degree within what closes and with the least transmission angle, deg; of a
+    machine that has it not even as drawn the whole, and a word on that."""
+    spare = min(math.radians(1.0), (found.high - found.low) / 10)
+    low, high = found.low + spare, found.high - spare
+    theta = np.linspace(low, high, LOOKED + 1)
+    weak = theta[np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least]
+    if not weak.size:
+        return math.degrees(low), math.degrees(high), ""
+    begin, end = max(weak[weak <= 0], default=low), min(weak[weak >= 0], default=high)
+    begin, end = (math.ceil(10 * math.degrees(begin)) + 1) / 10, (math.floor(10 * math.degrees(end)) - 1) / 10
+    if begin < end and (begin <= 0 <= end):
+        return begin, end, f" (with a transmission angle of {least:g} deg)"
+    return math.degrees(low), math.degrees(high), f" (the transmission angle is below {least:g} deg as drawn)"
 
 
 def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
@@ -184,7 +202,7 @@ def determinant(chain: Chain, number: int, theta: Floats) -> Floats:
     state = chain.state(theta, 0, number + 1)
     with np.errstate(all="ignore"):
         known = chain.state(theta, 0, number).known(block)
-        rows = [np.angle(state.angles[name][0]) for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        rows = [state.direction(name) for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
         if isinstance(step, Block) and block.relations:  # laws of angles want them continuous
             rows[: len(block.angles)] = [state.angle(name)[0] for name in block.angles]
         return block.determinant(np.array(rows), known)
@@ -253,7 +271,7 @@ def _closes(chain: Chain, number: int, step: Step) -> Callable[[Floats], NDArray
 
     def closes(theta: Floats) -> NDArray[np.bool_]:
         state = chain.state(theta, 0, number + 1)
-        rows = [state.angles[name][0] for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        rows = [state.spins[name][0] for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
         finite: NDArray[np.bool_] = np.isfinite(np.array(rows)).all(axis=0)
         return finite
 

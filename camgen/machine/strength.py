@@ -89,12 +89,6 @@ def sliding(force: Any, turning: Any, diameter: float, length: float, friction: 
     return Sliding(np.asarray(load / (diameter * length)), np.asarray(speed), np.asarray(friction * load * speed))
 
 
-def rubbing(force: Any, speed: Any, area: float, friction: float) -> Sliding:
-    """A flat guide: force N, sliding speed m/s, (n,) each, on an area, mm^2."""
-    load = np.abs(force)
-    return Sliding(np.asarray(load / area), np.asarray(np.abs(speed)), np.asarray(friction * load * np.abs(speed)))
-
-
 def cubic_mean(force: Any, turning: Any) -> float:
     """Equivalent load of a ball bearing whose load and speed change: cubic mean over the turning, N."""
     share = np.abs(turning)

@@ -15,8 +15,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from camgen.geometry.outlines import Arc, Contour
-from camgen.machine.features import Mount, PartPose, PinEyes
-from camgen.parts.part import Part
+from camgen.machine.features import Mount, PartPose, PinEyes, heights
+from camgen.parts.part import Layer, Part
 from camgen.study import Table
 from camgen.tolerances import SAME_POINT
 
@@ -27,7 +27,7 @@ COLUMNS = ("step", "part", "what", "where", "count", "underside at z, mm", "lies
 
 
 @dataclass(frozen=True)
-class _Round:
+class Round:
     """A hole or a round outline in the assembly: axis, heights, diameter, mm; of the part's point there its name."""
 
     at: complex
@@ -36,6 +36,23 @@ class _Round:
     diameter: float
     name: str
 
+    def in_line(self, other: Round) -> bool:
+        """Whether both have one axis."""
+        return abs(self.at - other.at) < _ONE_AXIS
+
+    def holds(self, outline: Round) -> bool:
+        """Whether a round outline goes through this hole."""
+        common = min(self.high, outline.high) - max(self.low, outline.low)
+        return self.in_line(outline) and common > SAME_POINT and abs(self.diameter - outline.diameter) < _LOOSE
+
+
+def standing(part: Part, pose: PartPose, layer: Layer, at: complex, radius: float) -> Round:
+    """A circle of a part's layer, its centre and radius in the part's frame, mm, where a copy stands."""
+    own = -at.conjugate() if pose.flipped else at
+    place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * own
+    name = next((name for name, point in part.points if abs(point - at) < SAME_POINT), "")
+    return Round(place, *heights(pose, part.thickness, layer.z0, layer.z1), 2 * radius, name)
+
 
 @dataclass(frozen=True)
 class _Laid:
@@ -43,8 +60,8 @@ class _Laid:
 
     part: Part
     low: float
-    holes: Sequence[_Round]
-    outlines: Sequence[_Round]
+    holes: Sequence[Round]
+    outlines: Sequence[Round]
 
     @property
     def slender(self) -> bool:
@@ -91,56 +108,38 @@ def _held(part: Part) -> str:
 def _where(copy: _Laid, below: Sequence[_Laid]) -> str:
     """Where a copy goes, by what lies there before it; "" where nothing says."""
     if not copy.holes:  # a pin or a shaft, from above
-        held = [(hole, other) for other in reversed(below) for hole in other.holes if any(_on(hole, o) for o in copy.outlines)]
+        held = [(hole, other) for other in reversed(below) for hole in other.holes if any(map(hole.holds, copy.outlines))]
         point = next((f"{hole.name} of " for hole, _ in held if hole.name), "")
         names = list(dict.fromkeys(other.part.name for _, other in held))
         return f"through {point}{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}" if names else ""
     said = []
     for hole in copy.holes:
-        shaft = next((other for other in below if any(_on(hole, outline) for outline in other.outlines)), None)
+        shaft = next((other for other in below if any(map(hole.holds, other.outlines))), None)
         own = f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
         if shaft is not None:
             far = f", underside {hole.low - shaft.low:.4g} mm from its lower end" if shaft.slender else ""
             said.append(f"{own}on {shaft.part.name}{far}")
             continue
-        under = [(each.high, other.part.name, each.name) for other in below for each in other.holes if _one_axis(each, hole)]
+        under = [(each.high, other.part.name, each.name) for other in below for each in other.holes if hole.in_line(each)]
         if under:
             _, name, point = max(under)
             said.append(f"{own}over {f'{point} of ' if point and point != hole.name else ''}{name}")
     return ", ".join(dict.fromkeys(said))
 
 
-def _one_axis(one: _Round, other: _Round) -> bool:
-    return abs(one.at - other.at) < _ONE_AXIS
-
-
-def _on(hole: _Round, outline: _Round) -> bool:
-    """Whether a hole goes on a round outline."""
-    common = min(hole.high, outline.high) - max(hole.low, outline.low)
-    return _one_axis(hole, outline) and common > SAME_POINT and abs(hole.diameter - outline.diameter) < _LOOSE
-
-
 def _laid(part: Part, pose: PartPose) -> _Laid:
     """A copy's round things where it stands; of holes one above the other on one axis, the lowest and highest end."""
-
-    def stands(contour: Contour, z0: float, z1: float) -> Iterator[_Round]:
-        for at, radius in _disc(contour):
-            low, high = (part.thickness - z1, part.thickness - z0) if pose.flipped else (z0, z1)
-            own = -at.conjugate() if pose.flipped else at
-            place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * own
-            name = next((name for name, point in part.points if abs(point - at) < SAME_POINT), "")
-            yield _Round(place, pose.z + low, pose.z + high, 2 * radius, name)
-
-    outlines = [each for layer in part.layers for each in stands(layer.region.outer, layer.z0, layer.z1)]
-    holes: list[_Round] = []
-    for each in (each for layer in part.layers for hole in layer.region.holes for each in stands(hole, layer.z0, layer.z1)):
-        same = next((k for k, other in enumerate(holes) if _one_axis(each, other)), None)
+    outlines = [standing(part, pose, layer, *disc) for layer in part.layers for disc in _disc(layer.region.outer)]
+    holes: list[Round] = []
+    bored = ((layer, disc) for layer in part.layers for hole in layer.region.holes for disc in _disc(hole))
+    for each in (standing(part, pose, layer, *disc) for layer, disc in bored):
+        same = next((k for k, other in enumerate(holes) if each.in_line(other)), None)
         if same is None:
             holes.append(each)
         else:
             other = holes[same]
             narrow = min(each.diameter, other.diameter)
-            holes[same] = _Round(each.at, min(each.low, other.low), max(each.high, other.high), narrow, each.name)
+            holes[same] = Round(each.at, min(each.low, other.low), max(each.high, other.high), narrow, each.name)
     return _Laid(part, pose.z, holes, outlines)
 
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import cmath
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -32,29 +32,21 @@ from camgen.machines.linkage.sizes import HOOK_ROOM, Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.troughs import open_rails
+from camgen.machines.linkage.wheels import Ridden
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.part import Part
-from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
+from camgen.parts.springs import EYE, ExtensionSpring, extension_spring, pulling
 from camgen.spec import Print
+
+if TYPE_CHECKING:
+    from camgen.machines.indexing_cam.standing_driver import StandingDriver
 
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)
 _LEAST = 1.0  # N, that a spring pulls with at least: guides rub
 _OVER = 1.5  # of what keeps contact
 _STRETCHED = (0.4, 0.3, 0.5, 0.2, 0.6, 0.1)  # of a spring's length, where it is shortest
 _AIR = 1.0  # mm, between cam and post
-_EYE = 1.1  # of a spring, to its pin
 _BACK = 3.0  # radii of a hub, from an edge or face to the pin of the spring
-
-
-@dataclass(frozen=True)
-class Tip:
-    """What of the follower touches, as [[cam]] of a linkage has it."""
-
-    shape: str
-    radius: float | None
-    closure: str
-    at: str = "tip"
-    tip_clearance: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -83,53 +75,19 @@ def _made(layout: Layout, run: Run) -> Bodies:
         raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
 
 
-class Beneath(Protocol):
-    """What hangs under the plate and drives what stands on it, as parts of its own."""
-
-    @property
-    def parts(self) -> Sequence[Part]:
-        """All of them."""
-
-    @property
-    def mounts(self) -> Sequence[Mount]:
-        """All copies on their bodies."""
-
-    @property
-    def feet(self) -> Sequence[complex]:
-        """Where it is screwed to the plate, mm."""
-
-    def features(self) -> Iterable[Feature]:
-        """Of its joints."""
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """Its motor."""
-
-    def bought(self) -> Sequence[Bought]:
-        """Drive and screws."""
-
-    def above(self, machine: Machine) -> Machine:
-        """The machine without it."""
-
-    def joined(self, machine: Machine) -> Machine:
-        """That one with it, as it is made."""
-
-    def upper(self, sizes: Parts) -> Parts:
-        """Sizes of what stands on the plate."""
-
-
 @dataclass(frozen=True, eq=False)
 class Bench:
     """The machine of `cams.machine` as one that is made.
 
-    drawn: without a spring; tip: as above; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring that
-    is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they drive,
-    by body; strung: further springs, by name; gravity: what weight pulls with, or nothing; freewheels, marks: as a layout has
-    them; driven: what drives the cam; beneath: what hangs under the plate and drives that.
+    drawn: without a spring; tip: its follower's; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring
+    that is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they
+    drive, by body; strung: further springs, by name; gravity: what weight pulls with, or nothing; freewheels, marks: as a
+    layout has them; driven: what drives the cam; beneath: what hangs under the plate and drives that.
     """
 
     drawn: Machine
     cam: DiscCam[Any]
-    tip: Tip
+    tip: Ridden
     sizes: Parts
     fits: Print
     min_wall: float
@@ -143,7 +101,7 @@ class Bench:
     freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
     marks: Mapping[str, complex] = field(default_factory=dict)
     driven: str = "cam"
-    beneath: Beneath | None = None
+    beneath: StandingDriver | None = None
 
     @cached_property
     def machine(self) -> Machine:
@@ -379,7 +337,7 @@ class Bench:
         """The return spring; None where the closure needs none. DesignError where there is none such."""
         if self.tip.closure != "force":
             return None
-        eye, hook = _EYE * self.sizes.pin_diameter, self.sizes.hook
+        eye, hook = EYE * self.sizes.pin_diameter, self.sizes.hook
         shortest, longest = self.way
         length, lever = self._lengths[0], self._lever
         first, last = lever[np.argmin(length)], lever[np.argmax(length)]

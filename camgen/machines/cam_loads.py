@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +12,13 @@ from camgen.errors import Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.machines.disc_cam.tables import LoadTable, SpringTable
-from camgen.motion.polydyne import NEEDED, rough
-from camgen.motion.program import Program
 from camgen.study import Plot, Study
+
+if TYPE_CHECKING:
+    from camgen.machines.disc_cam.tables import LoadTable, SpringTable
+    from camgen.motion.program import Program
+
+_JUMPS = "its speed jumps, which no spring bears: use a law that ends smoothly"
 
 
 def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool) -> list[Fault]:
@@ -38,6 +42,8 @@ def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool
 
 def polydyne_faults(load: LoadTable, wanted: Program) -> list[Fault]:
     """What a correction for the follower's elasticity lacks."""
+    from camgen.motion.polydyne import NEEDED, rough
+
     found = []
     if load.stiffness is None:
         found.append(Fault("load.stiffness", "", "missing: load.polydyne corrects for it"))
@@ -63,19 +69,20 @@ def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad 
     """Both tables as the model takes them; None without [load]."""
     if load is None:
         return None
-    spring = spring or SpringTable()
-    return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, spring.rate, spring.preload, load.resistance)
+    rate, preload = (spring.rate, spring.preload) if spring else (0.0, 0.0)
+    return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, rate, preload, load.resistance)
 
 
-def lift_off(found: Loaded, load: FollowerLoad, slides: bool) -> Finding:
-    """LIFT_OFF, with the spring that would keep the follower on."""
+def lift_off(
+    found: Loaded, load: FollowerLoad, slides: bool, jumps: str = _JUMPS, lower: str = "less mass, speed or a longer span"
+) -> Finding:
+    """LIFT_OFF, with the spring that would keep the follower on; jumps: what is said where its speed does; lower: what lowers
+    that spring."""
     preload, rate = found.spring_needed(load)
     units = ("N", "N/mm") if slides else ("N m", "N m/rad")
     stiffer = f" or a spring.rate of {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
-    return found.keeps_contact(
-        "its speed jumps, which no spring bears: use a law that ends smoothly" if found.kick else
-        f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; less mass, speed or a longer span lowers that"
-    )  # fmt: skip
+    kept = f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
+    return found.keeps_contact(jumps if found.kick else kept)
 
 
 def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool) -> Study:
@@ -86,8 +93,8 @@ def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, w
         "peak_contact_force_n": _peak(found.force),
         "peak_torque_n_m": _peak(found.torque),
         "peak_power_w": float(np.nanmax(power)),
-        **{f"peak_reaction_{name}_n": _peak(reaction) for name, reaction in forces.reactions.items()},
-        **{f"peak_reaction_{name}_n": _peak(normal) for name, normal in forces.normals.items()},
+        **{f"reaction_{name}_without_friction_n": _peak(reaction) for name, reaction in forces.reactions.items()},
+        **{f"reaction_{name}_without_friction_n": _peak(normal) for name, normal in forces.normals.items()},
     }
     # of a round tip the force passes the tip, where the mass is: what is left is rounding
     moments = {f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()}

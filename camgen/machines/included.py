@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
@@ -29,7 +30,7 @@ from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
-from camgen.study import Sketch, Study
+from camgen.study import Later, Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -184,17 +185,19 @@ class Included:
         found, prefix = self.mechanism.study(), self.module.prefix
         return Study(
             {self.module.name(name): value for name, value in found.numbers.items()},
-            [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots],
-            [replace(table, title=f"{prefix}: {table.title}") for table in found.tables],
-            [self._sketch(sketch) for sketch in found.sketches],
+            Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots]),
+            Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]),
+            Later(lambda: [self.sketch(sketch) for sketch in found.sketches]),
             [*self._told(), *self._fastened(), *(f"{prefix}: {note}" for note in found.notes)],
         )
 
-    def _sketch(self, sketch: Sketch) -> Sketch:
+    def sketch(self, sketch: Sketch) -> Sketch:
+        """One of its own where it stands."""
         shift, (name, body) = self.module.at if sketch.body == GROUND else 0j, (sketch.name, sketch.body)
         strokes, circles = [z + shift for z in sketch.strokes], [(z + shift, r) for z, r in sketch.circles]
+        z = None if sketch.z is None else sketch.z + self.module.z
         course = None if sketch.course is None else partial(_ahead, sketch.course, self.module)
-        return Sketch(self.module.part(name), strokes, circles, self.module.body(body), course)
+        return Sketch(self.module.part(name), strokes, circles, self.module.body(body), course, z)
 
     def _fastened(self) -> list[str]:
         """What a builder joins: a body that rides has no hole or post of its own for it."""
@@ -403,7 +406,7 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
     return found
 
 
-def opened(data: specs.Data, folder: Path) -> specs.Data:
+def opened(data: reading.Data, folder: Path) -> reading.Data:
     """Copy of a spec's tables in which the path of each included spec, seen from the folder, is replaced by its tables.
 
     SpecError where the path is not a relative one; FileError where it cannot be read.
@@ -419,7 +422,7 @@ def opened(data: specs.Data, folder: Path) -> specs.Data:
                 right = 'a relative path with "/", so that the folder can be moved'
                 raise SpecError([Fault(f"include.{k}.spec", path, right)])
             file = folder / path
-            each = {**each, "spec": with_tables(specs.read(file), file.parent), "source": path}
+            each = {**each, "spec": with_tables(reading.read(file), file.parent), "source": path}
         found.append(each)
     return {**data, "include": found}
 

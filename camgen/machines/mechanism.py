@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import getitem
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,10 +38,13 @@ from camgen.machine.features import (
     PartPose,
     StandIn,
     Strand,
+    heights,
 )
+from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
 from camgen.machines.assembly import order
+from camgen.machines.free_play import of_pins
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.pins import stronger
@@ -50,11 +53,13 @@ from camgen.machines.loads.tables import Bears, Drives, Weight
 from camgen.machines.loads.weights import weighed
 from camgen.parts.catalogue import DENSITY, Bearing, Bought
 from camgen.parts.part import Part
-from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
-from camgen.parts.springs import Mounted, wound
 from camgen.spec import Spec, validate
-from camgen.study import Study, Table
+from camgen.study import Sketch, Study, Table
+
+if TYPE_CHECKING:
+    from camgen.parts.set_screws import SetScrewHub
+    from camgen.parts.springs import Mounted
 
 
 class Mechanism(Spec, ABC):
@@ -159,7 +164,7 @@ class Mechanism(Spec, ABC):
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
-        return self.limits()
+        return [*self.limits(), *of_pins(self)]
 
     def proven(self) -> Self:
         """Itself, whose limits all hold; DesignError with the first that fails."""
@@ -225,7 +230,11 @@ class Mechanism(Spec, ABC):
     @property
     def return_spring(self) -> Mounted | None:
         """The spring that holds a follower on its cam: one that is a part, or one to be wound that does what the spec asks."""
-        return None if self.spring_asked is None else wound(*self.spring_asked)
+        if self.spring_asked is None:
+            return None
+        from camgen.parts.springs import wound
+
+        return wound(*self.spring_asked)
 
     @property
     def spring_asked(self) -> tuple[float, float, float] | None:
@@ -313,8 +322,7 @@ class Mechanism(Spec, ABC):
         mount = [mount for mount in self.mounts() if mount.part == cam.part][cam.copy]
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         layer = part.layers[part.cut]
-        low, high = (part.thickness - layer.z1, part.thickness - layer.z0) if mount.flipped else (layer.z0, layer.z1)
-        disc = (tip.at, tip.diameter / 2, mount.z + low, mount.z + high)
+        disc = (tip.at, tip.diameter / 2, *heights(mount, part.thickness, layer.z0, layer.z1))
         return StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
 
     def moved(self) -> Moved:
@@ -337,7 +345,15 @@ class Mechanism(Spec, ABC):
 
     def steps(self) -> Table:
         """In which order it goes together, and where: unless a machine says more, by height."""
-        return order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features())
+        return self.sprung_steps(order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features()))
+
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """Steps of assembly with those of its springs; module: how it stands in the machine whose steps they are."""
+        return table
+
+    def spring_sketches(self) -> Sequence[Sketch]:
+        """Its springs as the report draws them in motion."""
+        return ()
 
     def idle(self) -> Sequence[str]:
         """Keys that were set and say nothing of this machine, dotted."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from camgen.geometry.outlines import Arc, Contour, Line, Region
-from camgen.machine.features import Eye, Faces, Feature, Mount
+from camgen.machine.features import Eye, Faces, Feature, Mount, mapped
 from camgen.machines.linkage.joined import Merged
 from camgen.machines.linkage.plates import SECOND
 from camgen.machines.mechanism import Mechanism
@@ -59,14 +59,12 @@ class Merging:
         """The same on the host's plate and shaft; named: what the left-out parts are called in the whole, by their own names."""
         plate, shaft = named[self.frame], named[_SHAFT]
 
-        def moved(value: Any) -> Any:
-            if isinstance(value, tuple):
-                return tuple(map(moved, value))
+        def moved(_: str, value: Any) -> Any:
             if isinstance(value, Eye | Faces) and value.part == plate:
                 return replace(value, part=SECOND, at=value.at + self.shift)
             return replace(value, part=self.shaft) if isinstance(value, Eye) and value.part == shaft else value
 
-        return replace(feature, **{each.name: moved(getattr(feature, each.name)) for each in fields(feature)})
+        return mapped(feature, moved)
 
 
 def _keyed(hole: Contour) -> bool:

@@ -12,10 +12,12 @@ from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
+from camgen.machine.joining import Module
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.spring_steps import with_springs
+from camgen.machines.linkage.spring_sketches import sketches
+from camgen.machines.linkage.spring_steps import finished
 from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
@@ -26,7 +28,7 @@ from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import Mounted
 from camgen.parts.stiffness import bending_stiffness
-from camgen.study import Table
+from camgen.study import Sketch, Table
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
@@ -202,13 +204,16 @@ class StandingCams(Mechanism):
         """By keys of [bodies] of a machine."""
         return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
 
-    def steps(self) -> Table:
-        """By height, springs before the heads of their pins."""
-        table = super().steps()
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """With the bench's springs."""
         if not self.standing:
             return table
         titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
-        return with_springs(table, self.bench.bodies.layout, self.mounts(), titles)
+        return finished(table, self.bench.bodies, self.mounts(), titles, module)
+
+    def spring_sketches(self) -> Sequence[Sketch]:
+        """Those of the bench."""
+        return sketches(self.bench.bodies.layout, self.courses) if self.standing else ()
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from camgen.motion.laws import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial, reversed_law
-from camgen.numerics import product, solve
+from camgen.numerics import distinct, product, solve
 from camgen.tolerances import LAW_CLOSES
 
 
@@ -84,10 +84,10 @@ class Program:
         back = [Segment(s.kind, s.span, s.end, -s.scale, reversed_law(s.law)) for s in reversed(self.segments)]
         return Program(tuple(back), -self.begin)
 
-    def jumps(self, order: int) -> Floats:
+    def jumps(self, order: int) -> list[float]:
         """Step of the derivative of this order at each joint, the first joint first, (n,)."""
-        before, after = (np.array([s.reached(order)[end] for s in self.segments]) for end in (1, 0))
-        return np.asarray(after - np.roll(before, 1))
+        ends = [s.reached(order) for s in self.segments]
+        return [after - before for (_, before), (after, _) in zip((ends[-1], *ends), ends, strict=False)]
 
     def peak(self, order: int) -> float:
         """Largest size of the derivative of order 1..3, unit of s per rad^order; inf where a lower one jumps."""
@@ -99,13 +99,13 @@ class Program:
     def breaks(self) -> Floats:
         """Cam angles, growing, where a derivative of order 0..3 may jump: joints and the breaks inside laws, (m,) rad."""
         inner = [b + s.span * np.array(s.law.breaks) for b, s in zip(self.joints, self.segments, strict=False) if s.scale]
-        return np.unique(np.concatenate((self.joints, *inner)))
+        return distinct(self.joints, *inner)
 
     @cached_property
     def corners(self) -> Floats:
         """The breaks between which the motion is one smooth curve: joints, and those inside laws that are not smooth, (m,)."""
         laws = [(b, s) for b, s in zip(self.joints, self.segments, strict=False) if s.scale and not s.law.smooth]
-        return np.unique(np.concatenate((self.joints, *(b + s.span * np.array(s.law.breaks) for b, s in laws))))
+        return distinct(self.joints, *(b + s.span * np.array(s.law.breaks) for b, s in laws))
 
     def knots(self, a: float, b: float) -> Floats:
         """The breaks inside a smooth stretch from a to b, where only the third derivative jumps, (k,) rad."""
@@ -122,13 +122,12 @@ class Program:
     def _jumps(self, order: int) -> Sequence[Jump]:
         """Those of one order, looked for once."""
         if order not in self._found:
-            starts = self.joints
+            starts: list[float] = self.joints.tolist()
             slack = LAW_CLOSES * max(_size(s, order) for s in self.segments)
-            jumps = [(float(theta), float(size)) for theta, size in zip(starts, self.jumps(order), strict=False)]
+            jumps = list(zip(starts, self.jumps(order), strict=False))
             for begin, s in zip(starts, self.segments, strict=False):
-                u = np.array(s.law.breaks)
-                steps = s.scale / s.span**order * s.law.steps[order]
-                jumps += [(float(theta), float(size)) for theta, size in zip(begin + u * s.span, steps, strict=True)]
+                rate = s.scale / s.span**order
+                jumps += [(begin + u * s.span, rate * step) for u, step in zip(s.law.breaks, s.law.steps[order], strict=True)]
             self._found[order] = [Jump(order, theta, size) for theta, size in jumps if abs(size) > slack]
         return self._found[order]
 

@@ -27,7 +27,7 @@ from camgen.errors import Fault, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
-from camgen.numerics import Floats
+from camgen.numerics import Floats, distinct
 from camgen.spec import Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
@@ -97,6 +97,8 @@ class SegmentTable(Record):
 def law_of(choice: str | LawChoice) -> Law:
     """The law that a spec names; SpecError with paths below the law's where there is none."""
     chosen = LawChoice(name=choice) if isinstance(choice, str) else choice
+    if chosen.name in LAWS and chosen.model_fields_set == {"name"}:
+        return LAWS[chosen.name]
     name, given = chosen.name, chosen.parameters
     if name not in LAWS and name not in FAMILIES:
         raise SpecError([unknown("name" if given else "", name, NAMES)])
@@ -213,7 +215,9 @@ def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
 
 def turning_rows(choice: LawChoice) -> list[Fault]:
     """The rows of a law's table at which it turns back; paths below the law's."""
-    s = np.array([row[1] for row in choice.points or ()])
+    if choice.points is None:
+        return []
+    s = np.array([row[1] for row in choice.points])
     wrong = np.flatnonzero(np.diff(s) * (s[-1:] - s[:1]) < 0) + 1
     way = "rises" if len(s) and s[-1] > s[0] else "falls"
     return [Fault(f"points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}") for k in wrong]
@@ -246,7 +250,7 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
 @lru_cache(maxsize=256)
 def _against(law: Law, forwards: bool) -> Floats:
     """Places at which a law runs against the sense that it should have, (n,)."""
-    u = np.union1d(np.linspace(0, 1, 2001), law.breaks)
+    u = distinct(np.linspace(0, 1, 2001), law.breaks)
     return np.asarray(u[law(u, 1) * (1 if forwards else -1) < -LAW_CLOSES * max(1.0, law.c_v)])
 
 

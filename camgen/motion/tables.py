@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from camgen.errors import Fault, FileError, SpecError
-from camgen.spec import Data, read_bytes
+from camgen.reading import Data, read_bytes
 
 _MOST_BYTES = 50_000_000
 _ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}
@@ -79,7 +79,7 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
 
     SpecError for other units.
     """
-    heading, points = read_table(path)
+    heading, points = read_table(path, "theta and force or torque")
     every = dict.fromkeys(_OTHERS) | _ANGLES | _FORCES | _TORQUES
     names = [unit_in(cell, every) for cell in heading] if len(heading) == 2 else ["", ""]
     faults, scales = [], [1.0, 1.0]

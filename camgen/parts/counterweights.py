@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, circle
+from camgen.numerics import halved
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer, Part, rod
 
 NAME = "counterweight"
 _LEAST = 1.0  # mm, by which a sector stands out of its hub: a lighter one is narrower instead
-_HALVINGS = 80
 
 
 @dataclass(frozen=True)
@@ -61,10 +61,7 @@ class Sector:
 
         while not fits(high):
             high *= 2
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            low, high = (low, middle) if fits(middle) else (middle, high)
-        return high
+        return halved(fits, low, high)
 
     def moment(self, rim: float) -> float:
         """Of the sector without its hub, pins in it, about the shaft, g mm."""
@@ -85,10 +82,7 @@ class Sector:
         high = 2 * low
         while self.moment(high) < moment:
             high *= 2
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            low, high = (middle, high) if self.moment(middle) < moment else (low, middle)
-        return high
+        return halved(lambda rim: self.moment(rim) >= moment, low, high)
 
 
 def outline(hub: float, rim: float, half: float) -> Contour:

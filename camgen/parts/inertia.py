@@ -8,9 +8,8 @@ import numpy as np
 
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
+from camgen.machine.model import MM
 from camgen.parts.part import Part
-
-MM = 1e-3
 
 
 def inertia_of(part: Part, density: float) -> float:

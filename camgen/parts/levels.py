@@ -20,7 +20,8 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -39,16 +40,16 @@ class Band:
     """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
 
     on: name of its level, where several bands share one; below: how many levels under it are taken too; slim, move: which keys
-    do so, for messages.
+    do so, for messages. Equal, as axes, walls and rules are, to what takes the same levels wherever it lies.
     """
 
     name: str
-    corners: Points
-    radius: float
+    corners: Points = field(compare=False)
+    radius: float = field(compare=False)
     on: str = ""
     below: int = 0
-    slim: str = ""
-    move: str = ""
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
 
     @property
     def level(self) -> str:
@@ -67,13 +68,13 @@ class Axis:
 
     name: str
     links: tuple[str, ...]
-    place: Points
-    radius: float
+    place: Points = field(compare=False)
+    radius: float = field(compare=False)
     ground: bool = False
     over: int = 1
     under: int = 0
-    slim: str = ""
-    move: str = ""
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
     far: bool = False
     low: tuple[str, ...] = ()
     high: tuple[str, ...] = ()
@@ -87,13 +88,13 @@ class Wall:
     """
 
     name: str
-    corners: Points
-    radius: float
+    corners: Points = field(compare=False)
+    radius: float = field(compare=False)
     link: str
     on: str = ""
     over: int = 0
-    slim: str = ""
-    move: str = ""
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
 
 
 Thing = Band | Axis | Wall
@@ -126,9 +127,9 @@ class _Rule:
 
     a: Thing
     b: Thing
-    distance: float
-    needed: float
-    k: int
+    distance: float = field(compare=False)
+    needed: float = field(compare=False)
+    k: int = field(compare=False)
 
 
 def ways(corners: Points) -> Floats:
@@ -188,7 +189,8 @@ def levels(
     if any(axis.far for axis in axes):
         found = integer_program(bands, axes, rules, given, over, strict=True)
     elif not searched:
-        found = search(bands, axes, rules, given, over)
+        soon = search(tuple(bands), tuple(axes), tuple(rules), tuple(given.items()), tuple(over))
+        found = None if soon is None else dict(soon)
     if found is not None or not explain:
         return found
     found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
@@ -275,11 +277,13 @@ def _least(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
     return least
 
 
+@lru_cache(maxsize=8)  # variants of a machine mostly meet in the same places
 def search(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (), nodes: int = _NODES,
-) -> dict[str, int] | None:  # fmt: skip
-    """The best levels that keep all rules, by depth first on ever more levels; None where so many nodes do not find them."""
+    bands: tuple[Band, ...], axes: tuple[Axis, ...], rules: tuple[_Rule, ...], kept: tuple[tuple[str, int], ...],
+    over: tuple[tuple[str, str], ...],
+) -> Mapping[str, int] | None:  # fmt: skip
+    """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them."""
+    given = dict(kept)
     least = _least(bands, axes)
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
@@ -288,7 +292,7 @@ def search(
     pins = {name: [axis for axis in axes if name in axis.links] for name in names}
     level: dict[str, int] = {}
     best: dict[str, int] | None = None
-    cheapest, left = math.inf, nodes
+    cheapest, left = math.inf, _NODES
 
     def sound(name: str) -> bool:
         for rule in touching[name]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats
 from camgen.judge.proof import Proof
-from camgen.machine.model import Output, unit_of
+from camgen.machine.model import Output, Path, unit_of
+from camgen.machines.mechanism import Mechanism
 from camgen.report.words import rounded
 from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG
@@ -89,6 +91,19 @@ class Curves:
             )
             for title in titles
         ]  # fmt: skip
+
+
+def as_designed(mechanism: Mechanism) -> list[Plot]:
+    """Each output that is one number, and its speed, of exact parts: before there are files."""
+    outputs = [output for output in mechanism.model.outputs if not isinstance(output.of, Path)]
+    theta = np.linspace(*mechanism.range, 1441)
+    run = mechanism.solve(theta, 1)
+    found = []
+    for output in outputs:
+        curve = Curves(output, theta, len(outputs) == 1)
+        curve.want(*run.derivatives(output.name))
+        found += [replace(plot, x_label=f"{mechanism.angle_name}, deg") for plot in curve.plots()]
+    return found
 
 
 def _turned(far: float) -> str:

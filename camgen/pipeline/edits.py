@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from camgen import spec as specs
+from camgen import reading
 from camgen.settings import override
 
 
@@ -14,7 +14,7 @@ def edited(text: str, settings: Sequence[str]) -> str:
     import tomlkit
 
     document = tomlkit.parse(text)
-    data: specs.Data = document.unwrap()
+    data: reading.Data = document.unwrap()
     for setting in settings:
         data = override(data, setting)
         holder: Any = document

@@ -10,14 +10,15 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache, partial, reduce
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from camgen import reading
 from camgen import spec as specs
-from camgen.errors import DesignError, Fault, FileError, SpecError
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
 from camgen.files.formats import FORMATS
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
@@ -57,13 +58,13 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
     return changed(*read_tables(spec), overrides)
 
 
-def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
+def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
     assert not isinstance(spec, Mechanism), "has no tables of its own"
     if isinstance(spec, Mapping):
-        data, source, folder = specs.tables(spec), "spec", Path()
+        data, source, folder = reading.tables(spec), "spec", Path()
     else:
-        data, source, folder = specs.read(Path(spec)), str(spec), Path(spec).parent
+        data, source, folder = reading.read(Path(spec)), str(spec), Path(spec).parent
     if "include" in data:
         from camgen.machines.included import opened
 
@@ -71,16 +72,53 @@ def read_tables(spec: Source) -> tuple[specs.Data, str, Path]:
     return data, source, folder
 
 
-def changed(data: specs.Data, source: str, folder: Path, overrides: Sequence[str] = ()) -> Mechanism:
-    """The mechanism of some tables with some keys set anew."""
+def changed(
+    data: reading.Data,
+    source: str,
+    folder: Path,
+    overrides: Sequence[str] = (),
+    like: tuple[reading.Data, specs.Spec] | None = None,
+) -> Mechanism:
+    """The mechanism of some tables with some keys set anew; like: see `validate`."""
     for setting in overrides:
         data = override(data, setting)
     data = with_tables(data, folder)
-    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source)
+    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, like=like)
     if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later
         with suppress(DesignError):
             made.model  # noqa: B018
     return made
+
+
+@dataclass(frozen=True)
+class Template:
+    """Tables of a spec, its source and folder, and settings of all its variants: what a variant leaves alone is read once."""
+
+    data: reading.Data
+    source: str
+    folder: Path
+    settings: Sequence[str] = ()
+
+    @cached_property
+    def _tables(self) -> reading.Data:
+        return reduce(override, self.settings, self.data)
+
+    @cached_property
+    def _like(self) -> tuple[reading.Data, specs.Spec] | None:
+        try:
+            return self._tables, changed(self._tables, self.source, self.folder)
+        except CamgenError:
+            return None
+
+    def variants(self, several: Iterable[Sequence[str]]) -> list[Mechanism | CamgenError]:
+        """The mechanism of each list of settings, or why there is none; those of one kind find together what they need."""
+        made: list[Mechanism | CamgenError] = []
+        for each in several:
+            try:
+                made.append(changed(self._tables, self.source, self.folder, each, self._like))
+            except (DesignError, SpecError) as error:
+                made.append(error)
+        return made
 
 
 def prepare(made: Iterable[object]) -> None:

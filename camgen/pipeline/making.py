@@ -18,7 +18,6 @@ from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
-from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.study import Plate, Table
 
@@ -85,6 +84,8 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
 
     A chamfer against the elephant's foot is made at the part's own underside, which it then lies on.
     """
+    if not meshes:
+        return {}
     from camgen.files.plates import lying_side, side
 
     drawn = mechanism.print.elephant_foot > 0
@@ -113,6 +114,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
             write_part(case.file(name, kind), job)
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
+        from camgen.pipeline.drawings import facts_of
 
         write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
     return None if mesh is None or sent is None else (mesh, sent)
@@ -165,7 +167,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
 
     sides: on which printed parts lie on the bed, where their solids are known.
     """
-    from camgen.files.plates import parts_list
+    from camgen.files.parts_list import parts_list
 
     material = mechanism.material
     density = (material.density or DENSITY[material.name]) * material.infill

@@ -46,10 +46,10 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    for s in mechanism.study().sketches if sketches is None else sketches:
+    for s in (*(mechanism.study().sketches if sketches is None else sketches), *mechanism.spring_sketches()):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
-        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course))
+        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course, s.z))
     if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]

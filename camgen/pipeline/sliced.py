@@ -10,7 +10,7 @@ from __future__ import annotations
 import filecmp
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 from pathlib import Path
@@ -92,7 +92,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     known = _known(case, packages.values())
     laid: dict[str, _Laid] = {}
     findings: list[Finding] = []
-    on_side: list[NotJudged] = []
+    on_side: set[str] = set()
     settings: dict[str, str] = {}
     count = Counter[str]()
     for path in plates:
@@ -109,7 +109,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
             findings += copy.complete(path.name)
             count[name] += 1
             if copy.known.over is None:
-                on_side.append(NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"))
+                on_side.add(name)
                 continue
             _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, path.name)
     for one in laid.values():
@@ -120,7 +120,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     complete, absent = judge_sliced_copies(count, wanted, held, where)
     findings.append(complete)
     progress("letting the parts touch")
-    moved, numbers, more = _moved(case, laid, where)
+    moved, numbers, more = _moved(case, laid, on_side, where)
     columns = ("part", "layers", "height, mm", "meant, mm", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm",
                "spread, mm", "worst, mm", "at height, mm")  # fmt: skip
     tables = [
@@ -130,7 +130,7 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     ]
     return Report(
         mechanism.name, mechanism.mechanism, [*findings, *moved], numbers, tables=[table for table in tables if table.rows],
-        not_judged=tuple(dict.fromkeys([*on_side, *absent, *more])), remarks=_remarks(laid, numbers, settings),
+        not_judged=tuple(dict.fromkeys([*absent, *more])), remarks=_remarks(laid, numbers, settings),
     )  # fmt: skip
 
 
@@ -229,7 +229,22 @@ def _first_layer(copy: Copy) -> tuple[float, float]:
     return float(outside.mean()), float(inside.mean()) if len(inside) else 0.0
 
 
-def _moved(case: Case, laid: Mapping[str, _Laid], where: str) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
+def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]:
+    """Parts that lie on a side, and those without which the machine is closed."""
+    found = [NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL") for name in on_side]
+    for names, why, needs in (
+        (set(away) & set(on_side), "on a side, where layers do not show the outline,", "them upright"),
+        (set(away) - set(on_side), "not on the plate", "all plates"),
+    ):
+        if names:
+            counts = "counts as its file has it" if len(names) == 1 else "count as their files have them"
+            found.append(NotJudged("MOTION_ERROR", f"{', '.join(sorted(names))}: {why} and {counts}", needs))
+    return found
+
+
+def _moved(
+    case: Case, laid: Mapping[str, _Laid], on_side: Collection[str], where: str
+) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
     """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""
     from camgen.judge.cams import judged_angles
 
@@ -239,10 +254,9 @@ def _moved(case: Case, laid: Mapping[str, _Laid], where: str) -> tuple[list[Find
     held = sorted(name for name in wanted if name in laid and laid[name].sections)
     if not held:
         why = "no part on the plate makes the motion" if features else "nothing moves by the parts' outlines"
-        return [], {}, [NotJudged("MOTION_ERROR", why, "the plate with the parts that move")] if features else []
-    away = [name for name in sorted(wanted) if name not in held]
-    said = f"not on the plate and {'counts as its file has it' if len(away) == 1 else 'count as their files have them'}"
-    more = [NotJudged("MOTION_ERROR", f"{', '.join(away)}: {said}", "all plates")] if away else []
+        nothing = [NotJudged("MOTION_ERROR", why, "the plate with the parts that move")] if features else []
+        return [], {}, [*left_out(sorted(on_side), ()), *nothing]
+    more = left_out(sorted(on_side), wanted - set(held))
     kind = next(kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists())
     read: dict[str, Read] = {
         name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind) for name in case.parts

@@ -2,7 +2,7 @@
 
     journal   a file beside the table: its first line says which sweep it is of, each further one is a variant's row; a run
               that finds one of its own goes on from there
-    chunk     some variants with consecutive numbers, the task of one worker: pure, so that it may run twice
+    chunk     numbers of some variants, growing, the task of one worker: pure, so that it may run twice
     engine    runs chunks: here, in processes of this machine, or on a Dask cluster; rows are written here alone
 """
 
@@ -12,6 +12,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -30,10 +31,10 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, changed, end_with_parent, prepare, read_tables, silent
+from camgen.pipeline.jobs import Progress, Template, changed, end_with_parent, prepare, read_tables, silent
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
-from camgen.report.sweep_page import write_page
+from camgen.report.sweep_page import shown_step, write_page
 from camgen.spec import unknown
 
 MOST = 10_000_000  # variants of a sweep; its memory is 8 bytes a variant, and a row of a few hundred in the journal
@@ -48,6 +49,9 @@ _TOLD = {
     WRONG: "wrong, no valid spec",
 }  # fmt: skip
 _REASONS = 5  # that are told, the most frequent
+
+
+Chunk = Sequence[int]
 
 
 @dataclass(frozen=True)
@@ -75,15 +79,11 @@ class Task:
         return hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
 
 
-def judged(task: Task, numbers: Sequence[int]) -> list[Row]:
+def judged(task: Task, numbers: Chunk) -> list[Row]:
     """A row of each variant: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
-    made: list[Mechanism | CamgenError] = []
     values = [task.variants.values(number) for number in numbers]
-    for each in values:
-        try:
-            made.append(changed(dict(task.data), task.source, task.folder, [*task.settings, *task.variants.set_to(each)]))
-        except (SpecError, DesignError) as error:
-            made.append(error)
+    template = Template(dict(task.data), task.source, task.folder, task.settings)
+    made = template.variants(map(task.variants.set_to, values))
     if not task.build:
         prepare(made)
     return [_row(task, *each) for each in zip(numbers, values, made, strict=True)]
@@ -124,7 +124,7 @@ def _figure(value: float) -> float | None:
     return float(f"{value:.12g}") if math.isfinite(value) else None
 
 
-def _judge_chunk(task: Task, numbers: range) -> list[Row]:
+def _judge_chunk(task: Task, numbers: Chunk) -> list[Row]:
     """What a worker does."""
     return judged(task, numbers)
 
@@ -191,9 +191,9 @@ class Journal:
             said = f"{error.strerror or error}; {self.done} variants are in it: the same command goes on from there"
             raise FileError(self.path, said) from None
 
-    def rows(self) -> Iterator[Row]:
-        """All rows by the variants' numbers."""
-        for place in self.places[self.places >= 0]:
+    def rows(self, step: int = 1) -> Iterator[Row]:
+        """All rows by the variants' numbers, or every second one, third one..."""
+        for place in self.places[self.places >= 0][::step]:
             self._file.seek(int(place))
             yield json.loads(self._file.readline())
         self._file.seek(0, os.SEEK_END)
@@ -206,10 +206,10 @@ class Journal:
 
 # ---- engines ---------------------------------------------------------------------------------------------------------
 
-Engine = Callable[[Task, Iterator[range]], Iterator[list[Row]]]
+Engine = Callable[[Task, Iterator[Chunk]], Iterator[list[Row]]]
 
 
-def here(task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
+def here(task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
     """One chunk after the other."""
     for chunk in chunks:
         yield _judge_chunk(task, chunk)
@@ -222,11 +222,11 @@ class Processes:
     jobs: int
     _tries: Counter[int] = field(default_factory=Counter)
 
-    def __call__(self, task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
+    def __call__(self, task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where a chunk's worker dies again and again."""
-        again: list[range] = []
+        again: list[Chunk] = []
         while True:
-            pending: dict[Any, range] = {}
+            pending: dict[Any, Chunk] = {}
             with ProcessPoolExecutor(self.jobs, initializer=end_with_parent) as pool:
                 try:
                     while True:
@@ -244,9 +244,9 @@ class Processes:
                     pool.shutdown(cancel_futures=True)
                     raise
             for chunk in again:
-                self._tries[chunk.start] += 1
-                if self._tries[chunk.start] >= _TRIES:
-                    said = f"a worker died {_TRIES} times at variants {chunk.start} to {chunk.stop - 1}"
+                self._tries[chunk[0]] += 1
+                if self._tries[chunk[0]] >= _TRIES:
+                    said = f"a worker died {_TRIES} times at variants {chunk[0]} to {chunk[-1]}"
                     raise FileError(task.source, f"{said}; fewer --jobs need less memory")
 
 
@@ -257,7 +257,12 @@ class Cluster:
     address: str
     patience: float = 10.0  # s, for the scheduler to answer
 
-    def __call__(self, task: Task, chunks: Iterator[range]) -> Iterator[list[Row]]:
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"\w+://.+:\d+", self.address):
+            fault = Fault("--workers", repr(self.address), "local, or tcp://HOST:PORT of a Dask scheduler")
+            raise SpecError([fault], "command line")
+
+    def __call__(self, task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where there is no scheduler, or it is lost."""
         try:
             import distributed
@@ -268,8 +273,8 @@ class Cluster:
             with cluster.Client(self.address, timeout=self.patience) as client:
                 held = client.scatter(task, broadcast=True)
 
-                def submit(chunk: range) -> Any:
-                    return client.submit(_judge_chunk, held, chunk, key=f"camgen-{task.digest}-{chunk.start}-{chunk.stop}")
+                def submit(chunk: Chunk) -> Any:
+                    return client.submit(_judge_chunk, held, chunk, key=f"camgen-{task.digest}-{chunk[0]}-{chunk[-1]}")
 
                 most = 4 * max(sum(client.nthreads().values()), 1)
                 running = cluster.as_completed([submit(chunk) for chunk in islice(chunks, most)])
@@ -360,7 +365,8 @@ def sweep(
         keys = [axis.key for axis in task.variants.axes]
         named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
         units = {key: unit(key) for key in keys}
-        write_page(*named, found.columns, keys, journal.rows(), count, _wished(task.data, found.columns), units=units)
+        shown = journal.rows(shown_step(count))
+        write_page(*named, found.columns, keys, shown, count, _wished(task.data, found.columns), units=units)
     finally:
         journal.close()
     journal.path.unlink()
@@ -368,16 +374,16 @@ def sweep(
 
 
 def _pace(task: Task) -> tuple[list[Row], float]:
-    """The first rows, and what each one takes, s: where several at once are quicker, in such a crowd."""
+    """The first rows, and what each one takes, s of the processor: where several at once are quicker, in such a crowd."""
     rows, each = list[Row](), math.inf
     for many in (1, *(() if task.build else _CROWDS)):
-        began = time.perf_counter()
+        began = time.process_time()  # whatever else this machine does
         count = min(many, task.variants.count)
         rows = judged(task, [k * task.variants.count // count for k in range(count)])  # from all of the sweep
-        took = (time.perf_counter() - began) / len(rows)
+        took = (time.process_time() - began) / len(rows)
         if many == 1:
             _refuse_unknown(task, rows[0])
-        quicker, each = took < each / 2, min(each, took)
+        quicker, each = took < 0.7 * each, min(each, took)
         if not quicker:
             break
     return rows, each
@@ -409,14 +415,11 @@ def _wished(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
     return [column for column in columns if any(all(word in column for word in words) for words in asked)]
 
 
-def _left(places: np.ndarray, size: int) -> Iterator[range]:
+def _left(places: np.ndarray, size: int) -> Iterator[Chunk]:
     """Chunks of the variants that have no row yet."""
     missing = np.flatnonzero(places < 0)
-    breaks = np.flatnonzero(np.diff(missing) > 1) + 1
-    for run in np.split(missing, breaks):
-        for low in range(0, len(run), size):
-            part = run[low : low + size]
-            yield range(int(part[0]), int(part[-1]) + 1)
+    for low in range(0, len(missing), size):
+        yield missing[low : low + size].tolist()
 
 
 def _span(seconds: float) -> str:

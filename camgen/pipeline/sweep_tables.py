@@ -19,9 +19,9 @@ def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
     with file_errors():
         part = path.with_name(path.name + ".part")
         with open(part, "w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows([row.get(name) for name in columns] for row in rows)
         os.replace(part, path)
 
 

@@ -20,14 +20,15 @@ from camgen.geometry.rings import Ring, Shape
 from camgen.judge.joints import Rolled
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
-from camgen.machine.features import CamOutline, Eye, judged_outputs
-from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Slide, Slot, unit_of
-from camgen.machine.print_errors import Mode, Sensitivity, Sizes, sensitivities, waviness
-from camgen.machine.run import solve
+from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
+from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Place, Slide, Slot, placed, places_of, unit_of
+from camgen.machine.print_errors import Mode, Sensitivity, Sizes, hole_at, sensitivities, waviness
+from camgen.machine.run import Run, solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.study import Study, Table
+from camgen.tolerances import SAME_POINT
 
 _ANGLES = 145  # of the turn, at which copies are looked at
 _NOTHING = 1e-9  # mm or rad, by which rounding moves what no joint moves
@@ -48,14 +49,19 @@ def sizes_of(mechanism: Mechanism) -> Sizes:
 
 @dataclass(frozen=True)
 class Spread:
-    """A mechanism's modes and what they do to each judged output."""
+    """A mechanism's modes and what they do to each judged output; holes: as `sensitivities` has them."""
 
     mechanism: Mechanism
     theta: Floats
     sizes: Sizes
+    holes: Mapping[str, Place]
     modes: Sequence[Mode]
     outputs: Sequence[Output]
     found: Mapping[str, Sensitivity]
+
+    def felt(self, run: Run, outputs: Sequence[str]) -> Mapping[str, Sensitivity]:
+        """What the same modes do at other angles, or to other outputs of the machine."""
+        return sensitivities(run, outputs, self.sizes, _exact(self.mechanism), self.holes)[1]
 
     @cached_property
     def air(self) -> Mapping[str, float]:
@@ -71,7 +77,7 @@ class Spread:
             groups.setdefault((mode.where, mode.kind), []).append(k)
         rows: list[list[object]] = []
         for (where, kind), members in groups.items():
-            errors = [3 * self._size(output, members) for output in self.outputs]
+            errors = [error if (error := 3 * self._size(output, members)) > _NOTHING else 0.0 for output in self.outputs]
             if max(errors, default=0.0) > _NOTHING:
                 rows.append([where, kind, self.modes[members[0]].size, *errors])
         rows.sort(key=lambda row: -float(str(row[3])))
@@ -100,11 +106,11 @@ def spread_of(mechanism: Mechanism) -> Spread:
     """Modes of a mechanism's model, cams that say how they are touched among them."""
     machine, sizes = mechanism.model, sizes_of(mechanism)
     outputs = judged_outputs(machine.outputs, mechanism.asked())
-    exact = [joint.name for joint in machine.joints if isinstance(joint, Cam)] if mechanism.roller_bearing else []
-    theta = np.linspace(*mechanism.range, _ANGLES)
+    theta, holes = np.linspace(*mechanism.range, _ANGLES), _holes(mechanism, outputs)
     if not machine.joints:
-        return Spread(mechanism, theta, sizes, (), outputs, {})
-    modes, found = sensitivities(solve(machine, theta, 0), [each.name for each in outputs], sizes, exact)
+        return Spread(mechanism, theta, sizes, holes, (), outputs, {})
+    run, names = solve(machine, theta, 0), [each.name for each in outputs]
+    modes, found = sensitivities(run, names, sizes, _exact(mechanism), holes)
     sound = np.ones(len(theta), bool)
     for each in found.values():
         sound &= np.isfinite(each.modes).all(axis=0)
@@ -118,7 +124,27 @@ def spread_of(mechanism: Mechanism) -> Spread:
         for name, each in found.items()
     }  # fmt: skip
     told = any(np.any(np.abs(each.modes) > _NOTHING) for each in kept.values())
-    return Spread(mechanism, theta[sound], sizes, modes if told else (), outputs, kept)
+    return Spread(mechanism, theta[sound], sizes, holes, modes if told else (), outputs, kept)
+
+
+def _exact(mechanism: Mechanism) -> list[str]:
+    """Cams whose tip is no print."""
+    return [joint.name for joint in mechanism.model.joints if isinstance(joint, Cam)] if mechanism.roller_bearing else []
+
+
+def _holes(mechanism: Mechanism, outputs: Sequence[Output]) -> dict[str, Place]:
+    """Holes whose centres are places of outputs and make no joint."""
+    marks = [each.eye for each in mechanism.features() if isinstance(each, Mark)]
+    made = [(mount.body, mount.place(eye.at)) for eye in marks for mount in mechanism.mounts() if mount.part == eye.part]
+    found: dict[str, Place] = {}
+    for output in outputs:
+        for place in places_of(output.of):
+            if any(body == place.body and abs(at - place.at) < SAME_POINT for body, at in made):
+                if hole_at(mechanism.model, place, found) is None:
+                    points = mechanism.model.body(place.body).points
+                    name = next((name for name, at in points.items() if abs(at - place.at) < SAME_POINT), output.name)
+                    found[f"{name}, {place.body}"] = place
+    return found
 
 
 @dataclass(frozen=True)
@@ -265,4 +291,9 @@ def shifted_by(spread: Spread, errors: Floats) -> Machine:
             joints.append(replace(joint, runner=r, guide=g))
         else:
             joints.append(joint)
-    return replace(machine, joints=tuple(joints))
+    def off(place: Place) -> Place:
+        """A place of an output, with the hole that is there."""
+        return replace(place, at=place.at + moved.get(hole_at(machine, place, spread.holes) or "", 0j))
+
+    outputs = tuple(replace(each, of=placed(each.of, off)) for each in machine.outputs)
+    return replace(machine, joints=tuple(joints), outputs=outputs)

@@ -24,7 +24,6 @@ from camgen.judge.cams import Followed
 from camgen.judge.joints import Outline
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Along, Angle, Cam, Law, Machine, Output
-from camgen.machine.print_errors import sensitivities
 from camgen.machine.reach import folds
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
@@ -167,16 +166,14 @@ def _bends(spread: Spread) -> dict[str, Bend]:
     """Of each cam that says how it is touched and makes one turn, always the same way."""
     from scipy.interpolate import CubicSpline
 
-    machine, exact = spread.mechanism.model, []
+    machine = spread.mechanism.model
     cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
-    if spread.mechanism.roller_bearing:
-        exact = [joint.name for joint in machine.joints if isinstance(joint, Cam)]
     outputs = [Output(f"s of {cam.name}", Angle(cam.follower) if cam.slide is None else Along(cam.slide)) for cam in cams]
     if not cams:
         return {}
     followed = replace(machine, outputs=tuple(outputs))
     run = solve(followed, spread.theta, 0)
-    _, found = sensitivities(run, [each.name for each in outputs], spread.sizes, exact)
+    found = spread.felt(run, [each.name for each in outputs])
     system, poses, bends = Constraints(followed), run.poses(), {}
     for cam, output in zip(cams, outputs, strict=True):
         angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.machine.model import Output, unit_of
@@ -20,6 +22,8 @@ from camgen.study import Plot, Table
 
 _SHARES = (0.5, 0.9, 0.99, 0.997)  # of copies
 _BARS = 60
+_Z = 1.959964  # standard deviations either way of 95 %
+_HOLD = "copies that hold, %", "interval of 95 %, %"
 _SHOWN = 10  # of the worst copies
 _MOST = 10_000_000  # copies
 _NOTES = (
@@ -83,7 +87,35 @@ def tolerance(
     plots += [_histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
               for (name, cam), (loose, _, _) in copies.held.items()]  # fmt: skip
     notes = (f"{samples} copies, seed {seed}.", *_NOTES)
-    return Report(mechanism.name, mechanism.mechanism, (), numbers, (), plots, tables, notes)
+    return Report(mechanism.name, mechanism.mechanism, (), numbers, (), plots, tables, notes, summary=_summary(samples, numbers))
+
+
+def _summary(samples: int, numbers: Mapping[str, float]) -> str:
+    """The worst of the yields, in a line."""
+    yields = {name.removesuffix("yield_percent").rstrip("_"): value for name, value in numbers.items()
+              if name.endswith("yield_percent")}  # fmt: skip
+    if not yields:
+        return f"Errors of {samples} printed copies"
+    least = min(yields, key=lambda name: yields[name])
+    what = {"": "go together and keep their play", "targets": "keep what is wanted by value"}.get(least, f"hold {least.upper()}")
+    low, high = (numbers.get(f"{least}_yield_{end}_percent") for end in ("from", "to"))
+    sure = "" if low is None or high is None else f" ({low:.0f} to {high:.0f} % with a confidence of 95 %)"
+    return f"Least yield: {yields[least]:.3g} % of copies {what}{sure}"
+
+
+def wilson(holds: Floats | NDArray[np.bool_]) -> tuple[float, float]:
+    """Interval of 95 % of the share of all copies that would hold, by those that were looked at, (n,), in %.
+
+    The score interval of E. B. Wilson (1927).
+    """
+    n, share = len(holds), float(np.mean(holds))
+    middle, half = share + _Z**2 / (2 * n), _Z * math.sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2))
+    low, high = (100 * (middle + sign * half) / (1 + _Z**2 / n) for sign in (-1, 1))
+    return max(low, 0.0), min(high, 100.0)
+
+
+def _sure(holds: Floats | NDArray[np.bool_]) -> str:
+    return "{:.3g} to {:.3g}".format(*wilson(holds))
 
 
 def _named(output: Output) -> str:
@@ -151,21 +183,26 @@ def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]
     for each in found:
         limit, good = f"{'>=' if each.floor else '<='} {each.limit:.4g}", 100 * float(np.mean(each.holds))
         mean, size = float(np.nanmean(each.values)), float(np.nanstd(each.values))
-        rows.append((each.code, each.what, each.unit, limit, each.designed, mean, size, good))
-        key = f"{each.code.lower()}_yield_percent"
-        numbers[key] = min(good, numbers.get(key, 100.0))
-    heads = ("finding", "of", "unit", "limit", "as designed", "mean", "standard deviation", "copies that hold, %")
+        rows.append((each.code, each.what, each.unit, limit, each.designed, mean, size, good, _sure(each.holds)))
+        name = f"{each.code.lower()}_yield"
+        if good < numbers.get(f"{name}_percent", math.inf):
+            numbers[f"{name}_percent"] = good
+            numbers[f"{name}_from_percent"], numbers[f"{name}_to_percent"] = wilson(each.holds)
+    heads = ("finding", "of", "unit", "limit", "as designed", "mean", "standard deviation", *_HOLD)
     return [Table(f"Findings of the first {len(found[0].values)} copies, each judged", heads, rows)] if found else []
 
 
 def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
     """Share of copies that keep what is wanted of the outputs by value."""
-    rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds))) for each in found]
+    rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds)), _sure(each.holds))
+            for each in found]  # fmt: skip
     if found:
-        numbers["targets_yield_percent"] = 100 * float(np.mean(np.all([each.holds for each in found], axis=0)))
-        rows.append(("all of these", "", "", "", numbers["targets_yield_percent"]))  # type: ignore[arg-type]
+        whole = np.all([each.holds for each in found], axis=0)
+        numbers["targets_yield_percent"] = 100 * float(np.mean(whole))
+        numbers["targets_yield_from_percent"], numbers["targets_yield_to_percent"] = wilson(whole)
+        rows.append(("all of these", "", "", "", numbers["targets_yield_percent"], _sure(whole)))  # type: ignore[arg-type]
     title = f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies" if found else ""
-    return [Table(title, ("finding", "output", "limit", "unit", "copies that hold, %"), rows)] if found else []
+    return [Table(title, ("finding", "output", "limit", "unit", *_HOLD), rows)] if found else []
 
 
 def _timings(found: Sequence[Timing], numbers: dict[str, float]) -> list[Table]:

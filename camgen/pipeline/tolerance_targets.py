@@ -16,8 +16,7 @@ from functools import partial
 import numpy as np
 
 from camgen.machine.landmarks import smallest_loop
-from camgen.machine.model import Output, Path, Pin, unit_of
-from camgen.machine.print_errors import sensitivities
+from camgen.machine.model import Output, Path, Pin, places_of, unit_of
 from camgen.machine.run import solve
 from camgen.machine.targets import Course
 from camgen.numerics import Floats, Points
@@ -101,23 +100,21 @@ def _path(spread: Spread, name: str, theta: Floats, order: int) -> Points:
 def _moved(spread: Spread, output: Output, theta: Floats) -> tuple[Points, Points]:
     """A path at theta, (n,), and what each mode does to it, (modes, n)."""
     run = solve(spread.mechanism.model, theta, 0)
-    exact = {mode.where.rpartition(",")[0] for mode in spread.modes if mode.kind == "offset"}
-    exact -= {mode.where.rpartition(",")[0] for mode in spread.modes if mode.kind == "tip"}
-    _, found = sensitivities(run, [output.name], spread.sizes, exact)
-    return np.asarray(run[output.name], complex), np.asarray(found[output.name].modes, complex)
+    return np.asarray(run[output.name], complex), np.asarray(spread.felt(run, [output.name])[output.name].modes, complex)
 
 
 def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
-    """Each pin with play somewhere in it, as errors of a centre, (copies, modes) mm."""
-    chance, pushed = np.random.default_rng(seed), np.zeros((copies, len(spread.modes)))
+    """Each pin with play somewhere in it, as errors of a centre, (copies, modes) mm: of the side that no output goes with."""
+    machine, chance, pushed = spread.mechanism.model, np.random.default_rng(seed), np.zeros((copies, len(spread.modes)))
+    seen = [place for output in spread.outputs for place in places_of(output.of)]
     centres: Mapping[str, Sequence[int]] = {}
     for k, mode in enumerate(spread.modes):
         if mode.kind == "centre":
             centres = {**centres, mode.where: [*centres.get(mode.where, ()), k]}
-    for joint in spread.mechanism.model.joints:
+    for joint in machine.joints:
         if not isinstance(joint, Pin) or not joint.clearance:
             continue
-        held = (centres.get(f"{joint.name}, {place.body}", ()) for place in (joint.a, joint.b))
+        held = (centres.get(f"{joint.name}, {place.body}", ()) for place in sorted((joint.a, joint.b), key=seen.__contains__))
         both = next((found for found in held if len(found) == 2), None)
         reach, angle = joint.clearance / 2 * np.sqrt(chance.random(copies)), 2 * np.pi * chance.random(copies)
         if both is not None:

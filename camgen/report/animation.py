@@ -29,7 +29,7 @@ class Body:
     rings: closed outlines (points (n,) complex, bulges (n,)), drawn even-odd, so holes are rings too; bulge k is
     tan(sweep / 4) of the arc from point k to the next, positive counter-clockwise, 0 a straight edge.
     strokes: open polylines (n,) complex; circles: (centre, radius). course: an open polyline of its own for each frame,
-    (frames, k) complex, such as a thread.
+    (frames, k) complex, such as a thread; z: its height, mm, None of what is drawn in the plane alone.
     """
 
     name: str
@@ -38,6 +38,7 @@ class Body:
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
     course: Points | None = None
+    z: float | None = None
 
 
 @dataclass(frozen=True)
@@ -165,6 +166,7 @@ def frames(animation: Animation) -> dict[str, object]:
         **({"turns": animation.turns} if animation.turns > 1 else {}),
         "poses": poses,
         "flipped": [pose.flipped for _, pose in _copies(animation)],
+        "heights": {str(k): body.z for k, body in enumerate(animation.bodies) if body.z is not None},
         "courses": {str(k): _rounded(body.course) for k, body in enumerate(animation.bodies) if body.course is not None},
         "output": [float(f"{value:.6g}") if math.isfinite(value) else None for value in output],
     }

@@ -17,7 +17,8 @@ const camgen = (() => {
     what(deg);
   }
   // solid: a viewer shows the machine, the drawing rests; turned: share of all turns at an angle of this one
-  const page = { follow, show, solid: false, turned: angle => (lap + angle / 360) / turns };
+  // heights: of courses that are drawn in three dimensions too
+  const page = { follow, show, courseAt, heights: data.heights, solid: false, turned: angle => (lap + angle / 360) / turns };
   let folded = [];  // what is unfolded to be printed
   addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("details:not([open])")];
@@ -42,11 +43,14 @@ const camgen = (() => {
     }
     if (!page.solid) draw();
   });
+  function courseAt(k) {  // a course where it now is: x and y by turns
+    const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    return data.courses[k][i].map((value, n) => between(value, data.courses[k][j][n], j ? share : 0));  // a turn may begin anew
+  }
   function draw() {
     const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
-    Object.entries(data.courses).forEach(([k, rows]) => {
-      const line = rows[i].map((value, n) => between(value, rows[j][n], j ? share : 0).toFixed(2));  // a turn may begin anew
-      document.querySelector("#body-" + k + " path").setAttribute("d", "M" + line.join(" "));
+    Object.keys(data.courses).forEach(k => {
+      document.querySelector("#body-" + k + " path").setAttribute("d", "M" + courseAt(k).map(value => value.toFixed(2)).join(" "));
     });
     copies.forEach((copy, k) => {
       const states = data.poses[k], a = states[i % states.length], b = states[j % states.length];
@@ -62,7 +66,7 @@ const camgen = (() => {
 
   // ---- parts: hidden and coloured, in the drawing too ----
 
-  if (innerWidth < 1080) document.querySelector(".legend").open = false;  // the machine is to leave room for what one reads
+  if (innerWidth < 760) document.querySelector(".legend").open = false;  // the machine is to leave room for what one reads
 
   const boxes = [...document.querySelectorAll(".legend [data-body]")];
   boxes.forEach(box => {

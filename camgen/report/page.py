@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from camgen.report.report import Report
     from camgen.study import Plot, Scene, Table
 
-_FIRST_PLOTS = 9  # more curves than this are folded away
+_FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
 _NOISE = {"mm": 1e-6, "deg": 1e-6, "N": NOISE, "N m": NOISE, "W": NOISE}  # what is less is rounding: 1 nm, a millionth of a deg
 _NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
@@ -301,10 +301,10 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
 
 def _plots(plots: Sequence[Plot]) -> str:
     drawn = [figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
-    if len(drawn) <= _FIRST_PLOTS + 3:
-        return "".join(drawn)
-    more = f"<details><summary>{len(drawn) - _FIRST_PLOTS} more curves</summary>{''.join(drawn[_FIRST_PLOTS:])}</details>"
-    return "".join(drawn[:_FIRST_PLOTS]) + more
+    first, rest = drawn[:_FIRST_PLOTS], drawn[_FIRST_PLOTS:]
+    said = f"{len(rest)} more curve{'' if len(rest) == 1 else 's'}"
+    folded = f'<details><summary>{said}</summary><div class="grid">{"".join(rest)}</div></details>' if rest else ""
+    return f'<div class="grid">{"".join(first)}</div>{folded}' if first else ""
 
 
 def once(plots: Sequence[Plot]) -> list[Plot]:

@@ -12,7 +12,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +36,7 @@ class Report:
     animation, scene: the machine in motion, drawn and in three dimensions; budget: the error budget by stage; files: further
     files of the folder to which the page links; not_judged: codes that were left out; warnings: sentences that a person should
     read before the parts are made; remarks: what this run did beside the result, and folder: where it wrote, told but not
-    written: the same spec gives the same files.
+    written: the same spec gives the same files; summary: the verdict of a report without findings.
     """
 
     name: str
@@ -56,6 +55,7 @@ class Report:
     remarks: Sequence[str] = ()
     folder: Path | None = None
     scene: Scene | None = None
+    summary: str = "Nothing is judged here"
 
     @property
     def ok(self) -> bool:
@@ -71,12 +71,14 @@ class Report:
     def verdict(self) -> str:
         """One line: how many findings hold or fail, and what was not judged."""
         failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
-        held = {0: "Nothing is judged here", 1: "The one finding holds"}.get(count, f"All {count} findings hold")
+        held = {0: self.summary, 1: "The one finding holds"}.get(count, f"All {count} findings hold")
         said = f"{failed} of {count} findings fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
     def _repr_html_(self) -> str:
         """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file."""
+        from html import escape
+
         from camgen.report import page
 
         kinds = ("_dxf_", "_stl_", "_3mf_", "_step_")

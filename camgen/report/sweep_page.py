@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
-from itertools import islice
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -17,15 +16,19 @@ from camgen.report.sketches import gallery
 MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
 
+def shown_step(count: int) -> int:
+    """1 where a page bears all of so many rows, 2 where it shows every second one, and so on."""
+    return -(-count // MOST)
+
+
 def write_page(
     path: Path, title: str, summary: str, columns: Sequence[str], keys: Sequence[str], rows: Iterable[Mapping[str, Any]],
     count: int, wished: Sequence[str] = (), pictures: Sequence[tuple[str, str]] = (), units: Mapping[str, str] | None = None,
 ) -> None:  # fmt: skip
-    """Write the page of a sweep of `count` rows; keys: the columns that were varied; wished: figures of a wish; pictures: SVG and
-    what is said of each; units: of keys, the other columns name theirs last.
+    """Write the page of a sweep of `count` rows, of which those that `shown_step` says are given; keys: the columns that were
+    varied; wished: figures of a wish; pictures: SVG and what is said of each; units: of keys, the other columns name theirs last.
     """
-    step = -(-count // MOST)
-    shown = [[row.get(column) for column in columns] for row in islice(rows, 0, None, step)]
+    shown, step = [[row.get(column) for column in columns] for row in rows], shown_step(count)
     if step > 1:
         summary += f" This page shows every variant whose number is a multiple of {step}; the table has all."
     told = {"columns": list(columns), "keys": list(keys), "units": units or {}, "wished": list(wished), "rows": shown}

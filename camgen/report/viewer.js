@@ -159,7 +159,34 @@
         else body.group.position.fromArray(values, 3 * i).lerp(p.fromArray(values, 3 * i + 3), share);
       }));
     }
+    // -- springs: flat bands that change their shape, at a height --
+    const wide = 0.4;  // mm, half of a band
+    const coils = Object.entries(camgen.heights).map(([k, z]) => {
+      const pieces = camgen.courseAt(k).length / 2 - 1;
+      const line = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
+      line.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(18 * pieces), 3));
+      line.frustumCulled = false;
+      scene.add(line);
+      return { k, z, line };
+    });
+    let apart = false;  // exploded
+    function strung() {
+      coils.forEach(({ k, line }) => { line.visible = !apart && document.querySelector('.legend [data-body="' + k + '"]').checked; });
+    }
+    function stretch() {
+      coils.forEach(({ k, z, line }) => {
+        const at = camgen.courseAt(k), place = line.geometry.attributes.position;
+        for (let n = 0; n + 3 < at.length; n += 2) {
+          const x = at[n + 2] - at[n], y = at[n + 3] - at[n + 1], size = Math.hypot(x, y) || 1, u = -wide * y / size, v = wide * x / size;
+          [[0, 1], [0, -1], [2, 1], [2, 1], [0, -1], [2, -1]].forEach(([end, side], corner) =>
+            place.setXYZ(3 * n + corner, at[n + end] + side * u, at[n + end + 1] + side * v, z));
+        }
+        place.needsUpdate = true;
+      });
+    }
     function spread(share) {
+      apart = share > 0;
+      strung();
       const gap = steps.length > 1 ? share * 1.7 * ball.radius / (steps.length - 1) : 0;
       copies.forEach(copy => {
         copy.shown.matrix.makeTranslation(0, 0, copy.rank * gap).multiply(copy.home);
@@ -228,6 +255,8 @@
         part.material.color.copy(colour(part.number));
         copies.filter(copy => copy.part === part).forEach(copy => { copy.shown.visible = !checkbox || checkbox.checked; });
       });
+      coils.forEach(({ k, line }) => line.material.color.copy(colour(k)));
+      strung();
       edge.color.set(variable("--ink"));
       capped();
     }
@@ -301,7 +330,7 @@
     dress();
     plain(false);
     home();
-    camgen.follow(deg => { turn(deg); ask(); });
+    camgen.follow(deg => { turn(deg); stretch(); ask(); });
     new ResizeObserver(fit).observe(canvas);
 
     // -- small views of parts, plates and steps: one renderer draws them one after the other as they come into sight --

@@ -96,6 +96,13 @@ def test_what_no_four_bar_transmits_is_told() -> None:
         search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80), TABLES)
 
 
+def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
+    hardly: dict[str, Any] = {"function": [[0, 0], [20, 100], [40, 0]], "transmission_deg": 20, "lash": 60}  # a swing of 100 deg
+    with pytest.raises(DesignError, match=r"nearest buildable design is [12]\d\.\d+ deg off .*twentieth .*, 5 deg"):
+        design({**TABLES, "wanted": hardly})
+    assert FunctionWish(function=LOG).borne == pytest.approx((LOG[2][1] - LOG[0][1]) / 20)
+
+
 def test_all_faults_of_wish_and_spec_at_once(tmp_path: Path) -> None:
     (spec := tmp_path / "wish.toml").write_text(
         'mechanism = "disc-cam"\nname = "a b"\n[wanted]\nfunction = [[0, 0], [0, 5], [400, 5]]\nlongest = 5\n'

@@ -24,7 +24,7 @@ DRAWN = np.array([[0, 20, 70, 45 + 40j, 20 + 60j]], complex)  # O, A, C, B, P
 PATH = FOUR_BAR.trace(DRAWN, 720)[0][:, 0]
 TARGET = Target(PATH)
 GOAL = Goal(TARGET, 0.2 * TARGET.chord, 10 * TARGET.chord)
-TASK = Task(FOUR_BAR, 1, 32, 25, (1.0,))
+TASK = Task(FOUR_BAR, (1,))
 
 
 def test_a_four_bar_is_the_only_chain_of_two_pairs() -> None:
@@ -95,6 +95,7 @@ def test_a_front_and_its_area() -> None:
     goal = Goal(TARGET, 1.0, 10.0)
     points = [Found(FOUR_BAR, (), *each) for each in ((0.5, 4.0), (0.2, 6.0), (0.5, 7.0), (0.1, 6.0), (0.9, 12.0), (2.0, 1.0))]
     assert [(each.error, each.bars) for each in front(points)] == [(0.1, 6.0), (0.5, 4.0), (2.0, 1.0)]
+    assert [each.bars for each in front(points, 0.4)] == [6.0, 1.0]
     assert area(points, goal) == pytest.approx((0.4 * 4 + 0.5 * 6) / 10)
 
 
@@ -102,6 +103,14 @@ def test_a_path_of_a_four_bar_is_found_again() -> None:
     found = solved(GOAL, TASK)
     assert found == solved(GOAL, TASK)  # the same task, the same front
     assert min(each.error for each in found) < 0.02 * TARGET.chord
+
+
+def test_a_design_that_is_shaken_is_bettered() -> None:
+    drawn = DRAWN[0] + [0, 0, 4, -3j, 3]
+    error = TARGET.measured(FOUR_BAR.trace(drawn[None], 720)[0][:, 0])[0]
+    known = Found(FOUR_BAR, tuple(drawn.tolist()), error, float(FOUR_BAR.lengths(drawn[None]).sum()))
+    best = solved(GOAL, Task(FOUR_BAR, (1,), (known,)))[0]
+    assert best.error < 0.3 * error and error > 0.02 * TARGET.chord
 
 
 def test_shortest_bar_and_transmission_angle_are_kept() -> None:

@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.plates import DENSITY, Layout, Spot, footprint, laid_out, lying_side, parts_list, side, write_plates
+from camgen.files.parts_list import DENSITY, parts_list
+from camgen.files.plates import Layout, Spot, bed_fit, footprint, laid_out, lying_side, side, write_plates
 from camgen.files.threemf import Placed, read_3mf, write_3mf
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
@@ -166,7 +167,30 @@ def test_a_side_is_brought_down_by_a_rotation(v: tuple[float, float, float]) -> 
 def test_a_mirrored_copy_on_a_plate_is_told(tmp_path: Path) -> None:
     meshes = meshes_of([ledge()])
     write_3mf(tmp_path / "x.3mf", meshes, [Placed("ledge", "ledge 1", np.diag([1.0, 1.0, -1.0, 0])[:3])], "key")
-    assert not judge_copies(tmp_path / "x.3mf", meshes).ok
+    assert judge_copies(tmp_path / "x.3mf", meshes).message == "a copy of ledge is mirrored or flat"
+
+
+@pytest.mark.parametrize("damage, said", [
+    ({"squeezed": np.array([1.0, 1, 0])}, "peg is not as in its own file"),
+    ({"transform": np.diag([1.0, 1.002, 1.0])}, "a copy of peg is deformed"),
+    ({"shift": 0.3}, "a copy of peg is out of its place"),
+    ({"faces": np.array([2, 1, 0])}, "peg is not of the triangles of its own file"),
+])  # fmt: skip
+def test_a_damaged_copy_is_named(tmp_path: Path, damage: dict[str, np.ndarray], said: str) -> None:
+    """Of two parts one: flat, longer in y, out of its place, inside out."""
+    meshes = meshes_of([block("rib", 9, 5, 1), block("peg", 6, 6, 1)])
+    at = np.column_stack([np.eye(3), [20.0, 0, 0]])
+    made = Mesh(meshes["peg"].vertices * damage.get("squeezed", 1), meshes["peg"].faces[:, damage.get("faces", slice(None))])
+    stands = np.column_stack([damage.get("transform", np.eye(3)), at[:, 3] + damage.get("shift", 0)])
+    for peg, where in ((meshes["peg"], at), (made, stands)):
+        write_3mf(tmp_path / "x.3mf", {**meshes, "peg": peg}, [Placed("rib", "rib"), Placed("peg", "peg 1", where)], "key")
+        found = judge_copies(tmp_path / "x.3mf", meshes, [("rib", np.eye(3, 4)), ("peg", at)])
+        assert found.ok is (peg is meshes["peg"]) and math.isfinite(found.measured)
+    assert found.message == said
+
+
+def test_what_is_collapsed_to_a_point_lies_on_nothing() -> None:
+    assert bed_fit("peg", 1, np.zeros((4, 3)), BED)[0].width == 0
 
 
 def test_parts_list_by_hand() -> None:

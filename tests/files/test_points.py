@@ -54,6 +54,16 @@ def test_few_points_say_what_they_miss(tmp_path: Path) -> None:
     assert 1e-5 < off.max() <= outline.numbers["points_off_mm"] < 0.2
 
 
+def test_points_that_scatter_are_told_from_points_that_are_few(tmp_path: Path) -> None:
+    turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    noise = np.random.default_rng(3).normal(0, 0.01, 720)
+    said = read_outline(places(tmp_path / "p.csv", z=(30 + 5 * np.cos(turn) + noise) * np.exp(1j * turn))).remark
+    assert 0.0085 < float(said.partition("they scatter by ")[2].partition(" mm")[0]) < 0.0115, said
+    square = np.array([max(abs(np.cos(t)), abs(np.sin(t))) for t in turn])
+    for few in (PLACES, 30 * np.cos(turn[::15]) + 8j * np.sin(turn[::15]), 20 / square * np.exp(1j * turn)):
+        assert "scatter" not in read_outline(places(tmp_path / "p.csv", z=few)).remark
+
+
 @pytest.mark.parametrize(
     "head, z, words",
     [

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import struct
+import tracemalloc
+import zipfile
 from pathlib import Path
 
 import ezdxf
@@ -13,6 +15,7 @@ from test_mesh import HOLE, OUTLINE, prism
 from test_rings import SQUARE, straight
 
 from camgen.errors import FileError
+from camgen.files import threemf
 from camgen.files.dxf import read_dxf
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
@@ -198,6 +201,35 @@ def test_3mf_read_with_its_assembly(tmp_path: Path) -> None:
     corner = Mesh(np.array([[1.0, 2, 0]]), np.empty((0, 3), np.int64))
     placed = [corner.moved(item.transform).vertices[0].tolist() for item in package.items]
     assert placed == [[1, 2, 0], [3, 1, 6], [4, 3, 12]]
+
+
+def test_copies_under_each_other_s_names_are_told(tmp_path: Path) -> None:
+    """Part numbers exchanged, or what two items build: each mesh is still in its place, but a slicer shows it as another part."""
+    path, mesh = tmp_path / "pair.3mf", prism(SQUARE)
+    copies = [threemf.Placed("cam", "cam-1"), threemf.Placed("pin-1", "pin-1 1")]
+    threemf.write_3mf(path, {"cam": mesh, "pin-1": mesh}, copies, "key")
+    assert read_3mf(path).remarks == []
+    with zipfile.ZipFile(path) as package:
+        parts = {name: package.read(name) for name in package.namelist()}
+    for one, other in ((b'partnumber="cam-1"', b'partnumber="pin-1 1"'), (b'<item objectid="4"', b'<item objectid="5"')):
+        model = parts["3D/3dmodel.model"]
+        assert one in model and other in model
+        model = model.replace(one, b"@@").replace(other, one).replace(b"@@", other)
+        with zipfile.ZipFile(path, "w") as package:
+            for name, data in (parts | {"3D/3dmodel.model": model}).items():
+                package.writestr(name, data)
+        assert sorted(read_3mf(path).remarks) == ["'cam-1' is made of 'pin-1'", "'pin-1 1' is made of 'cam'"]
+
+
+def test_what_unpacks_to_far_more_than_it_is_is_not_unpacked(tmp_path: Path) -> None:
+    path = write_3mf(tmp_path / "part.3mf", prism(SQUARE))
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as package:
+        package.writestr("3D/more.model", bytes(20_000_000))
+    tracemalloc.start()
+    with pytest.raises(FileError, match="3D/more.model unpacks to 20 MB from 0.0[0-9]+ MB"):
+        read_3mf(path)
+    assert tracemalloc.get_traced_memory()[1] < 5e6
+    tracemalloc.stop()
 
 
 def test_3mf_unit_and_damage(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
@@ -77,6 +77,18 @@ def test_a_part_out_of_its_place_is_named(tmp_path: Path, name: str, shifted: st
     assert {f.code for f in failed} == {"INTERFERENCE"}
     angle = "cam angle" if "cam" in name else "crank angle"
     assert any(f.where.startswith(f"{pair}: ") and angle in f.where for f in failed), [f.where for f in failed]
+
+
+def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
+    """It meets nothing, so that it would count as clear of all."""
+    path, whole = tmp_path / "x.3mf", machine("eccentric-drive")
+    swept(path, "eccentric-drive")
+    package = read_3mf(path)
+    items = [Placed(item.name, f"{item.name}-{k}", item.transform) for k, item in enumerate(package.items)]
+    meshes = {name: mesh.moved(np.diag([1.0, 1, name != "rod", 0])[:3]) for name, mesh in package.meshes.items()}
+    write_3mf(path, meshes, items, "key")
+    failed = [f for f in sweep(path, whole.moved())[0] if not f.ok]
+    assert [(f.code, f.message) for f in failed] == [("INTERFERENCE", "cannot be judged: rod-1 has no volume")]
 
 
 def test_fits_without_air_may_touch(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen import spec
+from camgen import reading, spec
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
 from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, meeting, signed_distances
@@ -123,7 +123,7 @@ def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase): 
 
 
 def machine(**keys: Any) -> ChainStitchLooper:
-    data = spec.read(ROOT / "specs" / "chain-stitch-looper.toml")
+    data = reading.read(ROOT / "specs" / "chain-stitch-looper.toml")
     data["geometry"] |= {"plate_to_spreader": 8, "blade_length": 45, "p6_setback": 0}
     data["limits"]["clearance"] = 0
     for path, value in keys.items():

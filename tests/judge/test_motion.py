@@ -14,7 +14,7 @@ from camgen.geometry.rings import Ring, Shape
 from camgen.judge.measured import measure, measure_faces
 from camgen.judge.motion import Verdict, judge_machine
 from camgen.machine.features import Asked, Eye, Faces, Feature, Mount, PinEyes, SlideFaces
-from camgen.machine.model import GROUND, Along, Body, Drive, Machine, Output, Pin, Place, Pose, Slide
+from camgen.machine.model import GROUND, Along, Body, Drive, Machine, Output, Path, Pin, Place, Pose, Slide
 
 THETA = np.linspace(0.1, 6.3, 97)
 
@@ -166,6 +166,14 @@ def test_a_part_on_no_body_of_its_joint_is_told() -> None:
     found = judged((Mount("crank", "rod"), *LINKS[1:]))
     (finding,) = found.findings
     assert finding.code == "MOTION_ERROR" and not finding.ok and "crank is not mounted on" in finding.message
+
+
+def test_a_point_that_is_a_pin_s_hole_goes_with_that_hole() -> None:
+    """The path of the rod's end: with its hole 0.1 mm further out the slider is further on by the same, and so is the point."""
+    machine = replace(slider_crank(), outputs=(Output("pen", Path(Place("rod", 48 + 0j))),))
+    found = judge_machine("dxf", "file", files(eye=48.1 + 0j), machine, FEATURES, LINKS, THETA, 0.002)
+    assert found.proof is not None
+    np.testing.assert_allclose(found.proof.moved("pen", THETA).value, place(THETA, rod=48.1), atol=1e-11)
 
 
 def test_the_table_gives_each_joints_share() -> None:

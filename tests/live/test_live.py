@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from camgen import spec as specs
+from camgen import reading
 from camgen.cli import main
 from camgen.errors import SpecError
 from camgen.live import run as live
@@ -50,7 +50,7 @@ def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("path", sorted(folder().rglob("*.toml")), ids=lambda path: path.stem)
 def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(path: Path) -> None:
-    text, data = path.read_text(encoding="utf-8"), specs.read(path)
+    text, data = path.read_text(encoding="utf-8"), reading.read(path)
     listed = numbers(data, described(load(data["mechanism"]), data["mechanism"]))
     assert len(listed) >= 3
     for number in listed:
@@ -113,11 +113,26 @@ def test_a_page_may_set_known_keys_to_short_values_alone(settings: object) -> No
 # ---- explore ---------------------------------------------------------------------------------------------------------
 
 
+def test_a_preview_shows_how_each_output_moves(root: Path, tmp_path: Path) -> None:
+    """Of a slide on a lever as of a cam's own follower; the quick answer leaves curves for later."""
+    explorer = Explorer(root / "specs" / "linkage.toml", tmp_path / "out")
+    page = explorer.preview({"settings": {}})["page"]
+    assert page.index("<figcaption>Swing<") < page.index("<figcaption>Transmission angle<") and "mm/rad" not in page
+    assert "<figcaption>" not in explorer.preview({"settings": {}, "quick": True})["page"]
+    disc = Explorer(root / "specs" / "disc-cam.toml", tmp_path / "out").preview({"settings": {}})["page"]
+    assert "<figcaption>Lift<" in disc and "mm/rad" in disc
+
+
 def test_a_move_gives_the_report_of_that_variant(page: TestClient) -> None:
     first, small = asked(page, "/preview"), asked(page, "/preview", geometry__base_radius="10", geometry__follower__radius="4")
-    assert first["ok"] and first["verdict"] == "All 4 findings hold" and 'id="mechanism"' in first["page"]
+    assert first["ok"] and first["verdict"] == "All 5 findings hold" and 'id="mechanism"' in first["page"]
     assert not small["ok"] and "PRESSURE_ANGLE" in small["page"] and small["page"] != first["page"]
     assert "at most 30" in first["page"]
+
+
+def test_a_preview_says_what_a_sweep_says_of_bore_and_hub(page: TestClient) -> None:
+    wide = asked(page, "/preview", parts__hub_diameter="80")
+    assert wide["verdict"] == "cannot be made" and "parts.hub_diameter" in wide["errors"][0]
 
 
 def test_a_quick_answer_has_verdict_and_picture_without_the_study(page: TestClient) -> None:

@@ -121,6 +121,17 @@ def test_range_of_a_chain_that_cannot_turn_fully() -> None:
     refuse_partial(slider_crank())
 
 
+def test_the_range_advised_keeps_the_transmission_angle() -> None:
+    """Rod 20, crank 30: sin(theta) = 20 / 30 cos(mu), mu the rod's angle to the square of the guide."""
+    end = math.degrees(math.asin(20 / 30 * math.cos(math.radians(30))))
+    with pytest.raises(DesignError, match="with a transmission angle of 30 deg") as caught:
+        refuse_partial(slider_crank(30.0, 20.0), 30.0)
+    low, high = map(float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", "))
+    assert -end <= low < -end + 0.6 and end - 0.6 < high <= end
+    with pytest.raises(DesignError, match="is below 90.1 deg as drawn"):
+        refuse_partial(slider_crank(30.0, 20.0), 90.1)
+
+
 def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:
     frame, crank, coupler, rocker = 40.0, 25.0, 30.0, 32.0
     machine = four_bar(frame, crank, coupler, rocker)
@@ -167,7 +178,8 @@ def test_a_near_change_point_is_told_too() -> None:
 
 def test_a_change_point_in_a_larger_block_is_passed_and_told() -> None:
     """A dyad of the parallelogram put through Newton goes straight on where the closed form turns back."""
-    from camgen.machine.loops import Dyad, chain_of
+    from camgen.machine.loops import chain_of
+    from camgen.machine.state import Dyad
 
     points = {"O": 0j, "C": 40 + 0j, "A": 15j, "B": 40 + 15j}
     machine = linked(points, {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}, "crank")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
@@ -108,10 +108,12 @@ def test_what_is_asked_for_by_a_wrong_name_is_told(what: str) -> None:
 
 EYE, FACES = f.Eye("part", 0j, 4.0), f.Faces("part", 0j, 0.0, 4.0)
 FEATURES = (
-    f.PinEyes("pin", EYE, EYE, EYE), f.SlideFaces("slide", FACES, FACES), f.SlotFaces("slot", FACES, EYE),
+    f.PinEyes("pin", EYE, EYE, EYE, (f.Ring("part", 3.0, 9.0),)),
+    f.SlideFaces("slide", FACES, FACES), f.SlotFaces("slot", FACES, EYE),
     f.CamOutline("cam", "part", "pin", "pin", f.Flat("part", 0j, 0.0, 4.0), bore=EYE, own=f.OwnTip("part", EYE, EYE),
                  roller="part"),
     f.GearTeeth("gear", f.Teeth("part", 9, 9.0, 1.0), f.Teeth("part", 9, 9.0, 1.0), ("pin", "pin")), f.Mark(EYE),
+    f.Keyed(EYE, EYE, 0.0), f.Steady("pin", EYE, EYE, EYE, (EYE, EYE)),
 )  # fmt: skip
 
 
@@ -134,3 +136,4 @@ def test_every_name_in_a_record_is_given_the_prefix_in_a_larger_machine(record: 
     before, after = names(record), names(Module("left").renamed(record))
     given = [a if a == GROUND else f"left-{a}" if a == "part" else f"left_{a}" for a in before]
     assert before and after == given
+    assert {type(each) for each in FEATURES} == set(get_args(f.Feature))

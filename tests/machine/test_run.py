@@ -79,6 +79,12 @@ def test_play_of_each_joint_at_the_output() -> None:
     assert set(gear.by_joint) == {"O", "C", "A", "B", "P", "gear"} and (gear.by_joint["gear"] > 0).all()
 
 
+def test_many_angles_are_printed_in_a_line() -> None:
+    run = solve(scotch_yoke(), np.linspace(0.1, 6, 1000))
+    assert repr(run.play("way")) == "Play at 1000 angles: up to total 0.02, O 0.01, guide 0, slot 0.01"
+    assert repr(run.forces()).startswith("Forces at 1000 angles; reactions to O ") and len(repr(run.forces())) < 200
+
+
 def test_play_of_a_slider_crank_by_hand() -> None:
     """In line with the rod a pin's play reaches the slider in full, over the rod's cosine elsewhere."""
     theta = np.linspace(0.1, 6, 15)

@@ -18,7 +18,7 @@ from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import load_table
 from camgen.pipeline.jobs import read_mechanism
-from camgen.spec import read
+from camgen.reading import read
 
 SPECS = starters.folder()
 TURN = np.linspace(0, math.tau, 361)
@@ -166,6 +166,26 @@ def test_a_machine_that_locks_is_told() -> None:
         findings = assess(made("quick-return", friction=mu, on=[held])).findings
         found = [each for each in findings if each.code == "SELF_LOCKING"]
         assert bool(found) is locks and all(not each.ok and 0 < each.measured <= 360 for each in found)
+
+
+def test_a_machine_that_locks_says_which_friction_it_bears() -> None:
+    held = {"output": "ram", "value": -20.0, "acts": "along"}
+
+    def locks(mu: float) -> list[str]:
+        findings = assess(made("quick-return", friction=mu, on=[held])).findings
+        return [each.message for each in findings if each.code == "SELF_LOCKING"]
+
+    (said,) = locks(3.0)
+    assert said.startswith("locks at a friction of 3 (load.friction); it turns with up to ")
+    bears = float(said.partition("up to ")[2].partition(" in ")[0])
+    assert 0 < bears < 3 and not locks(bears) and locks(bears + 0.02)
+
+
+def test_what_inertia_does_to_a_pin_is_said_where_it_acts_alone() -> None:
+    said = {gravity: [each.message for each in assess(made("linkage", **gravity_deg)).findings if each.code == "PIN_STRESS"]
+            for gravity, gravity_deg in ((False, {}), (True, {"gravity_deg": -90.0}))}  # fmt: skip
+    assert said[True] and not any("inertia" in each for each in said[True])
+    assert said[False] and all("by inertia alone: " in each for each in said[False])
 
 
 def test_several_drives_are_one_shaft() -> None:

@@ -23,7 +23,8 @@ from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
 from camgen.pipeline.build import build
 from camgen.pipeline.scope import unheard
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 Floats = np.ndarray
 SPECS = Path(__file__).resolve().parents[2] / "specs"

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen import spec
+from camgen import reading, spec
 from camgen.errors import DesignError, SpecError
 from camgen.files.stl import read_stl, write_stl
 from camgen.files.threemf import read_3mf
@@ -42,7 +42,7 @@ def machine(changes: dict[str, Any] | None = None) -> ChainStitchLooper:
 
 
 def starter(changes: dict[str, Any]) -> ChainStitchLooper:
-    data = spec.read(STARTER)
+    data = reading.read(STARTER)
     for path, value in changes.items():
         table, key = path.split(".")
         data.setdefault(table, {})[key] = value

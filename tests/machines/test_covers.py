@@ -18,7 +18,8 @@ from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 PLAY, THICKNESS = 0.2, 4.0  # print.slide_clearance, parts.thickness unless given

@@ -17,6 +17,7 @@ import pytest
 import shapely
 from judged import wrong
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.files.stl import read_stl
@@ -59,7 +60,7 @@ def kinds_of(findings: Iterable[Finding]) -> set[tuple[str, str]]:
 
 
 def mechanism(*settings: str, segments: list[dict[str, Any]] | None = None) -> DiscCamDrive:
-    data = specs.read(SPEC)
+    data = reading.read(SPEC)
     for setting in settings:
         data = override(data, setting)
     if segments is not None:
@@ -110,7 +111,7 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
 
     def build(shape: str) -> Any:
         if shape not in made:
-            data = specs.read(SPEC)
+            data = reading.read(SPEC)
             roller = {"radius": 0.5 * INCH} if shape == "roller" else {}
             data["geometry"] = {"follower": {"motion": "translating", "shape": shape} | roller}
             data["segment"] = [

@@ -22,7 +22,8 @@ from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 THETA = np.radians(np.arange(0.5, 360.0, 1.0))

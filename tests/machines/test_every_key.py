@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from camgen import reading
 from camgen import spec as specs
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.machines import MECHANISMS, load
@@ -53,8 +54,8 @@ def leaves(node: Any, root: Any, data: Any, path: tuple[str | int, ...] = (), as
 
 
 @functools.cache
-def starter(mechanism: str) -> specs.Data:
-    return specs.read(SPECS / f"{mechanism}.toml")
+def starter(mechanism: str) -> reading.Data:
+    return reading.read(SPECS / f"{mechanism}.toml")
 
 
 def keys_of(mechanism: str) -> list[Leaf]:

@@ -18,7 +18,7 @@ from camgen.machines.included import opened
 from camgen.pipeline.build import build, check
 from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
 from camgen.pipeline.making import make_parts, put_together
-from camgen.spec import read
+from camgen.reading import read
 
 THETA = np.linspace(0, math.tau, 97)
 MODULES = ("eccentric-drive", "thread-take-up", "chain-stitch-looper")

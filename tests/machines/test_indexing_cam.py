@@ -20,7 +20,8 @@ from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
 from camgen.pipeline import build as pipeline
-from camgen.spec import dump, read, schema, validate
+from camgen.reading import read
+from camgen.spec import dump, schema, validate
 
 REFERENCE = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "indexing-cam.toml").read_text())
 STARTER = Path(__file__).resolve().parents[2] / "specs" / "indexing-cam.toml"

@@ -16,7 +16,8 @@ from judged import wrong
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 THETA = np.linspace(0.1, 6.2, 97)
 
@@ -249,6 +250,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["links"].update(hung=["A"]), DesignError, "1 degree of freedom left over: link hung still moves"),
         (lambda e: e["links"].update(strut=["A", "B"]), DesignError, "over-constrained: joints"),
         (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "mm too long"),
+        (lambda e: e["points"].update(A=[0, 0]), SpecError, "O and A are drawn at one place"),
         (lambda e: e["lengths"].update({"C-B": 5}), DesignError, "open by 4.79162 mm (coupler A-B 60, rocker C-B 5)"),
         (lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]), SpecError, "two different points"),
         (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "expected one drive"),

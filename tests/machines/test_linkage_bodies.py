@@ -18,7 +18,8 @@ from judged import wrong
 from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 Floats = np.ndarray
 DWELLS = [

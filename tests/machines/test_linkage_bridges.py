@@ -16,7 +16,8 @@ from test_cli import run as run  # noqa: F401  a fixture
 from camgen.errors import CamgenError, SpecError
 from camgen.machines.linkage import bridges
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 THETA = np.linspace(0, math.tau, 73)
 

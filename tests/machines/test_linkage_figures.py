@@ -14,7 +14,8 @@ from camgen.machine.closed_form import transmission_extremes
 from camgen.machine.reach import transmission
 from camgen.machines.linkage import figures
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 from camgen.study import Study
 
 BAR = 70.0, 20.0, 60.0, 50.0  # ground, crank, coupler, rocker of the starter

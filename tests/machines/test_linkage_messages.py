@@ -17,8 +17,9 @@ from camgen.judge.contours import contour_error
 from camgen.machine.targets import Course, Straight
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.gears import pair
+from camgen.reading import read
 from camgen.report.terminal import Bar
-from camgen.spec import read, validate
+from camgen.spec import validate
 
 
 @pytest.fixture

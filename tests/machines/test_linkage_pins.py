@@ -22,7 +22,8 @@ from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.catalogue import Bearing
 from camgen.pipeline.build import build
 from camgen.pipeline.making import parts_table
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 # ISO 7379: shoulder -> thread, head's diameter and height, thread's length, mm [BOSL2, screws.scad].
 SHOULDERS = {6.5: (5, 10, 4.5, 9.5), 8: (6, 13, 5.5, 11), 10: (8, 16, 7, 13), 13: (10, 18, 9, 16)}

@@ -22,7 +22,8 @@ from camgen.machine.features import Eye, Keyed, Mount, Steady
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 TWO = {  # two four-bars on opposite throws
     "mechanism": "linkage", "name": "two", "drive": {"link": "crank"},

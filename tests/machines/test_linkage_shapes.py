@@ -12,7 +12,8 @@ from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage import layout as lo
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 PLAY = 0.2
 

@@ -15,7 +15,8 @@ from camgen.machine.model import Spring
 from camgen.machine.run import solve
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 THETA = np.linspace(0, math.tau, 721)
 POST = 120 + 20j

@@ -14,7 +14,8 @@ from camgen.errors import SpecError
 from camgen.findings import Finding
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 SHAPER = {
     "points": {"O": [0, 0], "A": [0, 20], "D": [0, -50], "E": [0, 60]},

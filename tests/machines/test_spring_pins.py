@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+import numpy as np
 import pytest
 
 import camgen
 from camgen.machines.mechanism import Mechanism
+from camgen.pipeline.shown import animation
 
 DISC = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}, {"kind": "return", "span_deg": 180, "law": "cycloidal"}
 
@@ -32,6 +34,17 @@ def own_linkage() -> Mechanism:
         "links": {"ground": ["O", "C", "S"], "disc": ["O"], "rocker": ["C", "T"]},
         "cam": [{"cam": "disc", "follower": "rocker", "at": "T", "radius": 5, "segment": segments}],
         "spring": [{"between": ["T", "S"], "rate": 0.2, "preload": 6.0}], "output": [{"name": "a", "link": "rocker"}],
+    })  # fmt: skip
+
+
+def including() -> Mechanism:
+    """A four-bar with the cam on its bench beside it."""
+    return camgen.load({
+        "mechanism": "linkage", "name": "host", "drive": {"link": "crank", "speed_rpm": 60},
+        "points": {"O": [0, 0], "C": [70, 0], "A": [20, 0], "B": [60, 45]},
+        "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
+        "output": [{"name": "a", "link": "rocker"}],
+        "include": [{"spec": bench().model_dump(by_alias=True, exclude_none=True), "at": [200, 0]}],
     })  # fmt: skip
 
 
@@ -67,7 +80,8 @@ def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) ->
     assert room < (top - low) / 2, "with or without the spring's eye it stays on"
 
 
-@pytest.mark.parametrize("machine", [bench(), bench(bodies={"pin": "dowel"}), own_linkage()], ids=["bench", "dowel", "linkage"])
+@pytest.mark.parametrize("machine", [bench(), bench(bodies={"pin": "dowel"}), own_linkage(), including()],
+                         ids=["bench", "dowel", "linkage", "included"])  # fmt: skip
 def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: Mechanism) -> None:
     """Its eyes are 1.1 pins wide, the heads of a pin of 5 are 8: what of pins and caps ends above the eyes comes later."""
     table, parts, number = machine.steps(), {part.name: part for part in machine.parts()}, Counter[str]()
@@ -75,9 +89,29 @@ def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: M
     eye, over = float(str(table.rows[step][5])), set()
     for mount in machine.mounts():
         number[mount.part] += 1
-        headed = mount.part.startswith("cap") or mount.part.startswith("pin") and mount.flipped
+        kind = mount.part.removeprefix("own-") if machine.name == "host" else mount.part
+        if kind == mount.part and machine.name == "host":
+            continue  # the four-bar's own
+        headed = kind.startswith("cap") or kind.startswith("pin") and mount.flipped
         if headed and mount.z + parts[mount.part].thickness > eye:
             over.add(f"{mount.part}-{number[mount.part]}")
     before = {copy for laid in table.copies[:step] for copy in laid}
     assert len(over) == 2 and not over & before and over <= {copy for laid in table.copies[step:] for copy in laid}
     assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))
+
+
+def test_springs_are_drawn_between_their_pins() -> None:
+    """From the pin in the ground to that of the follower, at their height; of an included machine where it stands."""
+    theta, whole, own = np.linspace(0, 6, 7), including(), bench()
+    (drawn,), (there,) = own.spring_sketches(), whole.spring_sketches()
+    assert drawn.course is not None and there.course is not None and drawn.z is not None and there.z is not None
+    line = drawn.course(theta)
+    spring = own.return_spring
+    assert spring is not None and np.ptp(line[:, 0]) == 0
+    inside = np.abs(line[:, -1] - line[:, 0]) + own.sizes.pin_diameter  # type: ignore[attr-defined]
+    assert spring.shortest - 1e-6 < inside.min() < inside.max() < spring.longest + 1e-6
+    assert np.ptp(inside) > 0.5 * (spring.longest - spring.shortest)
+    np.testing.assert_allclose(there.course(theta), line + 200, atol=1e-9)
+    tops = [mount.z for mount in whole.mounts() if mount.part.startswith("own-")]
+    assert there.z - drawn.z == pytest.approx(min(tops) - min(mount.z for mount in own.mounts()))
+    assert "spring" in [body.name for body in animation(own).bodies]

@@ -17,7 +17,8 @@ from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 THETA = np.radians(np.arange(1.0, 360.0, 2.0))

@@ -25,7 +25,8 @@ from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.pipeline.curves import Curves
 from camgen.pipeline.shown import animation
-from camgen.spec import read, validate
+from camgen.reading import read
+from camgen.spec import validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SETTINGS = {

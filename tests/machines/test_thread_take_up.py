@@ -469,7 +469,7 @@ def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
         assert found[f"pin {pin}"].measured == EXACT(stress, rel=1e-4) and found[f"pin {pin}"].ok  # at other angles
     print_ = {f.where: f for f in assess(made('parts.pins="printed"')).findings if f.code == "PIN_STRESS"}
     assert not print_["pin A"].ok and not print_["pin B"].ok and print_["pin C"].ok
-    share = float(print_["pin B"].message.rpartition(" times the speed")[0].rpartition(", ")[2])
+    share = float(print_["pin B"].message.rpartition(" times the speed")[0].rpartition(": ")[2])
     slower = assess(made('parts.pins="printed"', f"motor.speed_rpm={0.999 * share * 5000}"))
     assert all(f.ok for f in slower.findings if f.code == "PIN_STRESS")
 

@@ -15,9 +15,10 @@ from pathlib import Path
 import pytest
 
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
+from camgen.machines.mechanism import Mechanism
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.build import build, check
-from camgen.pipeline.jobs import Case, Workers, cores, read_mechanism
+from camgen.pipeline.jobs import Case, Template, Workers, changed, cores, read_mechanism, read_tables
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 CAMS = ["parts.make='cams'", "parts.bore=8"]
@@ -162,3 +163,25 @@ def test_no_stage_runs_that_no_output_asks_for(tmp_path: Path, monkeypatch: pyte
     if only == "report":
         wanted -= {"camgen.judge.budget.error_budget"}  # no part was read, so nothing has an error
     assert ran == wanted
+
+
+@pytest.mark.parametrize("name", ["disc-cam", "linkage", "uniform-swing", "chain-stitch-looper", "gallery/dial-table"])
+def test_a_variant_of_a_template_is_the_spec_with_its_keys_set(name: str) -> None:
+    """What a variant leaves alone is not checked again; it is the same record, with the same keys given."""
+    asked = read_tables(SPECS / f"{name}.toml")
+    for settings in (["name=other"], ["parts.thickness=7", "print.nozzle=0.5"], ["drawing.number=A1"], ["parts.thickness=-1"]):
+        try:
+            alone: object = changed(*asked, ["accuracy.chord_tolerance=0.002", *settings])
+        except SpecError as error:
+            alone = error.faults
+        (made,) = Template(*asked, ["accuracy.chord_tolerance=0.002"]).variants([settings])
+        assert (made.faults if isinstance(made, SpecError) else made) == alone
+        if isinstance(made, Mechanism) and isinstance(alone, Mechanism):
+            assert made.model_dump(exclude_unset=True) == alone.model_dump(exclude_unset=True)
+
+
+def test_what_a_sheet_decides_is_decided_for_each_variant() -> None:
+    data = read_tables(SPECS / "linkage.toml")[0]
+    data = data | {"parts": {**data["parts"], "make": "laser"}, "laser": {"thickness": 3.0}}
+    (made,) = Template(data, "spec", Path()).variants([["laser.thickness=4"]])
+    assert not isinstance(made, Exception) and made.making.thickness == 4.0  # type: ignore[attr-defined]

@@ -17,7 +17,7 @@ from camgen.geometry.mesh import slice_mesh
 from camgen.judge.round_trip import pieces_of
 from camgen.judge.sliced import Known, bodies, copy_of, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
-from camgen.pipeline.sliced import check_gcode
+from camgen.pipeline.sliced import check_gcode, left_out
 
 WIDTH, LAYER = 0.45, 0.8
 SPEC = Path(__file__).parents[2] / "specs" / "linkage.toml"
@@ -199,6 +199,15 @@ def test_what_lies_there_besides(folder):
     report = check_gcode(folder, [laid(folder, ["collar"]), cube])
     (finding,) = (finding for finding in report.findings if not finding.ok)
     assert finding.code == "ROUND_TRIP" and finding.measured == 1 and "like no part" in finding.message
+
+
+def test_a_part_on_a_side_is_not_said_to_be_missing():
+    """What it counts as in the motion is told with its true reason: more plates would not help."""
+    told = {(each.code, each.needs): each.why for each in left_out(["shaft"], {"shaft", "crank"})}
+    assert set(told) == {("ROUND_TRIP", "its STL"), ("MOTION_ERROR", "them upright"), ("MOTION_ERROR", "all plates")}
+    assert told["MOTION_ERROR", "all plates"] == "crank: not on the plate and counts as its file has it"
+    assert told["MOTION_ERROR", "them upright"].startswith("shaft: on a side")
+    assert [each.code for each in left_out(["shaft"], ())] == ["ROUND_TRIP"]
 
 
 def test_a_plate_is_given_once(folder):

@@ -57,6 +57,17 @@ def test_a_slider_crank_by_its_formula() -> None:
     assert np.allclose(np.abs(found.found["travel"].modes[k]), 1 / np.cos(tilt), rtol=1e-9)
 
 
+@pytest.mark.parametrize("rod", ["", "links.rod=['P', 'D']"])
+def test_a_point_goes_with_its_own_hole(rod: str) -> None:
+    """The pen's hole, or the hole of a pin that is the point, off by 1 mm on its link: as the link is turned, so by 1 mm."""
+    hung = ("points.D=[110, 85]", "points.G=[130, 20]", rod, "links.out=['G', 'D']", "links.ground=['O', 'C', 'G']")
+    found = spread("linkage", *(hung if rod else ()))
+    x, y = (found.found["pen"].modes[k] for k, mode in enumerate(found.modes) if mode.where == "P, coupler")
+    assert np.allclose(np.abs(x), 1, rtol=1e-12) and np.allclose(y, 1j * x, rtol=1e-9)
+    row = next(row for row in found.budget().rows if row[0] == "P, coupler")
+    assert row[3] == pytest.approx(3 * math.sqrt(2) * found.sizes.place, rel=1e-9)  # along both axes
+
+
 def test_all_waves_together_have_their_size() -> None:
     """Averaged over the outline, the variance of all waves is that of one error; a bore off centre is e . n."""
     angle = np.linspace(0, math.tau, 361)[:-1]

@@ -12,7 +12,7 @@ from test_tolerance import SPECS, spread
 from camgen.machine.model import Pin
 from camgen.pipeline.tolerance import Spread, drawn_again
 from camgen.pipeline.tolerance_findings import Judged, judged
-from camgen.pipeline.tolerance_report import tolerance
+from camgen.pipeline.tolerance_report import tolerance, wilson
 
 SPRUNG = ("load.mass_kg=0.3", "spring={rate=1,preload=0.1}")
 
@@ -91,6 +91,15 @@ def test_yield_does_not_hang_on_the_facets() -> None:
         assert abs(angle.values.mean() - angle.designed) < angle.values.std()
         means.append(angle.values.mean())
     assert means[0] == pytest.approx(means[1], abs=0.2 * angle.values.std())
+
+
+@pytest.mark.parametrize("good, count", [(0, 50), (35, 50), (50, 50), (999, 1000), (1, 1)])
+def test_how_sure_a_yield_is(good: int, count: int) -> None:
+    """Wilson's interval as SciPy has it."""
+    from scipy.stats import binomtest
+
+    low, high = binomtest(good, count).proportion_ci(0.95, "wilson")
+    assert wilson(np.arange(count) < good) == pytest.approx((100 * low, 100 * high), abs=1e-4)
 
 
 def test_yields_are_in_the_report() -> None:

@@ -121,12 +121,16 @@ def test_what_a_broken_file_leaves_unjudged_is_named(make: Make, tmp_path: Path)
     assert {"MOTION_ERROR", "VOLUME", "ROUND_TRIP"} <= {each.code for each in report.not_judged}
 
 
-def test_a_file_that_was_changed_and_still_holds_is_named(make: Make, tmp_path: Path) -> None:
-    assert not make("disc-cam", "dxf").remarks
-    drawing = tmp_path / "disc-cam" / "disc-cam-cam.dxf"
+def test_a_file_that_was_changed_is_told_as_judged_or_not(make: Make, tmp_path: Path) -> None:
+    """The drawing of a chain is an SVG like a sheet for the laser, but unlike that it is not judged."""
+    assert not make("linkage", "dxf").remarks
+    drawing, chain = (tmp_path / "linkage" / f"linkage-{name}" for name in ("crank.dxf", "chain.svg"))
     drawing.write_text("999\nlooked at by somebody\n" + drawing.read_text("utf-8"), "utf-8")
-    report = check(tmp_path / "disc-cam")
-    assert report.ok and [text for text in report.remarks if "changed since the build" in text and "disc-cam-cam.dxf" in text]
+    chain.write_text("nothing", "utf-8")
+    report = check(tmp_path / "linkage")
+    assert [text for text in report.remarks if "changed since the build" in text and "linkage-crank.dxf" in text]
+    (told,) = (finding for finding in report.findings if not finding.ok)
+    assert told.code == "MANIFEST" and "linkage-chain.svg" in told.message
 
 
 def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import camgen
-from camgen.files.plates import Side, lying_side, parts_list
+from camgen.files.parts_list import parts_list
+from camgen.files.plates import Side, lying_side
 from camgen.parts.solids import solid
 from camgen.pipeline.whole_layers import between
 

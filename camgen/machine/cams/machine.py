@@ -40,7 +40,7 @@ from camgen.machine.model import (
     Slide,
 )
 from camgen.machine.run import solve
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, distinct
 
 ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
 
@@ -177,7 +177,7 @@ def cam_outline(
 
 def _turn(cam: DiscCam[Any]) -> Floats:
     """Angles among which the lowest place is."""
-    return np.union1d(np.linspace(0, math.tau, 1441), cam.program.breaks)
+    return distinct(np.linspace(0, math.tau, 1441), cam.program.breaks)
 
 
 @dataclass(frozen=True)

@@ -14,28 +14,30 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from camgen.machine.cams.followers import FlatFace, Motion, RoundTip
-from camgen.machine.cams.profile import DiscCam, sharpness, steepness, touched
-from camgen.numerics import Floats, Indices, gauss_legendre
+from camgen.machine.cams.profile import DiscCam, sharpness, steepness, still, touched
+from camgen.numerics import Floats, Indices, distinct, gauss_legendre
 
 _BLOCK = 256  # cams whose arrays stay in the processor's cache
-_PANELS = 8  # of a stretch, with 16 nodes each
+_PANELS = 8  # of a stretch, each with as many nodes as these
+_GAUSS = gauss_legendre(16)
 _BESIDE = 1e-9  # of a segment, from the end of a stretch to its first node
 _SHARE = 1e-2  # of a figure's range, by which a lower peak may be the highest when looked at closely
 _ZOOM, _TIMES = 9, 9  # places between two neighbours, and how often: to 4^-9 of a node's distance
+_GROUND = 0.0  # theta at which a cam's frame is the ground's: nothing here depends on how far the cam has turned
 _PLAIN = 0.02  # least sine between the profile and its radius, and least share of the cam that the follower keeps from the axis
 
 
 @dataclass(frozen=True)
 class Seen:
-    """Of one cam: pressure angle, deg; least radius, length, farthest point, between where and where a face is touched, mm;
-    area, mm^2.
+    """Of one cam: pressure angle, deg; least radius, length, farthest and nearest point, between where and where a face is
+    touched, mm; area, mm^2.
     """
 
     steepest: float
@@ -43,6 +45,7 @@ class Seen:
     length: float
     area: float
     farthest: float
+    nearest: float
     face_from: float
     face_to: float
 
@@ -97,10 +100,6 @@ class _Kin:
         return np.array([[s.start for s in cam.program.segments] for cam in self.cams])
 
     @cached_property
-    def _begins(self) -> Floats:
-        return np.array([cam.program.joints[:-1] for cam in self.cams])
-
-    @cached_property
     def _columns(self) -> dict[str, Any]:
         """Fields of the followers, (cams, 1) where they differ, so that they go with (cams, angles)."""
         columns = {}
@@ -113,9 +112,9 @@ class _Kin:
         picked = {name: value[rows] if isinstance(value, np.ndarray) else value for name, value in self._columns.items()}
         return replace(self.cams[0].cutter, **picked)
 
-    def _course(self, k: int, u: Floats, rows: Any) -> tuple[Floats, Motion]:
-        """Cam angles and motion of some cams at shares u of their segment k: (n,) for all of them, or (rows, n)."""
-        span, scale, start, begin = (each[rows, k, None] for each in (self._spans, self._scales, self._starts, self._begins))
+    def _course(self, k: int, u: Floats, rows: Any) -> Motion:
+        """Motion of some cams at shares u of their segment k: (n,) for all of them, or (rows, n); at whatever theta is asked."""
+        span, scale, start = (each[rows, k, None] for each in (self._spans, self._scales, self._starts))
         law, known = self.cams[0].program.segments[k].law, dict[int, Floats]()
 
         def motion(theta: Any, order: int) -> Floats:
@@ -123,11 +122,11 @@ class _Kin:
                 known[order] = scale / span**order * law(u.ravel(), order).reshape(u.shape) + (0 if order else start)
             return known[order]
 
-        return begin + span * u, motion
+        return motion
 
     @cached_property
     def _stretches(self) -> list[_Stretch]:
-        nodes, weights = gauss_legendre(16)
+        nodes, weights = _GAUSS
         found = []
         for k, segment in enumerate(self.cams[0].program.segments):
             if not segment.scale:
@@ -136,7 +135,7 @@ class _Kin:
             law = segment.law
             corners = [0.0, *(() if law.smooth else law.breaks), 1.0]
             for a, b in pairwise(corners):
-                edges = np.union1d(np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b])
+                edges = distinct(np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b])
                 half = np.diff(edges)[:, None] / 2
                 inner, weigh = (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
                 ends = a + _BESIDE, b - _BESIDE
@@ -152,27 +151,30 @@ class _Kin:
         length, area, farthest = (np.zeros(count) for _ in range(3))
         sine, clear = (np.full(count, math.inf) for _ in range(2))
         for stretch, course in zip(self._stretches, courses, strict=True):
-            place, along = (follower.envelope(*course, order) for order in (0, 1))
+            place, along = (follower.envelope(_GROUND, course, order) for order in (0, 1))
             away, speed, swept = np.abs(place), np.abs(along), -np.imag(np.conj(place) * along)
             weight = self._spans[:, stretch.segment, None] * stretch.weights
             length += np.sum(weight * speed, axis=1)
             area += np.sum(weight * swept, axis=1) / 2
             farthest = np.maximum(farthest, np.max(away, axis=1))
             sine = np.minimum(sine, np.min(swept / (away * speed), axis=1))
-            clear = np.minimum(clear, np.min(follower.clear(*course), axis=1))
+            clear = np.minimum(clear, np.min(follower.clear(_GROUND, course), axis=1))
         steepest = np.degrees(self._peak(steepness, courses))
         least = -self._peak(sharpness, courses)
         ends = (-self._peak(_nearer, courses), self._peak(touched, courses)) if flat else (np.zeros(count), np.zeros(count))
         rounded = flat or bool(np.any(follower.tip_radius))
         plain = (sine > _PLAIN) & (clear > _PLAIN * farthest) & ((least > 0) | (not rounded))
-        rows = np.stack([steepest, least, length, area, farthest, *ends]).T
+        lifts = np.array([cam.program.extremes for cam in self.cams]).T[..., None]
+        nearest = np.min([follower.clear(_GROUND, partial(still, lift)) for lift in lifts], axis=0)[:, 0]
+        rows = np.stack([steepest, least, length, area, farthest, nearest, *ends]).T
         plain &= ~np.isnan(rows).any(axis=1)
         return [Seen(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)]
 
-    def _peak(self, figure: Figure, courses: Sequence[tuple[Floats, Motion]]) -> Floats:
+    def _peak(self, figure: Figure, courses: Sequence[Motion]) -> Floats:
         """Greatest value of a figure over the turn, (cams,)."""
         follower = self._follower(slice(None))
-        values = [np.broadcast_to(figure(follower, *course), course[0].shape) for course in courses]
+        values = [np.broadcast_to(figure(follower, _GROUND, course), (len(self.cams), each.nodes.size))
+                  for each, course in zip(self._stretches, courses, strict=True)]  # fmt: skip
         best = np.max([np.max(each, axis=1) for each in values], axis=0)
         least = np.min([np.min(np.where(np.isfinite(each), each, best[:, None]), axis=1) for each in values], axis=0)
         with np.errstate(invalid="ignore"):
@@ -195,7 +197,7 @@ class _Kin:
         one = np.arange(rows.size)
         for _ in range(_TIMES):
             u = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _ZOOM)
-            value = np.broadcast_to(figure(follower, *self._course(k, u, rows)), u.shape)
+            value = np.broadcast_to(figure(follower, _GROUND, self._course(k, u, rows)), u.shape)
             top = np.argmax(value, axis=1)
             best = np.maximum(best, value[one, top])
             low, high = u[one, np.maximum(top - 1, 0)], u[one, np.minimum(top + 1, _ZOOM - 1)]

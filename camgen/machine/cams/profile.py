@@ -33,7 +33,7 @@ from camgen.geometry.trimming import trim
 from camgen.machine.cams.followers import FlatFace, Follower, Motion, RoundTip
 from camgen.machine.cams.followers import SwingingArm as SwingingArm
 from camgen.motion.program import Program, Segment
-from camgen.numerics import Floats, Points, greatest, sign_changes
+from camgen.numerics import Floats, Points, distinct, greatest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
@@ -77,7 +77,7 @@ def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
     return follower.place(motion(theta, 0), point)
 
 
-def _still(s: float, theta: Any, order: int) -> Floats:
+def still(s: Any, theta: Any, order: int) -> Floats:
     """The motion of a follower that stands at s."""
     return np.asarray(0.0 if order else s)
 
@@ -96,7 +96,7 @@ class DiscCam(Generic[F]):
     @cached_property
     def nearest(self) -> float:
         """Distance of the profile from the axis, mm, below 0 where the axis is cut away: what stands nearest cuts deepest."""
-        low, high = (self.cutter.clear(0.0, partial(_still, end)) for end in self.program.extremes)
+        low, high = (self.cutter.clear(0.0, partial(still, end)) for end in self.program.extremes)
         return float(min(low, high))
 
     @cached_property
@@ -350,7 +350,7 @@ def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
     """Places along a piece (t0 < t1) where f changes sign: looked for at its knots, even samples, the lowest place."""
     spread = piece.spread(1025)
     lowest, _ = greatest(lambda x: -f(x), piece.t0, piece.t1, spread)
-    found: list[float] = sign_changes(f, np.union1d(spread, lowest)).tolist()
+    found: list[float] = sign_changes(f, distinct(spread, [lowest])).tolist()
     return found
 
 

@@ -52,10 +52,10 @@ class ChainStitchLooper(Mechanism):
     """Spec and answers of the two-thread chain stitch; the output is L, how far the spreaders have moved, mm."""
 
     geometry: Geometry
-    timing: Timing = Timing()
-    motor: Motor = Motor()
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    timing: Timing = Timing.model_construct()
+    motor: Motor = Motor.model_construct()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
     wanted: Wanted | None = None
 
     def faults(self) -> Sequence[Fault]:

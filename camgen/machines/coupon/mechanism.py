@@ -87,10 +87,10 @@ class Limits(Record):
 class Coupon(Mechanism):
     """Spec and answers of a coupon."""
 
-    geometry: Geometry = Geometry()
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    measured: Measured = Measured()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    geometry: Geometry = Geometry.model_construct()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    measured: Measured = Measured.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

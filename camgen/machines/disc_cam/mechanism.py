@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault
+from camgen.errors import Fault, SpecError
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
@@ -35,12 +35,13 @@ from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.disc_cam.walls import walls
+from camgen.machines.free_play import between
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.pairs import air_faults
 from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
-from camgen.motion.segments import SegmentTable, program, program_faults
+from camgen.motion.segments import SegmentTable, program
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.study import Sketch, Study
@@ -56,16 +57,16 @@ class DiscCamDrive(StandingCams):
 
     geometry: Geometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)]
-    motor: Motor = Motor()
+    motor: Motor = Motor.model_construct()
     load: LoadTable | None = None
     spring: SpringTable | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         g, f, p = self.geometry, self.geometry.follower, self.making
-        round_hub = 2 * (p.hole()[1] + self.allowed.min_wall) if not p.misfits() else 0.0
+        round_hub = 2 * (p.reach + self.allowed.min_wall) if not p.misfits() else 0.0
         slides, flat, roller = f.motion == "translating", f.shape == "flat", f.shape == "roller"
         found = []
         for key, belongs, needed, what in (
@@ -94,12 +95,16 @@ class DiscCamDrive(StandingCams):
         for fine, path, value, expected in checks:
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
-        found += [*p.misfits(), *program_faults(self.segment)]
+        found += p.misfits()
+        try:
+            self._given  # noqa: B018
+        except SpecError as error:
+            found += error.faults
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
         found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0)
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
-            found += polydyne_faults(self.load, program(self.segment, 1 / self._unit[1]))
+            found += polydyne_faults(self.load, self._given)
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -111,9 +116,14 @@ class DiscCamDrive(StandingCams):
         return ("mm", 1.0) if self.geometry.follower.motion == "translating" else ("deg", math.degrees(1))
 
     @cached_property
+    def _given(self) -> Program:
+        """The segments, one after the other."""
+        return program(self.segment, 1 / self._unit[1])
+
+    @cached_property
     def program(self) -> Program:
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
-        made = program(self.segment, 1 / self._unit[1])
+        made = self._given
         if self.load is not None and self.load.polydyne:
             made = polydyne(made, self.load.stretch(self.speed))
         return made if self.sense > 0 else made.backwards()
@@ -165,7 +175,7 @@ class DiscCamDrive(StandingCams):
     def _room(self) -> float:
         """Radius of the circle that holds the cam's shaft, its hub and a groove's pins, with walls, mm."""
         p, sizes, wall = self.making, self.sizes, 2 * self.allowed.min_wall
-        shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.hole()[1]
+        shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.reach
         pin = sizes.pin_diameter if self.standing else p.pin_diameter
         pins = wall / 2 + 1.5 * pin if self.geometry.closure == "groove" else 0.0
         hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
@@ -198,10 +208,11 @@ class DiscCamDrive(StandingCams):
         return self.making.make == "machine"
 
     def _stood(self) -> Bench:
-        from camgen.machines.bench import Bench, Tip
+        from camgen.machines.bench import Bench
+        from camgen.machines.linkage.wheels import Ridden
 
         g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
-        tip = Tip(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
+        tip = Ridden(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, tip,
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
@@ -319,8 +330,11 @@ class DiscCamDrive(StandingCams):
         return [*findings, *self._jumps()]
 
     def forecast(self) -> Sequence[Finding]:
-        """The same, and of cams alone what bore and hub leave of them."""
-        return [*self.limits(), *([] if self.standing else walls(self))]
+        """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
+        if self.standing:
+            return super().forecast()
+        air = self.print.slide_clearance if self.geometry.closure == "groove" else self.geometry.tip_clearance
+        return [*self.limits(), *walls(self), *between(self.cams, air, self.allowed.lash / self._unit[1])]
 
     def _jumps(self) -> list[Finding]:
         """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""

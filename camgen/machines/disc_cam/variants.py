@@ -30,7 +30,7 @@ def prepare(many: Sequence[DiscCamDrive]) -> None:
         if len(known) < len(cams):
             continue
         for cam, one in zip(cams, known, strict=True):
-            vars(cam).update(undercuts=(), least_radius=one.least_radius, length=one.length, area=one.area)
+            vars(cam).update(undercuts=(), least_radius=one.least_radius, length=one.length, area=one.area, nearest=one.nearest)
         vars(each).update(_pressure=[one.steepest for one in known], _face=[(one.face_from, one.face_to) for one in known],
                           _clears_axle=True)  # fmt: skip
 

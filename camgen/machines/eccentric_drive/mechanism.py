@@ -46,10 +46,10 @@ class EccentricDrive(Mechanism):
 
     geometry: Geometry
     motor: Motor
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
     masses: Masses | None = None
     counterweight: Counterweight | None = None
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -7,7 +7,7 @@ machine with its chain, solved over the turn.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ from camgen.machines.indexing_cam.driver import TwoCranks, driver_faults
 from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
+from camgen.numerics import halved
 from camgen.study import Table
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class Comparison:
         if size is None:
             return _NONE
         low, high = max(low, float(size) - (high - low) / (_SIZES - 1)), float(size)
-        return _halved(fits, low, high) - self.roller
+        return halved(fits, low, high, _STEPS) - self.roller
 
     def _least_ratio(self, share: float) -> float | str:
         follower = self.follower(self.base)
@@ -109,23 +110,15 @@ class Comparison:
 
         if not fits(_LONGEST):
             return _NONE
-        rise = _halved(fits, _SHORTEST, _LONGEST)
+        rise = halved(fits, _SHORTEST, _LONGEST, _STEPS)
         return rise / (180 - rise)
 
 
-def _halved(fits: Callable[[float], bool], low: float, high: float) -> float:
-    """The least that fits between one that does not and one that does."""
-    for _ in range(_STEPS):
-        middle = (low + high) / 2
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
-
-
-def compared(spec: IndexingCam) -> Table | None:
-    """The even drive of a spec beside uneven ones; None of a program that no chain of two turns to one of the cam serves."""
+def compared(spec: IndexingCam) -> Sequence[Table]:
+    """The even drive of a spec beside uneven ones; nothing of a program that no chain of two turns to one of the cam serves."""
     g, f = spec.geometry, spec.geometry.follower
     if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg)):
-        return None
+        return []
     theta, own = np.linspace(0, math.tau, 1441), spec.two_cranks
     torques, (low, high) = spec.indexing.at(theta), (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm)
 
@@ -135,8 +128,9 @@ def compared(spec: IndexingCam) -> Table | None:
     def chain(share: float, rise: float) -> TwoCranks | None:
         return spec.chain(1.0, share, rise) if share else None
 
-    return Comparison(
+    found = Comparison(
         program, spec.arm, chain, g.rise_deg, g.base_radius, f.roller_radius, spec.allowed.pressure_angle_deg,
         (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high), g.gear_ratio, spec.speed, theta,
         (torques.follower_bare, torques.follower),
-    ).table(None if own is None else own.share)  # fmt: skip
+    )  # fmt: skip
+    return [found.table(None if own is None else own.share)]

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Literal
 from camgen.machine.cams.machine import FollowerLoad, cam_machine
 from camgen.machine.model import GROUND, Angle, Body, Gear, Machine, Output, Pin, Place, Resistance
 from camgen.machine.model import Pose as Start
-from camgen.machines.bench import Bench, Tip
+from camgen.machines.bench import Bench
 from camgen.machines.indexing_cam.driver import ARM
 from camgen.machines.indexing_cam.standing_driver import StandingDriver
 from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.stepping import WHEEL, Stepping
 from camgen.machines.indexing_cam.unloader import CrankSpring, OnLink
 from camgen.machines.linkage.tables import Gear as GearTable
+from camgen.machines.linkage.wheels import Ridden
 from camgen.machines.standing import Sizes
 from camgen.parts.catalogue import CLUTCHES
 
@@ -106,7 +107,7 @@ def stood(spec: IndexingCam) -> Bench:
         points[CRANK] = {"crank": 0j, "hook": made.hook(machine.start_of(CRANK).angle)}
         strung = {"unloader_spring": made.strung()}
     g = spec.geometry
-    tip = Tip("roller", f.roller_radius, g.closure, tip_clearance=g.tip_clearance)
+    tip = Ridden("roller", f.roller_radius, g.closure, tip_clearance=g.tip_clearance)
     return Bench(
         machine, spec.cams["cam"], tip, sizes, spec.print,
         spec.allowed.min_wall, spec.density, FollowerLoad(preload=load.closing_n_m),

@@ -13,14 +13,15 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.features import Eye, Faces, Feature, Mount, StandIn
+from camgen.machine.balancing import together
+from camgen.machine.features import Eye, Faces, Feature, Mount, Ring, StandIn, mapped
 from camgen.machine.model import GROUND, Body, Machine
 from camgen.machine.run import Run, solve
 from camgen.machines.indexing_cam.driver import ARM, CRANK
@@ -39,7 +40,6 @@ _POSTS = 4
 _THREAD = "M3"  # of the posts' screws
 _POINTS = ("motor", "pin")  # of the crank
 _ARM = "arm"  # of the arm: the point of its shaft
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class StandingDriver:
     def joined(self, machine: Machine) -> Machine:
         """That machine, with masses and fits, and these bodies as they are made."""
         own = self.bodies.weighed(self.density, ())
-        bodies = [_together(body, own.body(ARM)) if body.name == ARM else body for body in machine.bodies]
+        bodies = [together(body, own.body(ARM)) if body.name == ARM else body for body in machine.bodies]
         bodies.append(own.body(CRANK))
         return replace(machine, bodies=tuple(bodies), joints=(*own.joints, *machine.joints), drives=self.whole.drives)
 
@@ -172,18 +172,12 @@ class StandingDriver:
 
     def features(self) -> Iterator[Feature]:
         """Of the crank's shaft and the turning block."""
-        return (self._named(feature) for feature in self.bodies.features())
 
-    def _named(self, record: T) -> T:
-        """A feature with the names of the parts as they are here."""
-        changed: dict[str, Any] = {}
-        for each in fields(record):  # type: ignore[arg-type]
-            value = getattr(record, each.name)
-            if isinstance(value, Eye | Faces) and value.part is not None:
-                changed[each.name] = replace(value, part=self.name(value.part))
-            elif isinstance(value, tuple):
-                changed[each.name] = tuple(replace(ring, part=self.name(ring.part)) for ring in value)
-        return replace(record, **changed)  # type: ignore[type-var]
+        def named(_: str, value: Any) -> Any:
+            known = isinstance(value, Eye | Faces | Ring) and value.part is not None
+            return replace(value, part=self.name(value.part)) if known else value
+
+        return (mapped(feature, named) for feature in self.bodies.features())
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the bracket."""
@@ -198,14 +192,6 @@ class StandingDriver:
         screw, grip = SCREWS[_THREAD], -self._low
         size = f"{_THREAD} x {screw.length(grip, self.sizes.base_thickness):g}"
         return [*(each for each in drive if "plate" not in each.name), Bought("screw of a post", screw.standard, size, _POSTS)]
-
-
-def _together(one: Body, other: Body) -> Body:
-    """A body of two that are fixed on each other."""
-    mass = one.mass + other.mass
-    centre = (one.mass * one.centre + other.mass * other.centre) / mass
-    inertia = sum(each.inertia + each.mass * abs((each.centre - centre) * 1e-3) ** 2 for each in (one, other))
-    return replace(one, mass=mass, centre=centre, inertia=inertia)
 
 
 def room(sizes: Parts, fits: Print, crank: float, offset: float) -> float:

@@ -21,9 +21,10 @@ import numpy as np
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.model import Clutch
 from camgen.machine.targets import Advance
-from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques
+from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, torques
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
+from camgen.numerics import halved
 from camgen.study import Plot, Table
 
 WHEEL = "drive-wheel"
@@ -87,12 +88,7 @@ class Stepping:
     @cached_property
     def locks(self) -> float:
         """theta from the begin of a rise to where the freewheel locks, rad."""
-        low, high = 0.0, self.rise
-        for _ in range(60):
-            middle = (low + high) / 2
-            early = self.ratio * float(self.program(np.array([self.sense * middle]))[0]) < self.lost
-            low, high = (middle, high) if early else (low, middle)
-        return high
+        return halved(lambda at: self.ratio * float(self.program(np.array([self.sense * at]))[0]) >= self.lost, 0.0, self.rise)
 
     def wanted(self, tolerance: float) -> Advance:
         """The turn of the link in each turn of the cam, judged on its wheel; tolerance: deg."""
@@ -104,14 +100,7 @@ class Stepping:
     def torques(self, theta: Floats, omega: float, load: Load, spring: SpringTorque | None) -> Torques:
         """Of the link while it is turned, and of the follower; omega: of theta, rad/s."""
         _, taken, engaged = self.taken(theta)
-        slope, bend = (self.program(theta, order) for order in (1, 2))
-        inertia = np.where(engaged, load.inertia * load.ratio * bend * omega**2, 0.0)
-        resisting = np.where(engaged, load.friction * np.sign(omega * slope), 0.0)
-        pull = np.zeros(len(theta)) if spring is None else spring(taken / self.index)
-        own = load.follower_inertia * bend * omega**2
-        bare = load.ratio * (inertia + resisting) + own
-        helped = bare - load.ratio * np.where(engaged, pull, 0.0)
-        return Torques(inertia, pull, bare, helped, bare * slope, helped * slope)
+        return torques((taken, self.program(theta, 1), self.program(theta, 2)), self.index, omega, load, spring, engaged)
 
     def pushes(self, theta: Floats, found: Torques, load: Load, pull: Floats) -> Floats:
         """Torque in the freewheel of the wheel, (n,) N m, nan while it runs free; pull: of the spring on the link, N m."""

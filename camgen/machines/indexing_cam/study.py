@@ -19,10 +19,9 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, p
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
 from camgen.motion.spring_law import trade_off
-from camgen.study import Plot, Study, Table
+from camgen.study import ROWS, Later, Plot, Study, Table
 from camgen.tolerances import LAW_CLOSES
 
-_ROWS = 1441  # cam angles of the curves: every quarter degree, both ends
 _FINE = 14_400  # cam angles at which peaks are looked for
 _SPEEDS = (50, 75, 90, 100, 110, 125)  # percent of the speed, at which the same spring is tried
 _Z = 30  # steps of the source's table over the run-up
@@ -172,10 +171,12 @@ class IndexingStudy:
     def study(self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None) -> Study:
         """Numbers, plots, tables and notes; asked: weights, sines and cosines of laws to look for."""
         table, curves, figures = card(self.law)
-        tables = [self._peaks(), table]
-        tables += [self._unloaders(), self._speeds()] if self.spring else []
-        if asked is not None and self.spring is not None:
-            tables.append(self._synthesis(self.spring, *asked))
+
+        def tables() -> list[Table]:
+            sprung = [self._unloaders(), self._speeds()] if self.spring else []
+            asked_for = [] if asked is None or self.spring is None else [self._synthesis(self.spring, *asked)]
+            return [self._peaks(), table, *sprung, *asked_for]
+
         notes = [_ARRANGEMENT if self.step is None else STEPS]
         if self.law.name == "mr-13":
             notes.append(_ERRATA)
@@ -184,12 +185,16 @@ class IndexingStudy:
                 f"The law starts with c = {float(self.law(0.0, 2)):.6g}: it assumes that the spring pulls before the link moves, "
                 "so that the cam gives way rather than pushes. Without the unloader each end of the turn is a knock."
             )
-        numbers, plots = self._numbers() | figures, [*self._plots(cams), *curves]
+        numbers = self._numbers() | figures
         if self.step is not None:
             pushing, bare = self._pushing()
             numbers |= self.step.numbers(self.omega, pushing, self.load, bare)
-            plots = [*self.step.plots(self.angle, self.fine, pushing), *plots]
-        return Study(numbers, plots, tables, (), notes)
+
+        def plots() -> list[Plot]:
+            stepping = [] if self.step is None else self.step.plots(self.angle, self.fine, self._pushing()[0])
+            return [*stepping, *self._plots(cams), *curves]
+
+        return Study(numbers, Later(plots), Later(tables), (), notes)
 
     def _numbers(self) -> dict[str, float]:
         _, turning, found = self._fine
@@ -221,7 +226,7 @@ class IndexingStudy:
         return numbers
 
     def _plots(self, cams: Mapping[str, DiscCam]) -> list[Plot]:
-        theta = np.linspace(0, math.tau, _ROWS)
+        theta = np.linspace(0, math.tau, ROWS)
         x, label = np.degrees(theta), f"{self.angle}, deg"
         found, ratio = self.at(theta), self.load.ratio
         link = [np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)]

@@ -144,15 +144,21 @@ class Torques:
     shaft: Floats
 
 
-def torques(s: Sequence[Floats], swing: float, omega: float, load: Load, spring: SpringTorque | None) -> Torques:
-    """Torques for the follower's angle and its derivatives to theta of order 0, 1, 2, each (n,); omega: cam shaft, rad/s."""
+def torques(
+    s: Sequence[Floats], swing: float, omega: float, load: Load, spring: SpringTorque | None, engaged: Any = True
+) -> Torques:
+    """Torques for the follower's angle and its derivatives to theta of order 0, 1, 2, each (n,); omega: cam shaft, rad/s.
+
+    engaged: (n,) whether the follower takes the link along.
+    """
     angle, slope, bend = s
-    inertia = load.inertia * load.ratio * bend * omega**2
-    resisting = load.friction * np.sign(omega * np.where(np.abs(slope) > 1e-12 * swing, slope, 0.0))
+    moving = np.where(np.abs(slope) > 1e-12 * swing, slope, 0.0)
+    inertia = np.where(engaged, load.inertia * load.ratio * bend * omega**2, 0.0)
+    resisting = np.where(engaged, load.friction * np.sign(omega * moving), 0.0)
     pull = np.zeros(len(angle)) if spring is None else spring(angle / swing)
     own = load.follower_inertia * bend * omega**2
     bare = load.ratio * (inertia + resisting) + own
-    helped = bare - load.ratio * pull
+    helped = bare - load.ratio * np.where(engaged, pull, 0.0)
     return Torques(inertia, pull, bare, helped, bare * slope, helped * slope)
 
 

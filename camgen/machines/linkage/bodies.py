@@ -26,11 +26,7 @@ from itertools import pairwise
 from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import (
-    Feature,
-    Mount,
-    StandIn,
-)
+from camgen.machine.features import Feature, Mount, StandIn
 from camgen.machines.linkage import plates
 from camgen.machines.linkage.collars import collar
 from camgen.machines.linkage.discs import cam_parts, gear_part
@@ -43,13 +39,12 @@ from camgen.machines.linkage.seats import seated
 from camgen.machines.linkage.stubs import Stub, stubs
 from camgen.machines.linkage.troughs import covers, rails
 from camgen.machines.linkage.wheels import touched
-from camgen.parts.catalogue import STEEL, Bought, nut, screw_for
+from camgen.machines.loads.weights import solid
+from camgen.parts.catalogue import Bought, nut, screw_for
 from camgen.parts.hardware import spacer
-from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import Layer, Part, d_bore, hull
 from camgen.parts.set_screws import SetScrewHub
 
-_MM = 1e-3
 _ABOUT = {
     "pin": "Pin {}", "crank-pin": "Crank pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "nut": "Nut {} of a pin",
     "cover": "Cover {} of a guide",
@@ -126,6 +121,17 @@ class Bodies:
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws, *plates.bought(self.layout)]
+
+    @property
+    def stands(self) -> str:
+        """On what the plate stands, which is not made, and what turns the shaft."""
+        deep = -min(mount.z for mount in self.mounts)
+        open_ = f" It is open under the shaft, {deep:.4g} mm deep at least." if deep > 0 and self.sizes.face is None else ""
+        turns = f"what is coupled to the shaft's lower end turns it, by its flat {self.sizes.shaft_flat:g} deep"
+        turns = "the hand crank turns it from below" if self.sizes.hand_crank else turns
+        turns = turns if self.sizes.face is None else "the motor under the plate turns it: leave it room there"
+        held = "a board or frame of yours: two screws from behind, in the plate's outermost holes, hold it."
+        return f"{held}{open_} {turns[0].upper()}{turns[1:]}"
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate."""
@@ -268,19 +274,6 @@ class Bodies:
     def weighed(self, density: float, given: Collection[str]) -> m.Machine:
         """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
         machine, made = self.fitted(), {part.name: part for part in self.parts}
-        bodies = []
-        for body in machine.bodies:
-            if body.name not in (GROUND, *given):
-                rows = []
-                for mount in (mount for mount in self.mounts if mount.body == body.name):
-                    part = made[mount.part]
-                    heavy = density if part.made == "printed" else 1e3 * STEEL
-                    mass, centre = part.volume * heavy * _MM**3, centre_of(part)
-                    own = inertia_of(part, heavy) - mass * abs(centre * _MM) ** 2
-                    rows.append((mass, mount.place(centre), own))
-                mass = sum(row[0] for row in rows)
-                centre = sum(row[0] * row[1] for row in rows) / mass
-                inertia = sum(own + each * abs((place - centre) * _MM) ** 2 for each, place, own in rows)
-                body = replace(body, mass=mass, centre=centre, inertia=inertia)
-            bodies.append(body)
+        kept = (GROUND, *given)
+        bodies = (b if b.name in kept else solid(b, made, self.mounts, density) for b in machine.bodies)
         return replace(machine, bodies=tuple(bodies))

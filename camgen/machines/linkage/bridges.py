@@ -23,7 +23,7 @@ from typing import Any
 
 from camgen.errors import Fault, SpecError
 from camgen.machine import model as m
-from camgen.spec import read_bytes
+from camgen.reading import read_bytes
 
 _MOST_BYTES = 1_000_000  # of a file with a chain
 _JOINT = re.compile(r"J\[\s*(\w+)\s*((?:,\s*\w+\[[^\]]*\]\s*)*)\]")

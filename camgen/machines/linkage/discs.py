@@ -26,10 +26,9 @@ class _Disc(Disc):
 
     turn: float = 0.0
 
-    def hole(self) -> tuple[Contour, float]:
-        """The bore and how far it reaches."""
-        bore, reach = super().hole()
-        return bore.moved(cmath.exp(1j * self.turn)), reach
+    def hole(self) -> Contour:
+        """The bore."""
+        return super().hole().moved(cmath.exp(1j * self.turn))
 
 
 def cam_parts(layout: Layout, tip: Tip) -> Iterator[Placed]:

@@ -211,11 +211,17 @@ def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fa
 
 
 def _shape_faults(drawing: Drawing) -> list[Fault]:
-    """Links whose lengths contradict each other."""
+    """Links whose lengths contradict each other, or do not say which way."""
     faults = []
     for name, points in drawing.links.items():
         lengths = drawing.lengths_of(points)
         drawn = drawing.drawn(points)
+        same = next((pair for pair in lengths if drawn[pair[0]] == drawn[pair[1]]), None)
+        if same is not None:
+            a, b = (points[k] for k in same)
+            right = f"them apart: lengths.{a}-{b} says how far it is from one to the other, the drawing which way"
+            faults.append(Fault(f"links.{name}", f"{a} and {b} are drawn at one place", right))
+            continue
         missed = shape(drawn, lengths)[1]
         if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (told := too_long(points, drawn, lengths)):
             faults.append(Fault(f"links.{name}", *told))

@@ -21,7 +21,7 @@ from camgen.machine.targets import Course, Through, time_ratio
 from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
-from camgen.study import Plot, Sketch, Study, Table
+from camgen.study import ROWS, Later, Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ _PATHS = ("path", "length, mm", "least radius, mm", "at, deg", "inflections at, 
 _MOST_SERIES = 8  # curves of one plot
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
 _SLOW, _STILL = 0.05, 1e-6  # of a point's greatest speed: where a stop is looked for, and what is one
-ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
 
 
 def study(linkage: Linkage) -> Study:
@@ -42,7 +41,7 @@ def study(linkage: Linkage) -> Study:
     theta = np.linspace(*linkage.range, ROWS)
     run = linkage.run(theta)
     numbers: dict[str, float] = {}
-    plots, rows = [], []
+    rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
         low, high = _extremes(linkage, signal, theta, value)
@@ -54,25 +53,11 @@ def study(linkage: Linkage) -> Study:
             f"{signal.name}_peak_speed_{unit}_s": speed, f"{signal.name}_peak_acceleration_{unit}_s2": hard,
         }  # fmt: skip
         rows.append((signal.name, unit, low, high, high - low, speed, hard))
-    for output in linkage.chain.outputs:
-        if isinstance(output.of, m.Path):
-            path = np.asarray(run[output.name], complex)
-            marks = path[::60]  # of equal time where the drive turns evenly
-            series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
-            series += _wanted_places(linkage, output.name)
-            dots = ("every 15 deg", "wanted")
-            plots.append(Plot(_path_of(output.name, "P"), "x, mm", "y, mm", series, equal=True, dots=dots))
-    plots += _centrodes(linkage, run)
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
         numbers |= {f"{name}_length_mm": float(str(length)), f"{name}_least_radius_mm": float(str(radius))}
     places, ratios = _extreme_places(linkage)
     numbers |= ratios
-    bends = transmission(linkage.chain, theta)
-    label = linkage.angle_name + ", deg"
-    if bends:
-        series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
-        plots.append(Plot("Transmission angle", label, "deg", series[:_MOST_SERIES]))
     heads = ("output", "unit", "least", "greatest", "stroke", "peak speed, /s", "peak acceleration, /s^2")
     tables = [Table("Outputs", heads, rows)]
     tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
@@ -97,7 +82,29 @@ def study(linkage: Linkage) -> Study:
     if linkage.drive.range_deg is not None:
         notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
     forces = _forces(linkage, theta)
-    return Study({**numbers, **forces.numbers}, [*plots, *forces.plots], [*tables, *forces.tables], paths(linkage), notes)
+    return Study(
+        {**numbers, **forces.numbers}, Later(lambda: [*_plots(linkage, theta, run), *forces.plots]), [*tables, *forces.tables],
+        Later(lambda: paths(linkage)), notes,
+    )  # fmt: skip
+
+
+def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
+    """Paths, centrodes and transmission angles."""
+    plots = []
+    for output in linkage.chain.outputs:
+        if isinstance(output.of, m.Path):
+            path = np.asarray(run[output.name], complex)
+            marks = path[::60]  # of equal time where the drive turns evenly
+            series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
+            series += _wanted_places(linkage, output.name)
+            dots = ("every 15 deg", "wanted")
+            plots.append(Plot(_path_of(output.name, "P"), "x, mm", "y, mm", series, equal=True, dots=dots))
+    plots += _centrodes(linkage, run)
+    bends = transmission(linkage.chain, theta)
+    if bends:
+        series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
+        plots.append(Plot("Transmission angle", f"{linkage.angle_name}, deg", "deg", series[:_MOST_SERIES]))
+    return plots
 
 
 def _bows(linkage: Linkage) -> list[str]:
@@ -177,7 +184,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
     if linkage.lacking() is not None:
         return Study()
-    machine, label = linkage.model, f"{linkage.angle_name}, deg"
+    machine = linkage.model
     found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
@@ -187,7 +194,6 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
         unit = "n_m" if cam.slide is None else "n"  # what a spring must give at least, along the follower's motion
         numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.leaves * found.contacts[cam.name]).min()))
     rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
-    plots = [Plot("Torque of the drive, without friction", label, "N m", [("torque", np.degrees(theta), torque)])]
     tables = [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)]
     for each in linkage.sprung:
         numbers |= dict(zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True))
@@ -195,7 +201,12 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
         of_springs = [(each.name, each.pull.rate, each.pull.free, each.shortest, each.longest, *each.forces())
                       for each in linkage.sprung]  # fmt: skip
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
-    return Study(numbers, plots, tables)
+
+    def plots() -> list[Plot]:
+        label = f"{linkage.angle_name}, deg"
+        return [Plot("Torque of the drive, without friction", label, "N m", [("torque", np.degrees(theta), torque)])]
+
+    return Study(numbers, Later(plots), tables)
 
 
 def timing(linkage: Linkage) -> tuple[Study, ...]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -26,12 +26,12 @@ from camgen.findings import Finding, NotJudged, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
-from camgen.machine.joining import joined
+from camgen.machine.joining import Module, joined
 from camgen.machine.reach import folds, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import stroke
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
+from camgen.machines.linkage import bridges, figures, sheets, spring_sketches, spring_steps, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -43,7 +43,6 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
-from camgen.machines.linkage.spring_steps import with_springs
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
@@ -58,7 +57,7 @@ from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
-from camgen.study import Study, Table, together
+from camgen.study import Sketch, Study, Table, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
@@ -88,7 +87,7 @@ class Linkage(Mechanism):
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
     springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = ()
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
-    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output()
+    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output.model_construct()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
     counterweight: Counterweight | None = None
@@ -191,7 +190,7 @@ class Linkage(Mechanism):
             law = Programmed(program, chain.start[self.drive.link].angle)
             reach = law.reach
         if reach is None:
-            refuse_partial(chain)
+            refuse_partial(chain, self.allowed.transmission_angle_deg)
         else:
             refuse_range(chain, self.drive, *reach)
         refuse_folds(chain, *(reach or (0.0, math.tau)))
@@ -321,7 +320,7 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = {Drawing.cam_name(cam): cam for cam in self.cams}
+        cams = {Drawing.cam_name(c): wheels.Ridden(c.shape, c.radius, c.closure, c.at, c.tip_clearance) for c in self.cams}
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
@@ -426,10 +425,15 @@ class Linkage(Mechanism):
         kicked = [name for name, program in programs.items() if any(jump.order == 1 for jump in program.discontinuities(1))]
         return pressed(pulled(self), cams, kicked, np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
 
-    def steps(self) -> Table:
-        """By height, springs before the heads of their pins."""
-        table = super().steps()
-        return with_springs(table, self.bodies.layout, self.mounts(), {}) if self.springs else table
+    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
+        """With its own springs and those of what is included."""
+        table = spring_steps.finished(table, self.bodies, self.mounts(), {}, module)
+        return reduce(lambda steps, each: each.mechanism.sprung_steps(steps, each.module), self.modules, table)
+
+    def spring_sketches(self) -> Sequence[Sketch]:
+        """Its own, and those of what is included."""
+        own = spring_sketches.sketches(self.bodies.layout, self.courses) if self.springs and self.lacking() is None else ()
+        return (*own, *(each.sketch(s) for each in self.modules for s in each.mechanism.spring_sketches()))
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
@@ -441,7 +445,6 @@ class Linkage(Mechanism):
         return {"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)}
 
     def study(self) -> Study:
-        """Extremes, strokes, speeds and accelerations of the outputs, curves and paths, the class of a four-bar; then those of
-        what is included, and all outputs over one turn."""
+        """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
         return together([figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)])
 

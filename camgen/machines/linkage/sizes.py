@@ -31,7 +31,7 @@ Name = Annotated[
     Field(
         pattern=r"^[A-Za-z][A-Za-z0-9_]*$",
         max_length=40,
-        description="a name of letters, digits and _, a letter first",
+        description="a name of letters, digits and _, a letter first, at most 40",
     ),
 ]
 

@@ -1,4 +1,4 @@
-"""When springs come on their pins as a machine goes together: before what is wider than their eyes."""
+"""What is not made, among the steps of assembly: springs before what is wider than their eyes, and what the machine stands on."""
 
 from __future__ import annotations
 
@@ -7,13 +7,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from camgen.machine.features import Mount
+from camgen.machine.joining import Module
+from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.layout import Layout
 from camgen.study import Table
 from camgen.tolerances import SAME_POINT
 
 
-def with_springs(table: Table, layout: Layout, mounts: Sequence[Mount], titles: Mapping[str, str]) -> Table:
-    """Steps of assembly with those of the springs, each before the first head or cap over its eyes; titles: of springs."""
+def finished(
+    table: Table, bodies: Bodies, mounts: Sequence[Mount], titles: Mapping[str, str], module: Module | None = None
+) -> Table:
+    """Steps of assembly with those of the springs, each before the first head or cap over its eyes, and with what carries and
+    turns the whole.
+
+    mounts: of the springs' own machine; titles: of springs; module: how that machine stands in the one whose steps these are.
+    """
+    layout = bodies.layout
     rows = list(zip(table.rows, table.copies or [()] * len(table.rows), strict=True))
     for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
         points = [point for _, point in (spring.a, spring.b)]
@@ -22,10 +31,14 @@ def with_springs(table: Table, layout: Layout, mounts: Sequence[Mount], titles: 
         said = f"eyes on the pins at {where}, before their caps: over these they do not go"
         if not any(copy.startswith("cap") for copy in over):
             said = f"eyes over the holes at {where}: the pins go in through them, for their heads are wider"
-        first = next((k for k, (_, laid) in enumerate(rows) if set(over) & set(laid)), len(rows))
+        named = set(over if module is None else map(module.part, over))
+        first = next((k for k, (_, laid) in enumerate(rows) if named & set(laid)), len(rows))
         title = titles.get(name, "Extension spring" if name == "spring" else f"Extension spring {name}")
-        step = (0, "extension spring", f"{title}, {said}", "", 1, layout.eye(name)[0], "as bought")
+        title, up = (title, 0.0) if module is None else (f"{title} of {module.prefix}", module.z)
+        step = (0, "extension spring", f"{title}, {said}", "", 1, layout.eye(name)[0] + up, "as bought")
         rows.insert(first, (step, ()))
+    if module is None:
+        rows.append(((0, "board", f"Stands on {bodies.stands}", "", 1, 0.0, "as yours"), ()))
     numbered = [(count, *row[1:]) for count, (row, _) in enumerate(rows, 1)]
     return replace(table, rows=tuple(numbered), copies=tuple(laid for _, laid in rows))
 

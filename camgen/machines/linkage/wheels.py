@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -37,28 +37,19 @@ _WORDS = {"tip_radius": "radius", "a smaller swing": "a smaller lift", "a larger
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
-class Ridden(Protocol):
-    """What of a follower touches a cam, as in [[cam]]: the point `at` is a roller's centre, an edge, a place on a face."""
+@dataclass(frozen=True)
+class Ridden:
+    """What of a follower touches a cam, as in [[cam]]: its point `at` is a roller's centre, an edge, a place on a face.
 
-    @property
-    def shape(self) -> str:
-        """"roller", "knife" or "flat"."""
+    shape: "roller", "knife" or "flat"; radius: of a roller, mm; closure: "force", "groove" or "conjugate"; tip_clearance: of a
+    pair, mm at each tip.
+    """
 
-    @property
-    def at(self) -> str:
-        """A point of the follower."""
-
-    @property
-    def radius(self) -> float | None:
-        """Of a roller, mm."""
-
-    @property
-    def closure(self) -> str:
-        """"force", "groove" or "conjugate"."""
-
-    @property
-    def tip_clearance(self) -> float:
-        """Of a pair, mm at each tip."""
+    shape: str
+    radius: float | None
+    closure: str
+    at: str = "tip"
+    tip_clearance: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -202,18 +193,15 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law, body = joint.law, machine.body(joint.follower)
     assert isinstance(law, Scaled)
-    top, at, centre = _highest(law.program), complex(body.points[spec.at]), pivot(machine, joint.cam)[1]
+    top, first = _highest(law.program), _follower(machine, joint, spec, spec.at, 1)
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
-        assert isinstance(slide, m.Slide)
-        way, turn = law.sign * cmath.exp(1j * slide.angle), cmath.exp(1j * slide.turn)
-        start = slide.guide.at + cmath.exp(1j * slide.angle) * joint.rest + turn * (at - slide.runner.at) - centre
-        away = (start / way).real
-        return at - (2 * away + top) * way / turn
-    held, hinge = pivot(machine, joint.follower)
-    arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
-    mirrored = (arm / far).conjugate() * far * cmath.exp(-1j * law.sign * top)
-    return held + mirrored * cmath.exp(-1j * joint.rest)
+        assert isinstance(slide, m.Slide) and isinstance(first, SlidingTip)
+        way = law.sign * first.along
+        return complex(body.points[spec.at]) - (2 * (first.start / way).real + top) * way * cmath.exp(-1j * slide.turn)
+    assert isinstance(first, SwingingArm)
+    mirrored = (first.arm / first.pivot).conjugate() * first.pivot * cmath.exp(-1j * law.sign * top)
+    return pivot(machine, joint.follower)[0] + mirrored * cmath.exp(-1j * joint.rest)
 
 
 def _signed(law: Scaled) -> Program:

@@ -13,12 +13,11 @@ import numpy as np
 from camgen.findings import Finding, NotJudged
 from camgen.machine.run import solve
 from camgen.machines import pairs
-from camgen.machines.loads import bearing, counterweights, drive, follower
+from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
-from camgen.machines.loads.rubbing import rough
+from camgen.machines.loads.rubbing import freed, rough
 from camgen.machines.loads.weights import Weighed, weighed
-from camgen.parts.springs import WIRES
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:
@@ -64,7 +63,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     parts = {part.name: part for part in mechanism.parts()}
     plain = bearing.plain_bearings(run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger)
     touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
-    turned, more = drive.driven(run, forces, motor)
+    turned, more = drive.driven(run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta))
     shaken = np.abs(forces.shaking)
     numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
     numbers |= {f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(np.nanmax(np.abs(load), initial=0.0))
@@ -74,10 +73,12 @@ def assess(mechanism: Mechanism) -> Assessment:
     if mechanism.arm_stiffness:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
-    posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger)
-    paired = pairs.told(forces, machine, outlines)
+    posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger, not machine.loads)
+    paired = pairs.told(forces, machine, outlines, mechanism.arm_stiffness)
     left += paired.left
     if mechanism.spring_asked is not None and mechanism.return_spring is None:
+        from camgen.parts.springs import WIRES
+
         rate, least, _ = mechanism.spring_asked
         why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
         left.append(NotJudged("SPRING_STRESS", why, "another spring.preload or spring.rate, or a spring of another kind"))
@@ -91,8 +92,11 @@ def assess(mechanism: Mechanism) -> Assessment:
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
-    balanced = counterweights.study(mechanism, machine)
-    study = together([Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)]), balanced])
+    study = Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)])
+    if mechanism.balance is not None:
+        from camgen.machines.loads import counterweights
+
+        study = together([study, counterweights.study(mechanism, machine)])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 

@@ -23,7 +23,7 @@ from camgen.machine.friction import circle
 from camgen.machine.model import GROUND, Cam, Pin
 from camgen.machine.run import Run
 from camgen.machines.loads.journals import Journal, Post
-from camgen.machines.loads.pins import Bent, Stronger, bent_by, unsaid
+from camgen.machines.loads.pins import STILL, Bent, Stronger, bent_by, unsaid
 from camgen.machines.loads.rubbing import coefficient
 from camgen.machines.loads.tables import Bears, Weight
 from camgen.numerics import Floats
@@ -32,7 +32,6 @@ from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
 from camgen.study import Plot, Table
 
-_STILL = 1e-9  # N, below which nothing presses
 _RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
 
 
@@ -67,7 +66,7 @@ def plain_bearings(
         slides = strength.sliding(force, turning, journal.diameter, journal.length, circle(1.0, coefficient(journal, load)))
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
-        each = bent_by(name, journal, bent, sheared, float(np.max(force)), bears(name))
+        each = bent_by(name, journal, bent, sheared, float(np.max(force)), bears(name), not run.machine.loads)
         borne.bent += each
         borne.findings += [pin.finding(stronger) for pin in each]
         if journal.ball is not None:
@@ -99,9 +98,9 @@ def plain_bearings(
 
 
 def bent_posts(
-    forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid
+    forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid, fast: bool = False
 ) -> Borne:
-    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most."""
+    """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most; fast: inertia alone loads them."""
     worst: dict[str, Bent] = {}
     for post in posts:
         pressed = forces.pressing.get(post.by)
@@ -112,7 +111,7 @@ def bent_posts(
         sheared = float(strength.pin_shear(force, post.diameter))
         name = f"{post.name}, under {post.by}"
         journal = Journal(post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part)
-        for each in bent_by(name, journal, bent, sheared, force, bears(post.by), not post.pull):
+        for each in bent_by(name, journal, bent, sheared, force, bears(post.by), fast and not post.pull):
             if post.name not in worst or each.stress > worst[post.name].stress:
                 worst[post.name] = each
     return Borne([each.finding(stronger) for each in worst.values()], bent=list(worst.values()))
@@ -134,8 +133,8 @@ def contacts(
         if not isinstance(joint, Cam) or not joint.touches or outline is None:
             continue
         force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
-        if not np.any(force > _STILL):
-            if np.any(force < -_STILL):
+        if not np.any(force > STILL):
+            if np.any(force < -STILL):
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
                 borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
             continue

@@ -163,7 +163,7 @@ class ShaftWeight:
 
 def first_moment(body: str, about: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float) -> complex:
     """Of all that is mounted on a body, about a place of it, complex g mm; density: of what is printed, kg/m^3."""
-    made = solid(body, {part.name: part for part in parts}, mounts, density)
+    made = solid(Body(body), {part.name: part for part in parts}, mounts, density)
     return _G * made.mass * (made.centre - about)
 
 
@@ -192,12 +192,12 @@ def study(mechanism: Mechanism, machine: Machine) -> Study:
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
-        loaded = with_weight(replace(machine.body(balance.body), mass=body.mass, centre=body.centre, inertia=body.inertia),
-                             abs(other), balance.about + (_ARM * other / abs(other) if other else 0))  # fmt: skip
+        loaded = with_weight(body, abs(other), balance.about + (_ARM * other / abs(other) if other else 0))
         return replace(machine, bodies=tuple(loaded if each.name == balance.body else each for each in machine.bodies))
 
     theta = np.linspace(*mechanism.range, len(_TURN))
-    bodies = solid(balance.body, rest, mechanism.mounts(), mechanism.density), machine.body(balance.body)
+    full = machine.body(balance.body)
+    bodies = solid(full, rest, mechanism.mounts(), mechanism.density), full
     forces = [solve(laden(body), theta).forces() for body in bodies]
     curves = {
         f"reaction at {balance.joint}": [np.abs(each.reactions[balance.joint]) for each in forces],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -53,8 +53,11 @@ def reach(drives: Drives | None, frame: str, needed: float) -> Finding | NotJudg
     return at_least("SHAFT_REACH", length, needed, "mm", "motor", message, 1e-9)
 
 
-def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list[NotJudged]]:
-    """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them."""
+def driven(run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], str] = str) -> tuple[Borne, list[NotJudged]]:
+    """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
+
+    freed: of a machine that locks says by which friction, and which it would bear.
+    """
     borne, speed, theta = Borne(), run.machine.speed, run.theta
     drive = run.machine.drives[0]
     torque, asked = _on_shaft(run, forces.smooth), _on_shaft(run, forces.drives)
@@ -63,8 +66,8 @@ def driven(run: Run, forces: Forces, drives: Drives | None) -> tuple[Borne, list
     rate = np.abs(drive.law(theta, 1)) * abs(speed)
     if np.any(forces.locks):
         locked, turn = float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))), math.degrees(float(np.ptp(theta)))
-        said = "friction of its joints grows with what it holds back: no torque turns it on there, or one that loads them " \
-            "tenfold; a lower load.friction, a ball bearing, a steeper transmission angle"  # fmt: skip
+        said = f"{freed()}. Friction grows with what it holds back: no torque turns it on there, or one that " \
+            "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"  # fmt: skip
         at = math.degrees(float(theta[int(np.argmax(forces.locks))]))
         borne.findings.append(at_most("SELF_LOCKING", min(locked, turn), 0.0, "deg", f"drive, from {at:.1f} deg", said))
     worst = int(np.argmax(np.abs(asked)))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.findings import at_least, at_most
 from camgen.machine.balancing import crank_weight
-from camgen.machine.cams.dynamics import Elastic, residual
 from camgen.machine.constraints import Constraints, solved
 from camgen.machine.forces import Forces
 from camgen.machine.friction import smooth
@@ -19,10 +19,12 @@ from camgen.machine.run import Run, solve
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
-from camgen.motion.polydyne import Polydyne
 from camgen.numerics import Floats
-from camgen.parts.springs import Mounted
 from camgen.study import Plot, Table
+
+if TYPE_CHECKING:
+    from camgen.machine.cams.dynamics import Elastic
+    from camgen.parts.springs import Mounted
 
 _SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
 _STILL = 1e-9  # of the greatest acceleration, below which a follower dwells
@@ -34,6 +36,9 @@ def elastic(run: Run, load: Weight | None) -> Borne:
     cams = [joint for joint in run.machine.joints if isinstance(joint, Cam)]
     if load is None or load.stiffness is None or len(cams) != 1:
         return borne
+    from camgen.machine.cams.dynamics import Elastic
+    from camgen.motion.polydyne import Polydyne
+
     (cam,), theta, speed = cams, run.theta[:-1], run.machine.speed
     mass = effective_inertia(run, cam)
     if not mass:
@@ -102,6 +107,8 @@ def _laws(cam: Cam, model: Elastic, speed: float) -> list[Table]:
     rise = next((each for each in segments if each.scale), None)
     if rise is None:
         return []
+    from camgen.machine.cams.dynamics import residual
+
     time, rows = rise.span / speed, list[tuple[object, ...]]()
     for name, law in LAWS.items():
         left = residual(lambda t, law=law: law(t / time, 2) / time**2, time, model.frequency)  # type: ignore[misc]

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from camgen.geometry.outlines import Arc, Contour
-from camgen.machine.features import Eye, Feature, Mount, PinEyes
+from camgen.machine.features import Eye, Feature, Mount, PinEyes, heights
 from camgen.machine.model import Machine, Pin, Place
 from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
@@ -68,10 +68,7 @@ def _span(part: Part, eye: Eye, mount: Mount) -> tuple[float, float] | None:
     ]  # fmt: skip
     if not layers:
         return None
-    low, high = min(layer.z0 for layer in layers), max(layer.z1 for layer in layers)
-    if mount.flipped:
-        low, high = part.thickness - high, part.thickness - low
-    return mount.z + low, mount.z + high
+    return heights(mount, part.thickness, min(layer.z0 for layer in layers), max(layer.z1 for layer in layers))
 
 
 class _Places:

@@ -14,7 +14,7 @@ from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Bears
 from camgen.parts import materials
 
-_STILL = 1e-9  # N, below which nothing presses
+STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa
 _STEEL_BY = {  # keys that make them of steel, and their value there
     "pin": {"pin": "dowel", "pins": "steel"}, "shaft": {"shaft_made": "steel"}, "crank-pin": {"shaft_made": "steel"},
@@ -27,7 +27,7 @@ Stronger = Callable[[Journal], str]  # what makes a pin bear more
 class Bent:
     """A pin under its greatest force, N: the stress in it, MPa, and how it comes about; given: the limit of the spec, MPa.
 
-    fast: inertia may load it.
+    fast: inertia alone loads it.
     """
 
     name: str
@@ -52,16 +52,16 @@ class Bent:
         remark = f"by {self.force:.4g} N, {self.how}; {by}"
         remark += "" if self.stress <= limit else f"; {stronger(self.journal)}"
         holds = math.sqrt(limit / self.stress) if self.stress else math.inf
-        remark += f", {holds:.3g} times the speed where inertia alone loads it" if self.fast and math.isfinite(holds) else ""
+        remark += f", by inertia alone: {holds:.3g} times the speed holds" if self.fast and math.isfinite(holds) else ""
         return at_most("PIN_STRESS", self.stress, limit, "MPa", f"pin {self.name}", remark)
 
 
 def bent_by(
-    name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears, fast: bool = True
+    name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears, fast: bool
 ) -> list[Bent]:
     """A pin by what it bears least of: bending, or shear as bending as bad, MPa; none that nothing presses."""
     worse, how = max((bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared"))
-    return [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)] if force > _STILL else []
+    return [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)] if force > STILL else []
 
 
 def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:

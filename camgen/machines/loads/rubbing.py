@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from camgen.machine.friction import circle
 from camgen.machine.model import Cam, Joint, Machine, Pin, Slide, Slot
+from camgen.machine.run import solve
 from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Weight
+from camgen.numerics import Floats
 from camgen.parts import materials
+
+_STEP = 0.005  # of a coefficient of friction, to which it is told
 
 
 def coefficient(journal: Journal, load: Weight | None) -> float:
@@ -21,9 +28,14 @@ def coefficient(journal: Journal, load: Weight | None) -> float:
     return materials.FRICTION_STEEL if "steel" in (journal.shaft, journal.hole) else materials.FRICTION_PRINTED
 
 
+def guide(load: Weight | None) -> float:
+    """Of slides and slots: that of the spec, or of printed plastic."""
+    return materials.FRICTION_PRINTED if load is None or load.friction is None else load.friction
+
+
 def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None) -> Machine:
     """The machine with friction in its pins, as far as their bearings are known, its guides and its cams' contacts."""
-    guides = materials.FRICTION_PRINTED if load is None or load.friction is None else load.friction
+    guides = guide(load)
     touching = 0.0 if load is None else load.contact_friction
     joints: list[Joint] = []
     for joint in machine.joints:
@@ -37,3 +49,19 @@ def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None
             joint = replace(joint, friction=touching)
         joints.append(joint)
     return replace(machine, joints=tuple(joints))
+
+
+def freed(machine: Machine, journals: Mapping[str, Journal], load: Weight | None, theta: Floats) -> str:
+    """Of a machine that friction locks somewhere at theta, (n,) rad: with which coefficients, and which it would bear."""
+    slides = any(isinstance(joint, Slide | Slot) for joint in machine.joints)
+    plain = [coefficient(journal, load) for journal in journals.values() if not journal.ball]
+    used = sorted({*plain, *([guide(load)] if slides else [])})
+    low, high = 0.0, used[-1]
+    while high - low > _STEP:
+        mu = (low + high) / 2
+        locks = solve(rough(machine, journals, (load or Weight()).model_copy(update={"friction": mu})), theta).forces().locks
+        low, high = (low, mu) if np.any(locks) else (mu, high)
+    by = "load.friction" if load is not None and load.friction is not None else "usual for its materials"
+    least = math.floor(low * 100) / 100
+    said = f"locks at a friction of {' to '.join(f'{mu:g}' for mu in dict.fromkeys((used[0], used[-1])))} ({by}); "
+    return said + (f"it turns with up to {least:g} in all joints" if least else "even 0.01 in all joints locks it")

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from camgen.machine.balancing import together
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, MM, Body, Gravity, Machine
 from camgen.machines.loads.tables import Weight
@@ -30,22 +31,18 @@ class Weighed:
     sources: Mapping[str, str]
 
 
-def solid(name: str, parts: Mapping[str, Part], mounts: Sequence[Mount], density: float) -> Body:
-    """Mass, centre and inertia of all that is mounted on a body; density of what is printed, kg/m^3."""
-    rows = []
+def solid(body: Body, parts: Mapping[str, Part], mounts: Sequence[Mount], density: float) -> Body:
+    """The body with mass, centre and inertia of all that is mounted on it; density of what is printed, kg/m^3."""
+    own = []
     for mount in mounts:
         part = parts.get(mount.part)
-        if mount.body != name or part is None or part.made in _SHOWN:
+        if mount.body != body.name or part is None or part.made in _SHOWN:
             continue
         heavy = density if part.made == "printed" else 1e3 * STEEL
         mass, centre = part.volume * heavy * MM**3, centre_of(part)
-        rows.append((mass, mount.place(centre), inertia_of(part, heavy) - mass * abs(centre * MM) ** 2))
-    mass = sum(row[0] for row in rows)
-    if not mass:
-        return Body(name)
-    middle = sum(row[0] * row[1] for row in rows) / mass
-    inertia = sum(own + each * abs((place - middle) * MM) ** 2 for each, place, own in rows)
-    return Body(name, mass=mass, centre=middle, inertia=inertia)
+        inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
+        own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
+    return together(replace(body, mass=0.0, inertia=0.0), *own)
 
 
 def weighed(mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: Sequence[Mount] | None = None) -> Weighed:
@@ -61,7 +58,7 @@ def weighed(mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: S
     bodies: list[Body] = []
     sources: dict[str, str] = {}
     for body in model.bodies:
-        own = solid(body.name, parts, mounts, mechanism.density) if body.name != GROUND else body
+        own = solid(body, parts, mounts, mechanism.density) if body.name != GROUND else body
         if body.name == GROUND or not own.mass:
             bodies.append(body)
             sources[body.name] = "given" if body.mass or body.inertia else "none: nothing is made of it"
@@ -69,12 +66,12 @@ def weighed(mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: S
             bodies.append(body)
             sources[body.name] = "solids" if abs(body.mass - own.mass) <= _SAME * own.mass else "given"
         elif not body.inertia:
-            bodies.append(replace(body, mass=own.mass, centre=own.centre, inertia=own.inertia))
+            bodies.append(own)
             sources[body.name] = "solids"
         else:
             rest = body.inertia - own.mass * abs(own.centre * MM) ** 2
             fits = rest >= 0 or bool(gravity(mechanism.load))  # a weight counts, even where a little inertia does not
-            bodies.append(replace(body, mass=own.mass, centre=own.centre, inertia=max(rest, 0.0)) if fits else body)
+            bodies.append(replace(own, inertia=max(rest, 0.0)) if fits else body)
             sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
     sources.pop(GROUND, None)
     loads = model.loads

@@ -56,8 +56,8 @@ class ThreadTakeUp(Mechanism):
     consumption: Consumption | None = None
     wanted: Wanted | None = None
     counterweight: Counterweight | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -22,7 +22,7 @@ from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.rocker import ANGLES, against
 from camgen.parts import materials
 from camgen.spec import Length, Record
-from camgen.study import Plot, Study, Table
+from camgen.study import Later, Plot, Study, Table
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
 _PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)
@@ -159,7 +159,7 @@ def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Cons
     """Figures, curves and tables; forces only with masses, and then with a speed."""
     figures = [motion_numbers(each) for each in _readings(t)]
     notes = [*_NOTES, *(_ERRATA if _of_source(t) else ())]
-    plots, tables = [*_motion_plots(t), _by_frame(t)], [_turns(t), _influence(t)]
+    beside = list[Table]()
     if masses is not None and rpm is not None:
         speed = rpm * TURN / 60
         for found, each in zip(figures, _readings(t), strict=True):
@@ -168,12 +168,6 @@ def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Cons
             f"Forces at {rpm:g} rpm without gravity, friction, thread and the input crank's own mass, as in the source; the "
             "masses are those of the spec, not of the parts made here."
         )
-        plots.append(_force_plot(t, masses, speed))
-        tables += [_centres(t, masses, speed), _balancing(t, masses, speed)]
-    if _of_source(t):
-        keys = dict.fromkeys(key for found in figures for key in found)
-        rows = [[key, *(found.get(key, "") for found in figures)] for key in keys]
-        tables.insert(0, Table("Both readings of the lengths", ("figure", *map(reading, _readings(t))), rows))
     numbers = dict(figures[0])
     if masses is not None and rpm is not None:
         numbers |= balance_numbers(t, masses, rpm * TURN / 60)
@@ -181,7 +175,7 @@ def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Cons
             drawn = None if consumption is None else consumption.at(ANGLES)
             for each in _readings(t)[::-1]:  # of the spec's own the figures count
                 found, table = against(each, masses.bodies(each), rpm * TURN / 60, drawn if each == t else None)
-                tables.append(replace(table, title=f"{table.title}; {reading(each)}"))
+                beside.append(replace(table, title=f"{table.title}; {reading(each)}"))
             numbers |= found
     if consumption is not None:
         low, high = consumption.extremes(t)
@@ -189,10 +183,33 @@ def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Cons
             "thread_excess_max_mm": high[0], "thread_excess_max_at_deg": math.degrees(high[1]),
             "thread_excess_min_mm": low[0], "thread_excess_min_at_deg": math.degrees(low[1]),
         }  # fmt: skip
-        supply, drawn = t.supply(_DRAWN), consumption.at(_DRAWN)
-        curves = [("supply", _DEGREES, supply), ("consumption", _DEGREES, drawn), ("excess", _DEGREES, supply - drawn)]
-        plots.append(Plot("Supply and consumption of thread", _ALPHA, "mm", curves))
-    return Study(numbers, plots, tables, (), notes)
+
+    def plots() -> list[Plot]:
+        found = [*_motion_plots(t), _by_frame(t)]
+        found += [] if masses is None or rpm is None else [_force_plot(t, masses, rpm * TURN / 60)]
+        return found if consumption is None else [*found, _thread_plot(t, consumption)]
+
+    def tables() -> list[Table]:
+        found = [_both(t, figures)] if _of_source(t) else []
+        found += [_turns(t), _influence(t)]
+        if masses is not None and rpm is not None:
+            found += [_centres(t, masses, rpm * TURN / 60), _balancing(t, masses, rpm * TURN / 60)]
+        return [*found, *beside]
+
+    return Study(numbers, Later(plots), Later(tables), (), notes)
+
+
+def _both(t: TakeUp, figures: Sequence[Mapping[str, float]]) -> Table:
+    """Figures of each reading of the source's lengths."""
+    keys = dict.fromkeys(key for found in figures for key in found)
+    rows = [[key, *(found.get(key, "") for found in figures)] for key in keys]
+    return Table("Both readings of the lengths", ("figure", *map(reading, _readings(t))), rows)
+
+
+def _thread_plot(t: TakeUp, consumption: Consumption) -> Plot:
+    supply, drawn = t.supply(_DRAWN), consumption.at(_DRAWN)
+    curves = [("supply", _DEGREES, supply), ("consumption", _DEGREES, drawn), ("excess", _DEGREES, supply - drawn)]
+    return Plot("Supply and consumption of thread", _ALPHA, "mm", curves)
 
 
 def motion_numbers(t: TakeUp) -> dict[str, float]:

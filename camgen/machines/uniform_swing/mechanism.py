@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
@@ -32,16 +32,13 @@ from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_mach
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
-from camgen.machines.cam_loads import unweighed
-from camgen.machines.loads.journals import Journal
+from camgen.machines.cam_loads import lift_off, unweighed
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.pictures import Model, pictures
-from camgen.machines.uniform_swing.printed import SwingMachine
-from camgen.machines.uniform_swing.room import LAYOUT, Room, machine_checks, place_pins
-from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
-from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact, source_figures
+from camgen.machines.uniform_swing.room import Room, machine_checks, place_pins
+from camgen.machines.uniform_swing.study import NO_SPRING, blend_study, canvas_study, force_study, forces, source_figures
 from camgen.machines.uniform_swing.tables import (
     BaseTable,
     ColletTable,
@@ -56,9 +53,14 @@ from camgen.machines.uniform_swing.tables import (
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
 from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.study import Plot, Sketch, Study, Table
+
+if TYPE_CHECKING:
+    from camgen.machines.loads.journals import Journal
+    from camgen.machines.uniform_swing.printed import SwingMachine
 
 _ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
 
@@ -67,14 +69,14 @@ class UniformSwing(Mechanism):
     """Spec and answers of a uniform-swing cam drive; the output is the follower's angle s, rad, 0 in mid position."""
 
     geometry: Geometry
-    motor: Motor = Motor()
-    making: Annotated[Parts, Field(alias="parts")] = Parts()
-    base: BaseTable = BaseTable()
-    frame: FrameTable = FrameTable()
-    collet: ColletTable = ColletTable()
-    nozzle: NozzleTable = NozzleTable()
-    spring: SpringTable = SpringTable()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits()
+    motor: Motor = Motor.model_construct()
+    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    base: BaseTable = BaseTable.model_construct()
+    frame: FrameTable = FrameTable.model_construct()
+    collet: ColletTable = ColletTable.model_construct()
+    nozzle: NozzleTable = NozzleTable.model_construct()
+    spring: SpringTable = SpringTable.model_construct()
+    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -135,6 +137,8 @@ class UniformSwing(Mechanism):
 
     @cached_property
     def _machine(self) -> SwingMachine:
+        from camgen.machines.uniform_swing.printed import SwingMachine
+
         self.cam  # noqa: B018  refuses a swing that is too large, before there is room for it
         self.room.check()
         return SwingMachine(self)
@@ -145,7 +149,11 @@ class UniformSwing(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws and other bought parts of the whole machine."""
-        return bought(self._machine) if self.making.make == "machine" else ()
+        if self.making.make != "machine":
+            return ()
+        from camgen.machines.uniform_swing.shopping import bought
+
+        return bought(self._machine)
 
     @cached_property
     def _rim(self) -> Points:
@@ -157,7 +165,7 @@ class UniformSwing(Mechanism):
         """The cam as made."""
         p, outline = self.making, self.cam.outline
         rim = self._rim
-        bore, reach = p.hole()
+        bore, reach = p.hole(), p.reach
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
             said = "the bore leaves the cam: use a smaller one"
@@ -193,7 +201,7 @@ class UniformSwing(Mechanism):
         p = self.making
         if p.make == "machine" and p.pin_diameter:
             return self.room.pins(self._rim, p.pin_diameter, p.wall)
-        return place_pins(self._rim, self.making.hole()[1], p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
+        return place_pins(self._rim, self.making.reach, p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
 
     @cached_property
     def room(self) -> Room:
@@ -273,10 +281,13 @@ class UniformSwing(Mechanism):
         )  # fmt: skip
         findings = cam_limits("exact profile", self.cam, worst, allowed, self.accuracy.chord_tolerance)
         if self.making.make == "machine":
+            from camgen.machines.uniform_swing.shopping import screw_grip
+
             findings.append(screw_grip(self._machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
-            findings.append(keeps_contact(loaded, self._load))
+            less = "less inertia or a longer reversal_blend_deg"
+            findings.append(lift_off(loaded, self._load, False, NO_SPRING, less))
         return findings
 
     def unpressed(self) -> Sequence[NotJudged]:
@@ -388,7 +399,11 @@ class UniformSwing(Mechanism):
 
     def steps(self) -> Table:
         """In which order the machine goes together, or the cams alone."""
-        return steps(self._machine) if self.making.make == "machine" else super().steps()
+        if self.making.make != "machine":
+            return super().steps()
+        from camgen.machines.uniform_swing.shopping import steps
+
+        return steps(self._machine)
 
     def _sketches(self) -> tuple[Sketch, Sketch]:
         arm, rho = self.cam.follower.arm, self.cam.follower.tip_radius

@@ -19,13 +19,12 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.parts.catalogue import DOWELS
-from camgen.parts.hardware import Collet
+from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.part import hull
 
 if TYPE_CHECKING:
     from camgen.machines.uniform_swing.mechanism import UniformSwing
 
-LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 LEAST_AXLE = 3.0  # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
 _LEAST_SIZES = {"parts.bore": 4.0, "geometry.tip_radius": 2.0}  # mm, that are still proposed: NEMA 8's shaft; less wears
 _TURNS = np.radians([0, *(side * turn for turn in range(10, 90, 10) for side in (1, -1))])  # of the pins off Ox
@@ -101,7 +100,7 @@ class Room:
     def __init__(self, spec: UniformSwing) -> None:
         g, p = spec.geometry, spec.making
         self.pivot, self.offset, self.swing, self.tip = g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius
-        self.bore, self.reach, self.plain, self.pair = p.bore, p.hole()[1], p.shaft == "plain", g.closure == "conjugate"
+        self.bore, self.reach, self.plain, self.pair = p.bore, p.reach, p.shaft == "plain", g.closure == "conjugate"
         self.slide, self.press, self.min_wall = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall
         self.motor, self.frame, self.collet = spec.base.face.half, spec.frame, spec.collet
 
@@ -157,7 +156,11 @@ class Room:
     def _sleeve(self, wall: float) -> float:
         """Radius of the collet's sleeve where it is thickest, mm; 0 without a collet."""
         c = self.collet
-        return Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0).radius if self.plain else 0.0
+        if not self.plain:
+            return 0.0
+        from camgen.parts.hardware import Collet
+
+        return Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0).radius
 
     def remedy(self, more: float = 0.0) -> str:
         """What of the geometry to change, key and value, for a cam that leaves room about shaft and pivot.

@@ -77,6 +77,9 @@ def test_published_spring_case() -> None:
     assert numbers["peak_power_w"] == pytest.approx(NORTON["peak_power_w"], abs=0.005)
     assert numbers["peak_torque_n_m"] == pytest.approx(NORTON["peak_power_w"] / NORTON["speed_rad_s"], abs=5e-4)
     assert numbers["peak_contact_force_n"] == pytest.approx(NORTON["greatest_n"], abs=0.005)
+    # [load] alone gives reactions with friction, under `reaction_shaft_n`: names tell them apart
+    assert numbers["reaction_shaft_without_friction_n"] == pytest.approx(NORTON["greatest_n"], abs=0.005)
+    assert not any(key.startswith("peak_reaction") for key in numbers)
     held = published({"shape": "flat"}, spring={"rate": 0.1, "preload": numbers["spring_preload_needed_n"] + 1e-6})
     assert all(f.ok for f in held.limits() if f.code == "LIFT_OFF")
 

@@ -1,0 +1,100 @@
+"""From a file to plain tables, lists, numbers and text: bounded, and every fault with its place."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from camgen.errors import Fault, FileError, SpecError
+from camgen.schemas import shortened
+
+Data = dict[str, Any]
+
+_MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
+DEEPEST = 32  # tables and lists in one another; no spec needs ten
+SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
+
+_KEY = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\."""
+_LONG_KEY = re.compile(rf"(?m)(?:^|[\[{{,])[ \t]*(?:{_KEY}[ \t]*){{{DEEPEST}}}")  # tomllib's time grows with its square
+
+
+def read(path: Path) -> Data:
+    """Tables of a TOML file.
+
+    FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
+    deeper than any spec.
+    """
+    raw = read_bytes(path, _MOST_BYTES, "a spec file")
+    try:
+        text = raw.decode("utf-8-sig")
+        if long := _LONG_KEY.search(text):
+            raise SpecError([Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)], str(path))
+        data = tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        before = raw[: error.start].decode("utf-8", "replace")
+        fault = Fault(_place(before), f"byte 0x{raw[error.start]:02x}", "text in UTF-8")
+        raise SpecError([fault], str(path)) from None
+    except (ValueError, RecursionError) as error:
+        raise SpecError([_syntax_fault(text, error)], str(path)) from None
+    if not data:
+        expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
+        raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
+    return tables(data, str(path))
+
+
+def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
+    """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec."""
+    data = dict(given)
+    deep = depth_of(data)
+    if deep > DEEPEST:
+        raise SpecError([Fault("spec", f"nested {deep} deep", SHALLOWER)], source)
+    return data
+
+
+def read_bytes(path: Path, most: int, what: str) -> bytes:
+    """A file's bytes; FileError where it cannot be read, is no plain file (a pipe may wait for ever), or has more than `most`."""
+    try:
+        status = os.stat(path)
+        if stat.S_ISDIR(status.st_mode):
+            raise FileError(path, f"is a folder, {what} was expected")
+        if not stat.S_ISREG(status.st_mode):
+            raise FileError(path, f"is no file but a pipe or a device, {what} was expected")
+        if status.st_size > most:
+            raise FileError(path, f"has {status.st_size / 1e6:.0f} MB, {what} of at most {most / 1e6:.0f} MB was expected")
+        return Path(path).read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
+        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def depth_of(value: Any) -> int:
+    """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
+    deepest, level = 0, [value]
+    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * DEEPEST:
+        deepest += 1
+        level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
+    return deepest
+
+
+def _place(before: str) -> str:
+    """Line and column of what follows `before`, both counted from 1."""
+    return f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
+
+
+def _syntax_fault(text: str, error: Exception) -> Fault:
+    """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
+    if isinstance(error, RecursionError):
+        return Fault("TOML", "", SHALLOWER)
+    said = re.fullmatch(r"(?s)(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
+    if said is None:  # a number or a date that Python cannot hold comes without a place
+        return Fault("TOML", "", str(error).partition(";")[0])
+    reason, line, column = said.groups()
+    end = text.rstrip()
+    place = f"line {line}, column {column}" if line else _place(end)
+    lines = (text if line else end).split("\n")
+    quoted = lines[int(line) - 1 if line else -1].strip()
+    return Fault(place, shortened(quoted), f"valid TOML: {reason}")
