@@ -77,9 +77,10 @@ def test_moved_together(
 
 
 @pytest.mark.parametrize("settings", [(), ("print.hole_compensation=0.1",)])
-def test_moved_together_in_the_assembly_alone(built: Callable[..., Path], tmp_path: Path, settings: tuple[str, ...]) -> None:
+def test_moved_together_in_the_assembly_alone(root: Path, tmp_path: Path, settings: tuple[str, ...]) -> None:
     """Where files for the printer are compensated, the assembly's parts are judged by themselves."""
-    folder = Path(shutil.copytree(built("linkage", *settings), tmp_path / "linkage"))
+    folder = tmp_path / "linkage"
+    assert pipeline.build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), settings).ok
     eyes = eyes_of("coupler", mechanism_of(folder).features())
     damage(folder / "linkage-assembly.3mf", "coupler", eyes, lambda z: z + 0.6)
     found = [(f.code, f.where) for f in wrong(folder, "3mf")]

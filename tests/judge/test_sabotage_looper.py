@@ -193,7 +193,7 @@ def test_a_file_that_breaks_off_is_told(folder: Path) -> None:
     path = folder / "x-needle-1.stl"
     path.write_bytes(path.read_bytes()[:-1000])
     with pytest.raises(FileError, match=path.name):
-        pipeline.check(folder)
+        wrong(folder, "stl")
 
 
 # ---- specs -----------------------------------------------------------------------------------------------------------
