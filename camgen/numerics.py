@@ -59,11 +59,17 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
             if rows.size > 1:
                 columns = k + np.flatnonzero(filled[rows, k:].any(axis=0))
                 part = table[rows[:, None], columns]
-                pivot = np.argmax(np.abs(part[:, 0]), axis=0)
-                swapped = np.flatnonzero(pivot)
-                best = part[pivot[swapped], :, swapped]
-                part[pivot[swapped], :, swapped] = part[0, :, swapped]
-                part[0, :, swapped] = best
+                sizes = np.abs(part[:, 0])
+                largest, pivot = sizes[0], np.zeros(n, np.intp)
+                for r in range(1, len(sizes)):
+                    pivot = np.where(sizes[r] > largest, r, pivot)
+                    largest = np.maximum(largest, sizes[r])
+                for r in range(1, len(sizes)):
+                    swapped = np.flatnonzero(pivot == r)
+                    if len(swapped) == n:  # most often all of them: they are one machine at many angles
+                        part[[0, r]] = part[[r, 0]]
+                    elif len(swapped):
+                        part[r][:, swapped], part[0][:, swapped] = part[0][:, swapped], part[r][:, swapped]
                 factors = part[1:, 0] / part[0, 0]
                 part[1:, 1:] -= factors[:, None] * part[0, 1:]
                 table[rows[:, None], columns] = part
@@ -101,6 +107,11 @@ def distinct(*several: ArrayLike) -> NDArray[Any]:
     new = np.ones(len(x), bool)
     new[1:] = x[1:] != x[:-1]
     return x[new]
+
+
+def among(values: NDArray[Any], known: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values are among the known ones, which grow, each of them once or more, (n,)."""
+    return np.asarray(known[np.minimum(np.searchsorted(known, values), len(known) - 1)] == values)
 
 
 def least_squares(table: Floats, right: Floats) -> Floats:

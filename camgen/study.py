@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from camgen.numerics import Floats, Points
 
 T = TypeVar("T")
+ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,9 @@ MERGED_STEPS = 8
 # Error of a copy's place in a 3MF, as a share of the sizes in its transform, which is written with six decimals.
 TRANSFORM_ROUNDING = 4e-6
 
+# Chord tolerance at which walls between arcs are measured, mm.
+WALL_FACETS = 1e-3
+
 # Share of a print compensation that its way back through facets may leave at corners between an arc and another edge.
 WAY_BACK = 0.05
 

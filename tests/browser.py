@@ -63,6 +63,15 @@ PROBE = """(async () => {
 })()"""
 
 
+# Of a wide page: how many curves there are unfolded, in how many columns, and what their section lacks to the page's width.
+WIDE = """(() => {
+  const curves = document.querySelector(".curves"), main = document.querySelector("main");
+  if (!curves) return [0, 0, 0];
+  const left = [...curves.querySelectorAll(":scope > .grid > .plot")].map(plot => Math.round(plot.getBoundingClientRect().left));
+  return [left.length, new Set(left).size, main.clientWidth - 40 - Math.round(curves.getBoundingClientRect().width)];
+})()"""
+
+
 class Tab:
     """A page: commands of the DevTools protocol, and what it has complained of."""
 
@@ -151,6 +160,8 @@ def chromium(path: Path) -> str:
         with tab() as page:
             page.show(path, 380)
             found = page.run(PROBE)
+            page.ask("Emulation.setDeviceMetricsOverride", width=1280, height=800, deviceScaleFactor=1, mobile=False)
+            curves, columns, lacks = page.run(WIDE)
             wrong = [error.splitlines()[0] for error in page.errors]
     except (RuntimeError, TimeoutError, OSError) as error:
         return str(error).splitlines()[0]
@@ -161,6 +172,8 @@ def chromium(path: Path) -> str:
     wrong += [] if found["whole"] == found["turned"] else ["the section stays"]
     wrong += [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
     wrong += [] if found["small"] > 100 else ["no small views"]
+    full = columns >= min(3, curves) and lacks <= 1
+    wrong += [] if full else [f"{curves} curves in {columns} columns, {lacks} pixels left empty"]
     return "; ".join(wrong + ([f"{found['wide']} pixels too wide"] if found["wide"] > 0 else []))
 
 

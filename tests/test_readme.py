@@ -36,6 +36,10 @@ def test_every_other_command_works_in_its_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copytree(ROOT / "specs", tmp_path / "specs")
+    swing = tmp_path / "specs" / "uniform-swing.toml"  # its machine is built in tests/machines/test_swing_machine.py
+    text = swing.read_text(encoding="utf-8")
+    swing.write_text(re.sub(r'(?m)^make = ".*?"', 'make = "cams"', text), encoding="utf-8")
+    assert swing.read_text(encoding="utf-8") != text
     monkeypatch.chdir(tmp_path)
     ran = [command for command in COMMANDS if command not in SETTING_UP]  # one of them builds what the first one does
     for command in ran:

@@ -103,7 +103,7 @@ class Search:
         try:
             if isinstance(made, CamgenError):
                 raise made
-            findings, figures = made.limits(), made.figures()
+            findings, figures = made.forecast(), made.figures()
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED

@@ -43,7 +43,7 @@ class Weighed:
         """Why its parts cannot be made, do not pass each other, or do not keep a limit; empty where they do."""
         if isinstance(self._made, CamgenError):
             return str(self._made).partition("\n")[0]
-        failing = [finding for finding in self._made.limits() if not finding.ok]
+        failing = [finding for finding in self._made.forecast() if not finding.ok]
         return "; ".join(f"{each.code} {each.measured:.4g}, the limit is {each.limit:.4g} {each.unit}" for each in failing)
 
     @cached_property

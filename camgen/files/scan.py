@@ -106,7 +106,7 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
     pitch = _INCH / _resolution(path, dpi, said)
-    level, (row, column), contrast = _levelled(path, grey, pitch)
+    level, (row, column), contrast = _levelled(path, grey)
     lines = contourpy.contour_generator(z=level).lines(0.5)
     height = grey.shape[0]
     closed = []
@@ -155,7 +155,7 @@ def _grey(path: Path, picture: Any) -> Any:
     return np.asarray(picture.convert("L"))
 
 
-def _levelled(path: Path, grey: Any, pitch: float) -> tuple[Any, tuple[int, int], float]:
+def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
     """Level of each pixel round the part, row and column of the first of them, and the contrast in grey levels.
 
     Part and ground are told apart on a small picture, then each grey level is a quadratic field of the place.

@@ -113,18 +113,11 @@ class Sheet:
         self.things.append(Fill((tip, foot + 0.5j * direction, foot - 0.5j * direction), layer))
 
     def text(
-        self,
-        at: complex,
-        text: str,
-        height: float = 2.5,
-        align: Align = "left",
-        direction: complex = 1,
-        layer: str = "TEXT",
-        room: float = math.inf,
+        self, at: complex, text: str, height: float = 2.5, align: Align = "left", layer: str = "TEXT", room: float = math.inf
     ) -> None:
         """Add a line of text, smaller where it might be longer than `room` mm; nothing where it is empty."""
         if text:
-            line = Text(at, text, height, align, direction, layer)
+            line = Text(at, text, height, align, layer=layer)
             self.things.append(replace(line, height=height * min(1.0, room / line.room)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from camgen.errors import counted
 from camgen.geometry.rings import Floats, Ints, Points, Ring
-from camgen.numerics import product
+from camgen.numerics import distinct, product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
 
 
@@ -125,7 +125,7 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
         turned_normals=0 if mesh.normals is None else _turned(mesh.normals, mesh.across),
-        bodies=len(np.unique(components(len(mesh.faces), face[joined], face[joined + 1]))),
+        bodies=len(distinct(components(len(mesh.faces), face[joined], face[joined + 1]))),
         volume=mesh.volume,
     )
 

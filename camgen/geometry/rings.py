@@ -131,11 +131,11 @@ class Ring:
         along = u * np.sinc(u * half / np.pi) / np.sinc(half / np.pi)
         return np.asarray(self.points[edge] + chord[edge] * along * np.exp(1j * half * (u - 1)))
 
-    def samples(self, per_arc: int = 8) -> Points:
-        """Vertices, and on each arc `per_arc` points in equal steps from its first vertex, (m,) complex."""
+    def samples(self) -> Points:
+        """Vertices, and on each arc seven points between its ends in equal steps, (m,) complex."""
         half = 2 * np.arctan(self.bulges)
         arcs = half != 0
-        u = np.arange(1, per_arc)[:, None] / per_arc
+        u = np.arange(1, 8)[:, None] / 8
         along = u * np.sinc(u * half[arcs] / np.pi) / np.sinc(half[arcs] / np.pi)
         inner = self.points[arcs] + (self.ends - self.points)[arcs] * along * np.exp(1j * half[arcs] * (u - 1))
         return np.concatenate([self.points, inner.ravel()])

@@ -25,7 +25,6 @@ from camgen.judge.contours import contour_error
 from camgen.numerics import distinct
 
 MILLIMETRES = 4  # $INSUNITS of DXF
-_WALL_FACETS = 0.001  # mm, chord tolerance at which walls between arcs are measured
 
 
 @dataclass(frozen=True)
@@ -256,7 +255,7 @@ def _judge_sections(
     made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
     wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
-        facets = 2 * max(_WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
+        facets = 2 * max(tolerances.WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
     shape = made[0][1][0]
@@ -285,8 +284,9 @@ def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tup
 
 
 def _wall(shape: Shape) -> float:
-    facets = [ring.facetted(min(_WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in (shape.outer, *shape.holes)]
-    return thinnest_wall(facets[0], facets[1:])
+    rings = (shape.outer, *shape.holes)
+    outer, *holes = (ring.facetted(min(tolerances.WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in rings)
+    return thinnest_wall(outer, holes)
 
 
 def _bore(shape: Shape, diameter: float | None) -> Circle | None:

@@ -25,7 +25,7 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     began = time.perf_counter()
     try:
         mechanism = changed(data, source, folder, settings)
-        findings, study = mechanism.limits(), Study() if quick else mechanism.study()
+        findings, study = mechanism.forecast(), Study() if quick else mechanism.study()
         plots = [] if quick else [*as_designed(mechanism), *study.plots]
         shown = animation(mechanism, study.sketches)
     except SpecError as error:

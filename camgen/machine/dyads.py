@@ -37,8 +37,8 @@ def two_angles(known: Jet, r1: float, r2: float, branch: int) -> tuple[Spin, Spi
     """Spins of both legs, of these lengths: known + z1 = z2; branch +1 has z1 to the left of the way to the second's foot."""
     order = len(known) - 1
     near, far = (r1 - r2) ** 2, (r1 + r2) ** 2
-    q = known[0].real * known[0].real
-    q += known[0].imag * known[0].imag
+    q = np.square(known[0].real)
+    q += np.square(known[0].imag)
     # Heron's formula in factors, which lose nothing to cancellation: the root is four times the triangle's area.
     square = far - q
     square *= q - near
@@ -61,7 +61,7 @@ def two_angles(known: Jet, r1: float, r2: float, branch: int) -> tuple[Spin, Spi
     if order > 1:
         q -= r1**2 + r2**2
         q *= -0.5  # z1 . z2
-        s1, s2 = w1 * w1, w2 * w2
+        s1, s2 = np.square(w1), np.square(w2)
         for spin, other, share1, share2 in ((first, right, q, r2**2), (second, left, r1**2, q)):
             a = s2 * share2
             a -= s1 * share1

@@ -109,7 +109,7 @@ def moving_centrode(a: Points, b: Points) -> Points:
     return rows
 
 
-def near_stops(point: Curve, centre: complex, radius: float, n: int = 3600) -> Floats:
+def near_stops(point: Curve, centre: complex, radius: float) -> Floats:
     """Spans of theta, (k, 2) rad, over which a point stays within the circle; each ends after it begins.
 
     Empty where it is always inside or always outside.
@@ -120,7 +120,7 @@ def near_stops(point: Curve, centre: complex, radius: float, n: int = 3600) -> F
         values: Floats = away[1] if order else away[0] - radius
         return values
 
-    edges = zeros(outside, n)
+    edges = zeros(outside)
     enters = edges[outside(edges, 1) < 0]
     leaves = edges[outside(edges, 1) > 0]
     return np.array([(t, np.min(np.where(leaves > t, leaves, leaves + TURN))) for t in enters]).reshape(-1, 2)

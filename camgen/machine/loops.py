@@ -1,17 +1,15 @@
 """The maker's route: a machine's positions and derivatives by vector loops, block by block, dyads in closed form.
 
     route     how a body's origin is reached from one placed earlier: the vectors that lead there
-    step      one block solved: a relation of one unknown, a dyad, or a larger block by Newton
     chain     a machine parted into steps, once; it keeps what was followed from the drawn position
 
-What is known at some angles, step by step, is a `state`.
+What is known at some angles, step by step, is a `State`.
 """
 
 from __future__ import annotations
 
 import math
 import weakref
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,28 +18,8 @@ from camgen.machine import newton
 from camgen.machine.model import GROUND, Clutch, Machine, Pin
 from camgen.machine.newton import Block, Vectors
 from camgen.machine.order import NO_LEVER, Groups, Key, Relation, components, group_bodies, places, relations
-from camgen.machine.state import FOLLOWED, State
+from camgen.machine.state import FOLLOWED, Direct, Dyad, State, Step
 from camgen.numerics import Floats
-
-
-@dataclass(frozen=True)
-class Direct:
-    """A relation that gives one unknown."""
-
-    unknown: Key
-    relation: Relation
-
-
-@dataclass(frozen=True)
-class Dyad:
-    """A block of one loop and two unknowns in closed form; branch: the sign at the start."""
-
-    kind: str  # "angles", "slider", "inverted", "lengths"
-    block: Block
-    branch: int
-
-
-Step = Direct | Dyad | Block
 
 
 class Chain:

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from camgen.errors import DesignError, listed
 from camgen.machine.closed_form import four_bar
-from camgen.machine.loops import Chain, Direct, Step, chain_of
+from camgen.machine.loops import Chain, chain_of
 from camgen.machine.model import GROUND, Machine, Pin
 from camgen.machine.newton import Block
+from camgen.machine.state import Direct, Step
 from camgen.numerics import Floats, roots
 
 # Angles a turn that are looked at first.

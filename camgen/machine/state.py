@@ -1,5 +1,7 @@
 """All unknowns of a machine at some angles, made step by step, and what follows from them: places, angles, outputs.
 
+    step      one block solved: a relation of one unknown, a dyad, or a larger block by Newton
+
 Unknown angles are kept as spins; the angle itself, continuous from the drawn position, is made where it is asked for. Where
 a step does not close it is nan, and so is all that hangs on it.
 """
@@ -8,23 +10,57 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from camgen.machine import dyads
 from camgen.machine.jets import Jet, Spin, combined, fill, product, through, times, turned, unit_turn
 from camgen.machine.model import GROUND, Along, Angle, Output, Path, Place, Turning
-from camgen.machine.newton import Block, Known, Vectors
-from camgen.machine.order import Key, Relation
+from camgen.machine.newton import Block, Known, Trace, Vectors
+from camgen.machine.order import Groups, Key, Relation
 from camgen.numerics import Floats, Points
-
-if TYPE_CHECKING:
-    from camgen.machine.loops import Chain, Direct, Dyad
 
 # Angles a turn at which an angle is followed, so that it is continuous at any others.
 FOLLOWED = 720
+
+
+@dataclass(frozen=True)
+class Direct:
+    """A relation that gives one unknown."""
+
+    unknown: Key
+    relation: Relation
+
+
+@dataclass(frozen=True)
+class Dyad:
+    """A block of one loop and two unknowns in closed form; branch: the sign at the start."""
+
+    kind: str  # "angles", "slider", "inverted", "lengths"
+    block: Block
+    branch: int
+
+
+Step = Direct | Dyad | Block
+
+
+class Followed(Protocol):
+    """What a state asks of its chain: who turns with whom, the ways to all bodies, a lever of each group, the driven, and what
+    was followed from the drawn position."""
+
+    groups: Groups
+    route: dict[str, Vectors]
+    levers: dict[str, float]
+    driven: set[str]
+
+    def followed(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
+        """A group's angle at angles theta over the range."""
+
+    def trace(self, block: Block, low: float, high: float) -> Trace:
+        """Of a larger block over the range."""
 
 
 class State:
@@ -33,7 +69,7 @@ class State:
     Made with numpy's warnings off, as all that is asked of it later is to be.
     """
 
-    def __init__(self, chain: Chain, theta: Floats, order: int) -> None:
+    def __init__(self, chain: Followed, theta: Floats, order: int) -> None:
         self.chain, self.theta, self.order = chain, theta, order
         self.spins: dict[str, Spin] = {GROUND: [1.0, 0, 0][: order + 1]}
         self.levers: dict[str, complex] = {}  # the vector of each spin, in the axes that turn with it

@@ -35,7 +35,7 @@ from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.linkage.wheels import Ridden
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.part import Part
-from camgen.parts.springs import ExtensionSpring, extension_spring, pulling
+from camgen.parts.springs import EYE, ExtensionSpring, extension_spring, pulling
 from camgen.spec import Print
 
 if TYPE_CHECKING:
@@ -46,7 +46,6 @@ _LEAST = 1.0  # N, that a spring pulls with at least: guides rub
 _OVER = 1.5  # of what keeps contact
 _STRETCHED = (0.4, 0.3, 0.5, 0.2, 0.6, 0.1)  # of a spring's length, where it is shortest
 _AIR = 1.0  # mm, between cam and post
-_EYE = 1.1  # of a spring, to its pin
 _BACK = 3.0  # radii of a hub, from an edge or face to the pin of the spring
 
 
@@ -338,7 +337,7 @@ class Bench:
         """The return spring; None where the closure needs none. DesignError where there is none such."""
         if self.tip.closure != "force":
             return None
-        eye, hook = _EYE * self.sizes.pin_diameter, self.sizes.hook
+        eye, hook = EYE * self.sizes.pin_diameter, self.sizes.hook
         shortest, longest = self.way
         length, lever = self._lengths[0], self._lever
         first, last = lever[np.argmin(length)], lever[np.argmax(length)]

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from camgen.machines.disc_cam.tables import LoadTable, SpringTable
     from camgen.motion.program import Program
 
+_JUMPS = "its speed jumps, which no spring bears: use a law that ends smoothly"
+
 
 def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool) -> list[Fault]:
     """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam; made: it is a part."""
@@ -71,15 +73,16 @@ def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad 
     return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, rate, preload, load.resistance)
 
 
-def lift_off(found: Loaded, load: FollowerLoad, slides: bool) -> Finding:
-    """LIFT_OFF, with the spring that would keep the follower on."""
+def lift_off(
+    found: Loaded, load: FollowerLoad, slides: bool, jumps: str = _JUMPS, lower: str = "less mass, speed or a longer span"
+) -> Finding:
+    """LIFT_OFF, with the spring that would keep the follower on; jumps: what is said where its speed does; lower: what lowers
+    that spring."""
     preload, rate = found.spring_needed(load)
     units = ("N", "N/mm") if slides else ("N m", "N m/rad")
     stiffer = f" or a spring.rate of {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
-    return found.keeps_contact(
-        "its speed jumps, which no spring bears: use a law that ends smoothly" if found.kick else
-        f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; less mass, speed or a longer span lowers that"
-    )  # fmt: skip
+    kept = f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
+    return found.keeps_contact(jumps if found.kick else kept)
 
 
 def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool) -> Study:

@@ -44,6 +44,7 @@ from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
 from camgen.machines.assembly import order
+from camgen.machines.free_play import of_pins
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
 from camgen.machines.loads.pins import stronger
@@ -163,7 +164,7 @@ class Mechanism(Spec, ABC):
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
-        return self.limits()
+        return [*self.limits(), *of_pins(self)]
 
     def proven(self) -> Self:
         """Itself, whose limits all hold; DesignError with the first that fails."""

@@ -339,14 +339,14 @@ def closed(sines: Sequence[float], cosines: Sequence[float]) -> tuple[float, ...
     return (sines[0] + 2 * math.pi * end_speed(sines, cosines), *sines[1:]) if len(sines) else tuple(sines)
 
 
-def fourier(sines: Sequence[float], cosines: Sequence[float] = (), name: str = "fourier", source: str = "") -> Law:
+def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str = "") -> Law:
     """The Fourier law with these coefficients; SpecError where it does not start and end at rest."""
     leaves = end_speed(sines, cosines)
     if not abs(leaves) <= LAW_CLOSES:
         expected = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
         raise SpecError([Fault("sines", f"speed {leaves:.6g} at both ends", expected)])
     formula = fourier_formula(closed(sines, cosines), cosines)
-    return measured(name, formula, source or f"Fourier series of {len(sines) + len(cosines)} terms")
+    return measured("fourier", formula, source or f"Fourier series of {len(sines) + len(cosines)} terms")
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from camgen.geometry.mesh import Mesh, components
 from camgen.geometry.outlines import Points
+from camgen.numerics import among, distinct
 
 Faces = NDArray[np.int64]
 
@@ -117,7 +118,7 @@ def recapped(mesh: Mesh) -> Mesh:
     level = np.all(corners[:, :, 2] == corners[:, :1, 2], axis=1)
     looks = np.where(level, np.sign(mesh.across[:, 2]), 0.0)
     kept = [mesh.faces[~level]]
-    for z in np.unique(corners[level][:, 0, 2]):
+    for z in distinct(corners[level][:, 0, 2]):
         for side in (-1.0, 1.0):
             here = mesh.faces[(looks == side) & (corners[:, 0, 2] == z)]
             kept += [_divided(mesh, patch, side) for patch in _patches(here)]
@@ -134,7 +135,7 @@ def _patches(faces: Faces) -> list[Faces]:
     order = np.argsort(key, kind="stable")
     joined = np.flatnonzero(np.diff(key[order]) == 0)
     label = components(len(faces), order[joined] // 3, order[joined + 1] // 3)
-    return [faces[label == k] for k in np.unique(label)]
+    return [faces[label == k] for k in distinct(label)]
 
 
 def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
@@ -145,7 +146,7 @@ def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
     if side < 0:
         a, b = b, a
     there, back = a * len(mesh.vertices) + b, b * len(mesh.vertices) + a
-    rim = ~np.isin(there, back)
+    rim = ~among(there, np.sort(back))
     following = dict(zip(a[rim].tolist(), b[rim].tolist(), strict=True))
     if len(following) != np.count_nonzero(rim):
         return patch
@@ -156,7 +157,7 @@ def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
             ring.append(after)
         rings.append(ring)
     size = sum(map(len, rings))
-    if size != len(np.unique(patch)):
+    if size != len(distinct(patch.ravel())):
         return patch
     plan = mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1]
     rings.sort(key=lambda ring: -abs(area(plan[ring])))

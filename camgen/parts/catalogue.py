@@ -162,6 +162,7 @@ SCREWS = {
     )
 }
 
+HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 # Core holes of coarse threads, mm [ISO 2306].
 CORE_HOLES = {"M2": 1.6, "M2.5": 2.05, "M3": 2.5, "M4": 3.3, "M5": 4.2, "M6": 5.0}
 

@@ -20,7 +20,7 @@ from camgen.spec import Length, Record
 
 Thickness = Annotated[float, Field(ge=0.1, le=1000)]
 
-_LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 
 
 def _no_laser(make: object) -> object:
@@ -119,16 +119,21 @@ def holes_in(
     DesignError where bore, hub (its diameter, mm) or the others find no room.
     """
     bore, reach = made.hole(), made.reach
-    rim = facet_contour(outline, _LAYOUT)
+    rim = facet_contour(outline, LAYOUT)
     refuse_wide(name, float(np.min(point_to_ring(np.zeros(1, complex), rim))), reach, hub)
     holes = (bore, *more(rim, reach))
-    thinnest = thinnest_wall(rim, [facet_contour(hole, _LAYOUT) for hole in holes])
+    thinnest = thinnest_wall(rim, [facet_contour(hole, LAYOUT) for hole in holes])
     if not thinnest > 0:
         raise DesignError(
             "wall", thinnest, 0.0, "mm", f"between the holes and the edge of {name}",
             "holes meet or leave the cam: use a smaller bore, key or pin_diameter, or a larger base_radius",
         )  # fmt: skip
     return holes
+
+
+def pins_beside(made: Parts, min_wall: float) -> float:
+    """Distance from the axis of the pins that hold a groove's inner cam, mm."""
+    return made.reach + min_wall + made.pin_diameter
 
 
 def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
@@ -168,9 +173,8 @@ def _cam(made: Parts, name: str, title: str, outline: Contour, pins: list[Contou
 
 def _plates(made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
-    bore, reach = made.hole(), made.reach
-    radius = float(np.max(np.abs(facet_contour(wall, _LAYOUT)))) + made.rim
-    beside = reach + min_wall + made.pin_diameter
+    bore, beside = made.hole(), pins_beside(made, min_wall)
+    radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + made.rim
     inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]
     corners = [cmath.rect(radius - made.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
     outer = [circle(corner, made.pin_diameter / 2) for corner in corners]

@@ -19,6 +19,7 @@ from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_circle, facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
+from camgen.numerics import among, distinct
 from camgen.parts.caps import Faces, area, recapped, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
@@ -114,9 +115,9 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
         body = manifold3d.Manifold.batch_boolean([body, *map(_manifold, pockets)], manifold3d.OpType.Subtract)
     raw = body.to_mesh64()
     vertices, faces = np.asarray(raw.vert_properties)[:, :3], np.asarray(raw.tri_verts).astype(np.int64)
-    levels = np.unique(np.concatenate([m.vertices[:, 2] for m in (*layers, *pockets)]))
+    levels = distinct(*(m.vertices[:, 2] for m in (*layers, *pockets)))
     height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
-    known = np.unique(np.concatenate([m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)]))
+    known = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
     plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known)
 
     return recapped(_ordered(np.column_stack([plan.real, plan.imag, height]), faces))
@@ -185,7 +186,7 @@ def _upright(plan: Points, known: Points) -> Points:
 
     Points of the rings stay as they are; a crossing of two rings, computed once for each height, takes the first value.
     """
-    new = np.flatnonzero(~np.isin(plan, known))
+    new = np.flatnonzero(~among(plan, known))
     same = 4 * FLOAT32_ROUNDING * max(1.0, float(np.max(np.abs(plan))))
     result = plan.copy()
     settled: list[complex] = []

@@ -15,6 +15,7 @@ from typing import Any
 from camgen.parts.catalogue import STEEL, Bought
 
 WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
+EYE = 1.1  # of a spring, to the pin that it hooks on
 _SHEAR = 81500.0  # N/mm^2
 _SHARE = 0.45  # of the tensile strength
 _LEAST_COILS = 3.0

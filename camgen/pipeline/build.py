@@ -91,7 +91,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         report = judge(case, kinds, read_parts(case, kinds, workers), workers, progress, "is in the folder")[0]
     judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
     sheets = {path.name for path in cut_files(case)}
-    judged |= {name for name in listed if name.endswith((".3mf", ".svg", ".step")) or name in sheets}
+    judged |= {name for name in listed if name.endswith((".3mf", ".step")) or name in sheets}
     differ = changed_files(folder)
     as_they_are = [name for name in differ if name in judged]
     if as_they_are:

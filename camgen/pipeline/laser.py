@@ -131,7 +131,7 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
             more, cut = judge_sheet(dxf, svg, laid, meant, beam)
             findings += more
             sections |= {name: one.sections for name, one in cut.items()}
-            rows += _rows(number, laid, parts, laser)
+            rows += _rows(number, laid, laser)
         findings += _copies(listed, parts, case)
         numbers = {"sheets": float(len(listed)), "sheet_density": _density(listed, parts, laser)}
     for part in mechanism.parts():
@@ -146,7 +146,7 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
     return findings, sections, [Table("Cut of sheets, and what is made otherwise", columns, rows)], numbers
 
 
-def _rows(number: int, laid: Sequence[Laid], parts: dict[str, Part], laser: Laser) -> list[tuple[object, ...]]:
+def _rows(number: int, laid: Sequence[Laid], laser: Laser) -> list[tuple[object, ...]]:
     """What lies on a sheet, for people."""
     found: list[tuple[object, ...]] = []
     for name in dict.fromkeys(one.part for one in laid):

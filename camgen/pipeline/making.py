@@ -18,7 +18,6 @@ from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
-from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.study import Plate, Table
 
@@ -115,6 +114,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
             write_part(case.file(name, kind), job)
     if "dxf" in only:
         from camgen.files.drawing import write_drawing
+        from camgen.pipeline.drawings import facts_of
 
         write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
     return None if mesh is None or sent is None else (mesh, sent)

@@ -64,7 +64,7 @@ class Recovered:
     lever: float
 
 
-def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS, samples: int = _SAMPLES) -> Recovered:
+def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS) -> Recovered:
     """Roll the tip on an outline over one turn, its end left out.
 
     DesignError where the follower does not fit the outline: the shaft outside, the pivot inside, or nowhere in reach.
@@ -77,7 +77,7 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS, sam
     if follower.motion == "oscillating" and not follower.inside and abs(follower.axle) < near:
         remedy = "the outline runs round the follower's axle: move the pivot out"
         raise DesignError("distance of the pivot from the shaft", abs(follower.axle), near, "mm", "the whole turn", remedy)
-    theta: Floats = np.linspace(0, math.tau, samples, endpoint=False)
+    theta: Floats = np.linspace(0, math.tau, _SAMPLES, endpoint=False)
     touch = contact(ring, follower.form).touch(theta)
     if np.isnan(touch.angle).all():
         remedy = f"it never touches the outline, {near:.6g} to {far:.6g} mm from the shaft: check pivot, arm, leaves or offset"

@@ -29,13 +29,12 @@ from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case
 from camgen.pipeline.making import compensation
 from camgen.pipeline.scope import Outcome
-from camgen.study import Study, Table
+from camgen.study import ROWS, Study, Table
 
 if TYPE_CHECKING:
     from camgen.judge.measured import Sections
     from camgen.judge.motion import Verdict
 
-_ROWS = 1441  # rows of motion.csv: every quarter degree, both ends
 
 Read = dict[str, "Sections"]  # what was read from one part's files, by kind: the pieces at each height
 
@@ -118,7 +117,7 @@ def moved_by(
     if not features:
         return Outcome(), {}, Study()
     (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
-    theta = np.linspace(low, high, math.ceil((_ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
+    theta = np.linspace(low, high, math.ceil((ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
     outputs = judged_outputs(mechanism.model.outputs, wishes.values())
     cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)

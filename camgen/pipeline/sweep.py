@@ -12,6 +12,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -255,6 +256,11 @@ class Cluster:
 
     address: str
     patience: float = 10.0  # s, for the scheduler to answer
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"\w+://.+:\d+", self.address):
+            fault = Fault("--workers", repr(self.address), "local, or tcp://HOST:PORT of a Dask scheduler")
+            raise SpecError([fault], "command line")
 
     def __call__(self, task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where there is no scheduler, or it is lost."""

@@ -19,7 +19,7 @@ from camgen.settings import dotted, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
-_LIKE_RANGE = re.compile(r"""[^,:"'\[{]+(:[^,:"'\[{]+){1,2}""")
+_LIKE_RANGE = re.compile(r"""[^,:"'\[{]*(:[^,:"'\[{]*){1,2}""")
 _FORM = "KEY=A:B:N, N values from A to B, or KEY=a,b,c"
 
 

@@ -23,8 +23,9 @@ from chains import CHAINS  # noqa: E402
 from camgen.machine import solve  # noqa: E402
 from camgen.machine.closing import close  # noqa: E402
 from camgen.machine.constraints import Constraints  # noqa: E402
-from camgen.machine.loops import Chain, Dyad, chain_of  # noqa: E402
+from camgen.machine.loops import Chain, chain_of  # noqa: E402
 from camgen.machine.newton import Block  # noqa: E402
+from camgen.machine.state import Dyad  # noqa: E402
 
 COUNT = 3_600
 WANTED = {"four-bar": 0.3, "Jansen": 0.5, "Stephenson III": 30.0, "double butterfly": 30.0}

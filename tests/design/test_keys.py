@@ -79,6 +79,12 @@ def test_the_least_cam_has_the_pressure_angle_that_is_allowed(tmp_path: Path) ->
     assert least - 1e-3 < found < least + 0.05  # 60 designs over 70 mm: what a simplex of so few steps reaches
 
 
+def test_the_least_cam_holds_its_hub() -> None:
+    """By what a build would refuse, though no limit of the exact profile fails: the hub, 90 mm wide, leaves a lesser cam."""
+    found = tomllib.loads(design(tomllib.loads(CAM) | {"parts": {"hub_diameter": 90.0, "hub_height": 6.0}}))
+    assert 45 < found["geometry"]["base_radius"] < 46
+
+
 def test_what_cannot_be_is_told_with_the_nearest() -> None:
     with pytest.raises(DesignError, match=r"none of \d+ designs keeps every limit; the nearest one"):
         design(tomllib.loads(CAM) | {"wanted": {"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "geometry.base_radius",

@@ -227,14 +227,14 @@ def test_same_bytes_in_other_processes_on_other_days(tmp_path):
     here = str(Path(__file__).resolve().parents[1] / "parts")
     sums = []
     # the order of a set of strings changes with the hash seed: 1 and 2 differ in ezdxf's classes
-    for seed, shift in (("1", "0"), ("2", "5e6"), ("3", "-4e7")):
+    for seed, shift in (("1", "-4e7"), ("2", "5e6")):
         folder = tmp_path / seed
         folder.mkdir()
         paths = os.pathsep.join([os.path.dirname(here), *filter(None, [os.environ.get("PYTHONPATH")])])
         environment = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": paths}
         subprocess.run([sys.executable, "-c", SCRIPT, str(folder), shift, here], check=True, env=environment)
         sums.append({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir()})
-    assert len(sums[0]) == 10 and sums[0] == sums[1] == sums[2]
+    assert len(sums[0]) == 10 and sums[0] == sums[1]
 
 
 def test_another_key_makes_other_ids(tmp_path):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import tomllib
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -10,7 +12,9 @@ from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.build import check
 from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
-from camgen.pipeline.judging import judge, read_parts
+from camgen.pipeline.judging import judge
+from camgen.pipeline.reading import Read, judge_part
+from camgen.pipeline.scope import Outcome
 from camgen.report.report import Report
 
 
@@ -26,13 +30,37 @@ def _read(text: str) -> Mechanism:
     return found
 
 
+@dataclass(frozen=True)
+class _Part:
+    """A part and its files, the same where their bytes are."""
+
+    spec: str
+    name: str
+    kinds: tuple[str, ...]
+    bytes: str
+    case: Case = field(compare=False)
+
+
+@lru_cache(maxsize=99)
+def _judged(part: _Part) -> tuple[Outcome, Read]:
+    return judge_part(part.case, part.name, part.kinds)
+
+
+def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]:
+    """What `judge_part` says: of files that no damage has touched it is asked once."""
+    held = hashlib.sha256()
+    for path in (case.file(name, kind) for kind in kinds):
+        held.update(path.read_bytes() if path.exists() else b"none")
+    return _judged(_Part((case.folder / "spec.toml").read_text(encoding="utf-8"), name, kinds, held.hexdigest(), case))
+
+
 def judged(folder: Path, *kinds: str) -> Report:
     """The report on files of some kinds, "dxf", "stl" or "3mf", as `camgen check` judges them; of none named on all of them."""
     if not kinds:
         return check(folder)
     with Workers() as workers:
         case = Case(mechanism_of(folder), folder)
-        return judge(case, kinds, read_parts(case, kinds, workers), workers, silent, "is in the folder")[0]
+        return judge(case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent, "is in the folder")[0]
 
 
 def wrong(folder: Path, *kinds: str) -> list[Finding]:

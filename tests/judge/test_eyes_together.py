@@ -57,14 +57,15 @@ def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
         write_3mf(path, meshes, items, "key")
 
 
-@pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
-@pytest.mark.parametrize(("spec", "part", "change", "off"), [
-    ("linkage", "coupler", lambda z: z + 0.6, 0.6),
-    ("linkage", "ground", lambda z: z - 0.05j, 0.05),
-    ("thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
+@pytest.mark.parametrize(("kind", "spec", "part", "change", "off"), [
+    *((kind, "linkage", "coupler", lambda z: z + 0.6, 0.6) for kind in ("dxf", "stl", "3mf")),
+    ("dxf", "linkage", "ground", lambda z: z - 0.05j, 0.05),
+    ("stl", "linkage", "ground", lambda z: z - 0.05j, 0.05),
+    ("dxf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
+    ("3mf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
 ])  # fmt: skip
 def test_moved_together(
-    built: Callable[..., Path], tmp_path: Path, spec: str, part: str, change: Change, off: float | None, kind: str
+    built: Callable[..., Path], tmp_path: Path, kind: str, spec: str, part: str, change: Change, off: float | None
 ) -> None:
     folder = Path(shutil.copytree(built(spec), tmp_path / spec))
     eyes = eyes_of(part, mechanism_of(folder).features())
@@ -76,9 +77,10 @@ def test_moved_together(
 
 
 @pytest.mark.parametrize("settings", [(), ("print.hole_compensation=0.1",)])
-def test_moved_together_in_the_assembly_alone(built: Callable[..., Path], tmp_path: Path, settings: tuple[str, ...]) -> None:
+def test_moved_together_in_the_assembly_alone(root: Path, tmp_path: Path, settings: tuple[str, ...]) -> None:
     """Where files for the printer are compensated, the assembly's parts are judged by themselves."""
-    folder = Path(shutil.copytree(built("linkage", *settings), tmp_path / "linkage"))
+    folder = tmp_path / "linkage"
+    assert pipeline.build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), settings).ok
     eyes = eyes_of("coupler", mechanism_of(folder).features())
     damage(folder / "linkage-assembly.3mf", "coupler", eyes, lambda z: z + 0.6)
     found = [(f.code, f.where) for f in wrong(folder, "3mf")]
@@ -95,7 +97,7 @@ def test_a_lone_hole_that_no_output_sees(tmp_path: Path) -> None:
     assert pipeline.build(tmp_path / "spec.toml", tmp_path / "out", frozenset({"dxf"})).ok
     folder = tmp_path / "out" / "quick-return"
     damage(folder / "quick-return-ram.dxf", "ram", ((0j, 5.0),), lambda z: z + 0.6)
-    assert {(f.code, f.where) for f in wrong(folder)} == {("ROUND_TRIP", "quick-return-ram.dxf")}
+    assert {(f.code, f.where) for f in wrong(folder, "dxf")} == {("ROUND_TRIP", "quick-return-ram.dxf")}
 
 
 @pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])

@@ -6,6 +6,7 @@ import re
 import ezdxf
 import numpy as np
 import pytest
+from judged import judged, wrong
 from test_solids import oval
 
 from camgen.errors import DesignError, FileError, SpecError
@@ -16,7 +17,7 @@ from camgen.judge.sheets import Beam, Laid, judge_sheet
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.sheets import why_not
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.laser import sheet_parts
@@ -151,18 +152,18 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
     again = build(root / "specs" / "linkage.toml", tmp_path / "b", DXF, settings)
     names = [path.name for path in report.folder.glob("*sheet*")]
     assert len(names) == 3 and all((report.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names)
-    assert check(report.folder).ok
+    assert judged(report.folder, "dxf").ok
     dxf = report.folder / "linkage-sheet-1.dxf"
     drawing = ezdxf.readfile(dxf)
     drawing.modelspace().query("CIRCLE")[0].dxf.center += ezdxf.math.Vec3(0.05, 0, 0)
     drawing.saveas(dxf)
-    assert {f.code for f in check(report.folder).findings if not f.ok} >= {"MOTION_ERROR", "KERF", "ROUND_TRIP"}
+    assert {f.code for f in wrong(report.folder, "dxf")} >= {"MOTION_ERROR", "KERF", "ROUND_TRIP"}
     listed = again.folder / "linkage-sheets.csv"
     rows = list(csv.reader(listed.read_text().splitlines()))
     rows[1][3] = "no number"
     listed.write_text("\n".join(map(",".join, rows)))
     with pytest.raises(FileError, match="not a list of sheets"):
-        check(again.folder)
+        judged(again.folder, "dxf")
 
 
 def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root):

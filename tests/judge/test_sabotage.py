@@ -408,7 +408,7 @@ def test_a_file_cut_short_is_told(folder: Path, kind: str) -> None:
     path = folder / f"cam-cam.{kind}"
     path.write_bytes(path.read_bytes()[:-1000])
     with pytest.raises(FileError) as caught:
-        pipeline.check(folder)
+        wrong(folder, kind)
     assert path.name in str(caught.value)
 
 
@@ -539,7 +539,7 @@ def test_a_part_for_slicers_in_a_package_is_told(folder: Path) -> None:
 def test_a_unit_that_there_is_not_is_no_millimetre(folder: Path) -> None:
     edit_3mf(folder, "cam-cam.3mf", lambda text: text.replace('unit="millimeter"', 'unit="parsec"'))
     with pytest.raises(FileError, match=r"cam-cam\.3mf.*[Uu]nit"):
-        pipeline.check(folder)
+        wrong(folder, "3mf")
 
 
 def nested(text: str) -> str:
@@ -556,7 +556,7 @@ def nested(text: str) -> str:
 def test_copies_are_counted_before_they_are_placed(folder: Path) -> None:
     edit_3mf(folder, "cam-cam.3mf", nested)
     with pytest.raises(FileError, match=r"cam-cam\.3mf: places 11111111. copies.*10000 at most"):
-        pipeline.check(folder)
+        wrong(folder, "3mf")
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"camgen": "1", "files": 3}', "[" * 100_000])

@@ -125,9 +125,14 @@ def test_a_preview_shows_how_each_output_moves(root: Path, tmp_path: Path) -> No
 
 def test_a_move_gives_the_report_of_that_variant(page: TestClient) -> None:
     first, small = asked(page, "/preview"), asked(page, "/preview", geometry__base_radius="10", geometry__follower__radius="4")
-    assert first["ok"] and first["verdict"] == "All 4 findings hold" and 'id="mechanism"' in first["page"]
+    assert first["ok"] and first["verdict"] == "All 5 findings hold" and 'id="mechanism"' in first["page"]
     assert not small["ok"] and "PRESSURE_ANGLE" in small["page"] and small["page"] != first["page"]
     assert "at most 30" in first["page"]
+
+
+def test_a_preview_says_what_a_sweep_says_of_bore_and_hub(page: TestClient) -> None:
+    wide = asked(page, "/preview", parts__hub_diameter="80")
+    assert wide["verdict"] == "cannot be made" and "parts.hub_diameter" in wide["errors"][0]
 
 
 def test_a_quick_answer_has_verdict_and_picture_without_the_study(page: TestClient) -> None:

@@ -178,7 +178,8 @@ def test_a_near_change_point_is_told_too() -> None:
 
 def test_a_change_point_in_a_larger_block_is_passed_and_told() -> None:
     """A dyad of the parallelogram put through Newton goes straight on where the closed form turns back."""
-    from camgen.machine.loops import Dyad, chain_of
+    from camgen.machine.loops import chain_of
+    from camgen.machine.state import Dyad
 
     points = {"O": 0j, "C": 40 + 0j, "A": 15j, "B": 40 + 15j}
     machine = linked(points, {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}, "crank")

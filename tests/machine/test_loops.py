@@ -42,9 +42,10 @@ from camgen.machine import (
     Slot,
     Turning,
     solve,
-)  # fmt: skip  # fmt: skip
-from camgen.machine.loops import Dyad, chain_of
+)  # fmt: skip
+from camgen.machine.loops import chain_of
 from camgen.machine.newton import Block
+from camgen.machine.state import Dyad
 
 THETA = np.random.default_rng(3).uniform(0, math.tau, 400)
 

@@ -13,6 +13,7 @@ from typing import Any
 import ezdxf
 import numpy as np
 import pytest
+from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.geometry.distances import point_to_ring
@@ -20,7 +21,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.springs import extension_spring
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.pipeline.scope import unheard
 from camgen.reading import read
 from camgen.spec import validate
@@ -187,11 +188,13 @@ def test_what_cannot_be_made_is_told(tables: dict[str, Any], error: type[Excepti
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A green build's drawings, never changed."""
-    return made(tmp_path_factory.mktemp("bench"), kinds=("dxf",))
+    folder = made(tmp_path_factory.mktemp("bench"), kinds=("dxf",))
+    assert failing(folder) == set()
+    return folder
 
 
 def failing(folder: Path) -> set[str]:
-    return {finding.code for finding in check(folder).findings if not finding.ok}
+    return {finding.code for finding in wrong(folder, "dxf")}
 
 
 def mirror(drawing: ezdxf.document.Drawing) -> None:
@@ -209,7 +212,6 @@ def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
     sound: Path, tmp_path: Path, part: str, edit: Callable[[ezdxf.document.Drawing], None]
 ) -> None:
     folder = Path(shutil.copytree(sound, tmp_path / "disc-cam"))
-    assert failing(folder) == set()
     path = folder / f"disc-cam-{part}.dxf"
     drawing = ezdxf.readfile(path)
     edit(drawing)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import Placed, placing, write_3mf
@@ -19,7 +21,7 @@ from camgen.machine.run import solve
 from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.machines.indexing_cam.mechanism import IndexingCam
 from camgen.parts.solids import solid
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
 
@@ -91,14 +93,13 @@ def test_torque_on_the_cams_shaft_is_that_of_the_machine() -> None:
     assert np.max(np.abs(taken[turning])) == pytest.approx(own[8], rel=1e-3)
 
 
-def test_files_of_a_cam_that_turns_unevenly(tmp_path: Path) -> None:
+def test_files_of_a_cam_that_turns_unevenly(built: Callable[..., Path], tmp_path: Path) -> None:
     """Green as made; with the even drive's outline in place of its own the motion is wrong."""
-    for name, settings in (("even", []), ("uneven", ["driver.offset=8"])):
-        report = build(SPECS / "indexing-cam.toml", tmp_path / name, frozenset({"dxf"}), settings)
-        assert report.ok, [finding for finding in report.findings if not finding.ok]
-    folder = tmp_path / "uneven" / "indexing-cam"
-    shutil.copy(tmp_path / "even" / "indexing-cam" / "indexing-cam-cam.dxf", folder)
-    assert "MOTION_ERROR" in {finding.code for finding in check(folder).findings if not finding.ok}
+    report = build(SPECS / "indexing-cam.toml", tmp_path, frozenset({"dxf"}), ["driver.offset=8"])
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    folder = tmp_path / "indexing-cam"
+    shutil.copy(built("indexing-cam") / "indexing-cam-cam.dxf", folder)
+    assert "MOTION_ERROR" in {finding.code for finding in wrong(folder, "dxf")}
 
 
 @pytest.mark.parametrize(

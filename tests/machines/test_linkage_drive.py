@@ -72,8 +72,12 @@ def test_a_rocker_by_a_program_keeps_to_what_the_chain_has(four_bar: dict[str, A
     assert all(finding.ok for finding in driven(four_bar, link="rocker", segment=there_and_back(30.0)).limits())
     with pytest.raises(DesignError, match=r"drive.segment goes from 0 to 60 deg.*closes from -9.14081 to 38.5982 deg"):
         driven(four_bar, link="rocker", segment=there_and_back(60.0)).limits()
-    with pytest.raises(DesignError, match=r"cannot turn fully.*drive.range_deg = \[-8.141, 37.6\]"):
+    with pytest.raises(DesignError, match=r"cannot turn fully.*\(with a transmission angle of 30 deg\)") as caught:
         driven(four_bar, link="rocker").limits()
+    low, high = map(float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", "))
+    for wider, holds in ((0.0, True), (1.0, False)):  # what it advises keeps to the limits, a degree more does not
+        found = driven(four_bar, link="rocker", range_deg=[low - wider, high + wider]).limits()
+        assert all(each.ok for each in found if each.code == "TRANSMISSION_ANGLE") is holds
     with pytest.raises(DesignError, match=r"by Grashof the shortest link turns fully, which is crank \(20 mm\), not rocker"):
         driven(four_bar, link="rocker").limits()
 

@@ -13,6 +13,7 @@ import ezdxf
 import numpy as np
 import pytest
 import tomli_w
+from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.judge.joints import keyed
@@ -20,7 +21,7 @@ from camgen.judge.measured import Measured, Readings
 from camgen.machine.features import Eye, Keyed, Mount, Steady
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
 
@@ -114,15 +115,15 @@ def turned_hole(path: Path, at: complex, degrees: float) -> None:
     drawing.saveas(path)
 
 
-def failing(folder: Path) -> dict[str, str]:
-    return {finding.code: finding.where for finding in check(folder).findings if not finding.ok}
+def failing(folder: Path, kind: str) -> dict[str, str]:
+    return {finding.code: finding.where for finding in wrong(folder, kind)}
 
 
 def test_a_web_whose_flat_is_turned_is_found(folder: Path, tmp_path: Path) -> None:
     """By 2 deg: the rod's pin is off by 30 mm x 2 deg, so is the rocker; the shaft's far end is off the axis."""
     shutil.copytree(folder, tmp_path / "two")
     turned_hole(tmp_path / "two" / "two-crank_web2.dxf", 15 + 0j, 2)
-    found = failing(tmp_path / "two")
+    found = failing(tmp_path / "two", "dxf")
     assert {"MOTION_ERROR", "PIN_GAP", "ROUND_TRIP"} <= found.keys()
     assert "out2" in found["MOTION_ERROR"] and found["PIN_GAP"].endswith(", O")
 
@@ -144,7 +145,7 @@ def test_the_far_end_of_a_shaft_off_its_axis_is_a_misfit(folder: Path, tmp_path:
     (hole,) = (each for each in drawing.modelspace().query("CIRCLE") if abs(each.dxf.radius - 3.1) < 1e-6)
     hole.dxf.center = (0.03, 0, 0)
     drawing.saveas(path)
-    found = {f.code: f for f in check(tmp_path / "two").findings if not f.ok}
+    found = {f.code: f for f in wrong(tmp_path / "two", "dxf")}
     assert found["PIN_GAP"].measured == pytest.approx(0.03, abs=1e-6) and found["PIN_GAP"].where.endswith(", O")
 
 
@@ -165,7 +166,7 @@ def test_a_post_elsewhere_and_plates_that_are_swapped_are_found(single: Path, tm
     with zipfile.ZipFile(path, "w") as archive:
         for name, text in files.items():
             archive.writestr(name, text)
-    assert "ROUND_TRIP" in failing(tmp_path / "two")
+    assert "ROUND_TRIP" in failing(tmp_path / "two", "3mf")
 
 
 def test_pins_and_the_shafts_upper_end_are_held_by_the_second_plate() -> None:

@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 import tomli_w
+from judged import wrong
 
 from camgen.errors import SpecError
 from camgen.findings import Finding
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
 
@@ -72,7 +73,7 @@ def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None
     places = {code: [f.where for f in report.findings if f.code == code] for code in ("STROKE_ERROR", "PATH_ERROR")}
     assert places["STROKE_ERROR"] == ["swing as designed", "linkage-*.dxf, swing"] and len(places["PATH_ERROR"]) == 2
     shifted_hole(tmp_path / "linkage" / "linkage-rocker.dxf", 50 + 0j, -0.3)
-    failed = {(f.code, f.where) for f in check(tmp_path / "linkage").findings if not f.ok}
+    failed = {(f.code, f.where) for f in wrong(tmp_path / "linkage", "dxf")}
     assert ("STROKE_ERROR", "linkage-*.dxf, swing") in failed and ("STROKE_ERROR", "swing as designed") not in failed
 
 

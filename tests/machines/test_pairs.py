@@ -7,11 +7,16 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from judged import wrong
 from test_linkage_bodies import cam_rocker
 
-from camgen import build, check
+from camgen import build
 from camgen.errors import SpecError
+from camgen.machine.model import Cam
+from camgen.machine.run import solve
+from camgen.machines.pairs import told
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.tolerance_report import tolerance
 
@@ -46,8 +51,21 @@ def test_preload_is_no_play_and_no_fault(tmp_path: Path) -> None:
     loose = tmp_path / "loose"
     made(loose, *PAIR, "geometry.tip_clearance=0.05")
     shutil.copy(loose / "c" / "c-cam-2.dxf", tmp_path / "c" / "c-cam-2.dxf")
-    wrong = [f for f in check(tmp_path / "c").findings if not f.ok]
-    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in wrong)
+    found = wrong(tmp_path / "c", "dxf")
+    assert any(f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in found)
+
+
+def test_what_a_preload_presses_with_at_most() -> None:
+    """By hand: two arms of l, k each, bend until both tips give way by d: F l cos a = k d / (l cos a), a the pressure angle."""
+    found = pipeline.read_mechanism(SPECS / "uniform-swing.toml", ["geometry.tip_clearance=-0.1"]).resolved()
+    forces = solve(found.model, np.linspace(0, math.tau, 9)).forces()
+    (left,) = told(forces, found.model, found.outlines(), 100.0).left
+    said = float(left.why.partition("(")[2].partition(" N")[0])
+    (cam,) = (joint for joint in found.model.joints if isinstance(joint, Cam))
+    arm, steep = abs(cam.touches[0].cam.follower.arm), max(f.measured for f in found.limits() if f.code == "PRESSURE_ANGLE")
+    least = 100e3 * 0.1 / arm**2
+    assert least < said <= 1.01 * least / math.cos(math.radians(steep)) ** 2
+    assert "N at a tip" not in told(forces, found.model, found.outlines()).left[0].why
 
 
 def test_air_of_a_pair_in_a_linkage(tmp_path: Path) -> None:

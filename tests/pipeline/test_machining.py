@@ -6,6 +6,7 @@ import math
 import ezdxf
 import numpy as np
 import pytest
+from judged import judged, wrong
 
 from camgen.errors import DesignError, FileError
 from camgen.geometry.arcs import bulges
@@ -14,7 +15,7 @@ from camgen.geometry.rings import Ring
 from camgen.judge.sheets import judge_path, judge_points
 from camgen.parts.fits import offset
 from camgen.pipeline import machining
-from camgen.pipeline.build import build, check
+from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 
 DXF = frozenset({"dxf"})
@@ -57,21 +58,21 @@ def test_files_are_the_same_again_and_judged_again(made, tmp_path, root):
     again = build(root / "specs" / "disc-cam.toml", tmp_path, DXF, SETTINGS)
     names = [path.name for path in made.folder.iterdir() if "-profile" in path.name or "-path" in path.name]
     assert len(names) == 3 and all((made.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names)
-    assert check(again.folder).ok and {"CUTTER"} <= {finding.code for finding in again.findings}
+    assert judged(again.folder, "dxf").ok and {"CUTTER"} <= {finding.code for finding in again.findings}
     table = again.folder / "disc-cam-cam-profile.csv"
     text = table.read_text()
     table.write_text(text.replace("25,90,0,25,", "25,90,0,25.01,", 1))
-    assert [f.where for f in check(again.folder).findings if not f.ok] == [table.name]
+    assert [f.where for f in wrong(again.folder, "dxf")] == [table.name]
     table.write_text(text.replace("x_mm", "x"))
     with pytest.raises(FileError, match="not a table of a profile"):
-        check(again.folder)
+        judged(again.folder, "dxf")
     table.write_text(text)
     path = again.folder / "disc-cam-cam-path.dxf"
     drawing = ezdxf.readfile(path)
     contour = next(iter(drawing.modelspace().query("LWPOLYLINE")))
     contour.set_points([(1.001 * x, 1.001 * y, *rest) for x, y, *rest in contour.get_points()])
     drawing.saveas(path)
-    assert {f.code for f in check(again.folder).findings if not f.ok} == {"CUTTER", "ROUND_TRIP"}
+    assert {f.code for f in wrong(again.folder, "dxf")} == {"CUTTER", "ROUND_TRIP"}
 
 
 def test_the_path_is_lines_and_arcs_that_are_exact(made):

@@ -126,6 +126,11 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
     thick = {part.name: part.thickness for part in machine.parts()}  # what is turned over comes from above
     heights = [round(z + thick[part] * (lies == "turned over"), 6) for _, part, _, _, _, z, lies in rows]
     assert heights == sorted(heights)
+    counts = Counter(mount.part for mount in machine.mounts())
+    every = {f"{part}-{k + 1}": part for part, count in counts.items() for k in range(count)}
+    laid = Counter(copy for row in steps.copies for copy, part in every.items() if copy in row or part in row)
+    assert len(steps.copies) == len(steps.rows) and laid == Counter(list(every)), "each copy is laid once"
+    assert {copy for row in steps.copies for copy in row} <= {*every, *every.values()}
 
 
 @pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])

@@ -20,7 +20,7 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 UP = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) / 1000  # (x, y, z) mm to (x, z, -y) m
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in SPECS.glob("*.toml")))
+@pytest.mark.parametrize("name", ["coupon", "uniform-swing"])  # the others with their heights, in test_pipeline
 def test_the_steps_of_assembly_lay_on_every_copy_once(name: str) -> None:
     machine = pipeline.read_mechanism(SPECS / f"{name}.toml").resolved()
     table, counts = machine.steps(), Counter(mount.part for mount in machine.mounts())

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 import tomllib
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -85,7 +86,8 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
         (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
         (["a=1:2"], {"zipped": True, "latin": 5}, "one of the three"), (["a=1:1e999:3"], {}, "finite"),
-        (["a=nan:3:3"], {}, "finite"), (["a=1:b:3"], {}, "finite numbers"), (["a=1:2:3.5"], {}, "whole"),
+        (["a=nan:3:3"], {}, "finite"), (["a=1:b:3"], {}, "finite numbers"),
+        (["a=:"], {}, "finite numbers"), (["a=1::3"], {}, "finite numbers"), (["a=1:2:3.5"], {}, "whole"),
     ],
 )  # fmt: skip
 def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
@@ -323,6 +325,7 @@ def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
         (["--vary", "geometry.base_radius=1:9:1000000", "--vary", "parts.bore=1:9:1000000"], 2, "1,000,000,000,000 variants"),
         (["--vary", "geometry.base_radius=20,30", "-o", "t.txt"], 2, ".csv or .parquet"),
         (["--vary", "geometry.base_radius=20,30", "--grid", "--zip"], 2, "one of the three"),
+        (["--vary", "geometry.base_radius=20,30", "--workers", "here"], 2, "tcp://HOST:PORT"),
     ],
 )
 def test_bad_input_writes_nothing(
@@ -376,3 +379,38 @@ def test_a_law_s_file_that_was_changed_is_another_sweep(tmp_path: Path) -> None:
         (tmp_path / "law.csv").write_text(f"0,0\n0.25,0.15\n0.5,{middle}\n0.75,0.85\n1,1\n", encoding="utf-8")
         digests.append(prepared(spec, variants(VARY[:1]), (), (), (), Path()).digest)
     assert digests[0] != digests[1]
+
+
+GROOVE, PAIR, KEYED = "geometry.closure='groove'", "geometry.closure='conjugate'", "parts.shaft='keyway'"
+ARM = "geometry.follower.motion='oscillating'"
+WIDE = ("parts.hub_height=0", "limits.lash=3", "limits.pressure_angle_deg=60")
+
+
+@pytest.mark.parametrize("settings, vary, fails", [
+    ([PAIR, ARM, "geometry.follower.pivot_distance=60", "geometry.follower.arm=55"], "geometry.tip_clearance=0.2,0.05", "LASH"),
+    ([GROOVE, *WIDE], "parts.rim=4,5", "MIN_WALL"),
+    ([GROOVE, *WIDE], "geometry.base_radius=9,12", ""),
+    ([KEYED, "parts.bore=30", *WIDE], "geometry.base_radius=16.5,17", "MIN_WALL"),
+])  # fmt: skip
+def test_what_a_sweep_says_of_play_and_walls_is_what_the_files_say(
+    settings: list[str], vary: str, fails: str, tmp_path: Path
+) -> None:
+    """Its arithmetic against the judge of the written parts: the first variant fails, or cannot be made; the second one holds."""
+    asked = prepared(SPEC, variants([vary]), settings, (), (), tmp_path)
+    told = sweeps.judged(asked, range(2))
+    (made,) = sweeps.judged(replace(asked, build=("dxf",)), range(1))
+    assert [row["fails"] for row in told] == [made["fails"], ""] == [fails, ""]
+    assert [row["verdict"] for row in told] == [made["verdict"], "limits hold"]
+    assert made["verdict"] == ("fails" if fails else "refused")
+    if fails == "LASH":  # facets on both sides add their own
+        drive = read_mechanism(SPEC, [*settings, "geometry.tip_clearance=0.2"])
+        lash = next(finding for finding in drive.forecast() if finding.code == fails)
+        assert 0 < 2 * made["clearance_band_dxf_deg"] - lash.measured < 2e-3 * lash.measured
+
+
+def test_free_play_of_pins_is_that_of_the_files(tmp_path: Path) -> None:
+    drive = read_mechanism(SPEC.parent / "eccentric-drive.toml", ["limits.lash=0.3"])
+    (told,) = (finding for finding in drive.forecast() if finding.code == "LASH")
+    report = build(drive, tmp_path, frozenset({"dxf"}))
+    (made,) = (finding for finding in report.findings if finding.code == "LASH")
+    assert not told.ok and not made.ok and told.measured == pytest.approx(made.measured, rel=1e-3) and told.limit == made.limit

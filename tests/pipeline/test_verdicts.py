@@ -88,7 +88,6 @@ def test_drawings_alone_show_that_a_needle_strikes(make: Make) -> None:
             "DXF_CLOSED", "DXF_UNITS", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "MOTION_ERROR", "STROKE_ERROR", "LASH",
             "PIN_GAP", "BED_FIT", "INTERFERENCE",
         }),
-        ("uniform-swing", "dxf", (), {"WATERTIGHT", "VOLUME", "BED_FIT", "INTERFERENCE"}),  # nothing is moved past anything
     ],
 )  # fmt: skip
 def test_what_kinds_of_files_leave_unjudged_is_named(
@@ -122,12 +121,16 @@ def test_what_a_broken_file_leaves_unjudged_is_named(make: Make, tmp_path: Path)
     assert {"MOTION_ERROR", "VOLUME", "ROUND_TRIP"} <= {each.code for each in report.not_judged}
 
 
-def test_a_file_that_was_changed_and_still_holds_is_named(make: Make, tmp_path: Path) -> None:
-    assert not make("disc-cam", "dxf").remarks
-    drawing = tmp_path / "disc-cam" / "disc-cam-cam.dxf"
+def test_a_file_that_was_changed_is_told_as_judged_or_not(make: Make, tmp_path: Path) -> None:
+    """The drawing of a chain is an SVG like a sheet for the laser, but unlike that it is not judged."""
+    assert not make("linkage", "dxf").remarks
+    drawing, chain = (tmp_path / "linkage" / f"linkage-{name}" for name in ("crank.dxf", "chain.svg"))
     drawing.write_text("999\nlooked at by somebody\n" + drawing.read_text("utf-8"), "utf-8")
-    report = check(tmp_path / "disc-cam")
-    assert report.ok and [text for text in report.remarks if "changed since the build" in text and "disc-cam-cam.dxf" in text]
+    chain.write_text("nothing", "utf-8")
+    report = check(tmp_path / "linkage")
+    assert [text for text in report.remarks if "changed since the build" in text and "linkage-crank.dxf" in text]
+    (told,) = (finding for finding in report.findings if not finding.ok)
+    assert told.code == "MANIFEST" and "linkage-chain.svg" in told.message
 
 
 def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
@@ -202,7 +205,7 @@ def test_resolved_spec_holds_what_was_found_and_is_the_same_machine(
     spec = tmp_path / "left-open.toml"
     open_keys = "base_radius" if name == "disc-cam" else "coupler_centre|output_crank_centre"
     spec.write_text(re.sub(rf"(?m)^({open_keys}) = .*$", "", text), "utf-8")
-    build(spec, tmp_path, frozenset({"dxf"}), settings)
+    build(spec, tmp_path, frozenset({"dxf" if name == "disc-cam" else "report"}), settings)
     first = {path.name: path.read_bytes() for path in (tmp_path / name).iterdir()}
     written = tomllib.loads(first["spec.toml"].decode())
     given = read_mechanism(spec, settings)

@@ -11,9 +11,8 @@ from camgen.geometry.outlines import Floats
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HOLDS, Design, Stitch, thread_per_stitch
 from camgen.machines.chain_stitch_looper.timing import FARTHEST, Clock
-from camgen.study import Plot, Study, Table
+from camgen.study import ROWS, Plot, Study, Table
 
-_SAMPLES = 1441  # of the synchrogram: every quarter degree, both ends
 _EXAMPLE = (2.5, 3.0, 4.0)  # thickness, length and width of the stitch whose thread the source compares
 _PRINTED_FOUR = 66.0  # mm, its four-thread stitch
 _SOURCE = (
@@ -96,7 +95,7 @@ def timing_study(clock: Clock) -> Study:
 
 def _columns(d: Design) -> dict[str, Floats]:
     """Positions over the turn, every quarter degree, for motion.csv."""
-    phi = np.linspace(0, math.tau, _SAMPLES)
+    phi = np.linspace(0, math.tau, ROWS)
     tips, noses = d.tips(phi), d.noses(phi)
     return {
         "theta_deg": np.degrees(phi), "needle_mm": d.risen(phi), "spreader_mm": d.moved(phi),
@@ -106,7 +105,7 @@ def _columns(d: Design) -> dict[str, Floats]:
 
 def _positions(d: Design) -> Table:
     """The synchrogram as a table; motion.csv has it every quarter degree."""
-    columns = {name: column[:: _SAMPLES // 24] for name, column in _columns(d).items()}
+    columns = {name: column[:: ROWS // 24] for name, column in _columns(d).items()}
     heads = (
         "shaft angle, deg", "needles S, mm", "spreaders L, mm", "tip 1 above the plate's top, mm", "tip 2, mm",
         "nose 1 beyond its needle, mm", "nose 2, mm",
@@ -119,7 +118,7 @@ def _deg(angles: Sequence[float]) -> list[float]:
 
 
 def _numbers(given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float) -> dict[str, float]:
-    phi, per_second = np.linspace(0, math.tau, _SAMPLES), rpm * math.tau / 60
+    phi, per_second = np.linspace(0, math.tau, ROWS), rpm * math.tau / 60
     numbers = {
         "spreader_height_mm": given.height, "nose_pitch_mm": given.pitch, "nose_to_front_mm": d.l1, "front_length_mm": d.l2,
         "loop_seat_mm": d.l3, "nose_length_mm": d.nose, "front_slope_deg": math.degrees(d.slope), "opening_mm": d.opening,
@@ -146,7 +145,7 @@ def _numbers(given: Stitch, d: Design, length: float, conditions: Sequence[Condi
 
 
 def _synchrogram(d: Design) -> list[Plot]:
-    phi = np.linspace(0, math.tau, _SAMPLES)
+    phi = np.linspace(0, math.tau, ROWS)
     degrees, label, g = np.degrees(phi), "shaft angle, deg", d.given
     marks = [(event, angle) for event, angle, *_ in _rows(d) if isinstance(angle, float) and not math.isnan(angle)]
     tips, noses = d.tips(phi), d.noses(phi)

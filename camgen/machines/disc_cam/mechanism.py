@@ -35,6 +35,7 @@ from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.disc_cam.walls import walls
+from camgen.machines.free_play import between
 from camgen.machines.loads.weights import gravity, pulled
 from camgen.machines.pairs import air_faults
 from camgen.machines.standing import StandingCams
@@ -329,8 +330,11 @@ class DiscCamDrive(StandingCams):
         return [*findings, *self._jumps()]
 
     def forecast(self) -> Sequence[Finding]:
-        """The same, and of cams alone what bore and hub leave of them."""
-        return [*self.limits(), *([] if self.standing else walls(self))]
+        """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
+        if self.standing:
+            return super().forecast()
+        air = self.print.slide_clearance if self.geometry.closure == "groove" else self.geometry.tip_clearance
+        return [*self.limits(), *walls(self), *between(self.cams, air, self.allowed.lash / self._unit[1])]
 
     def _jumps(self) -> list[Finding]:
         """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""

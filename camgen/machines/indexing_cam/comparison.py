@@ -7,7 +7,7 @@ machine with its chain, solved over the turn.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -114,11 +114,11 @@ class Comparison:
         return rise / (180 - rise)
 
 
-def compared(spec: IndexingCam) -> Table | None:
-    """The even drive of a spec beside uneven ones; None of a program that no chain of two turns to one of the cam serves."""
+def compared(spec: IndexingCam) -> Sequence[Table]:
+    """The even drive of a spec beside uneven ones; nothing of a program that no chain of two turns to one of the cam serves."""
     g, f = spec.geometry, spec.geometry.follower
     if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg)):
-        return None
+        return []
     theta, own = np.linspace(0, math.tau, 1441), spec.two_cranks
     torques, (low, high) = spec.indexing.at(theta), (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm)
 
@@ -128,8 +128,9 @@ def compared(spec: IndexingCam) -> Table | None:
     def chain(share: float, rise: float) -> TwoCranks | None:
         return spec.chain(1.0, share, rise) if share else None
 
-    return Comparison(
+    found = Comparison(
         program, spec.arm, chain, g.rise_deg, g.base_radius, f.roller_radius, spec.allowed.pressure_angle_deg,
         (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high), g.gear_ratio, spec.speed, theta,
         (torques.follower_bare, torques.follower),
-    ).table(None if own is None else own.share)  # fmt: skip
+    )  # fmt: skip
+    return [found.table(None if own is None else own.share)]

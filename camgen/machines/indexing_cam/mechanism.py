@@ -32,6 +32,7 @@ from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machine.run import solve
 from camgen.machine.targets import advance
+from camgen.machines.free_play import between
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
@@ -58,7 +59,7 @@ from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
-from camgen.study import Later, Plot, Sketch, Study, Table
+from camgen.study import Later, Plot, Sketch, Study
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
@@ -387,6 +388,12 @@ class IndexingCam(StandingCams):
             findings += cam_limits(f"exact {name}", cam, self._pressure[name], allowed, self.accuracy.chord_tolerance)
         return [*findings, *self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual)]
 
+    def forecast(self) -> Sequence[Finding]:
+        """The same, and of a pair of cams alone the free play of the follower between them."""
+        if self.standing:
+            return super().forecast()
+        return [*self.limits(), *between([*self.cams.values()], self.geometry.tip_clearance, math.radians(self.allowed.lash_deg))]
+
     def study(self) -> Study:
         """Torques with and without the unloader, the law's curves, and what was taken from the source."""
         numbers = {
@@ -414,15 +421,11 @@ class IndexingCam(StandingCams):
         drawn = Plot("Contact force", f"{self.indexing.angle}, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
         sketches = () if self.standing else self._sketches()
         notes = [*found.notes, *([_NOT_MADE] if self.standing and self.unloading and self.made_unloader is None else [])]
-
-        def tables() -> list[Table]:
-            beside = compared(self)
-            return [*found.tables, *([] if beside is None else [beside])]
-
         if self.two_cranks is not None:
             numbers |= self.two_cranks.numbers
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
-        return Study(numbers, Later(lambda: [*found.plots, drawn]), Later(tables), sketches, notes)
+        plots, tables = Later(lambda: [*found.plots, drawn]), Later(lambda: [*found.tables, *compared(self)])
+        return Study(numbers, plots, tables, sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""

@@ -29,11 +29,10 @@ from camgen.machines.bench import Strung
 from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.tables import Gear as GearTable
-from camgen.parts.springs import extension_spring
+from camgen.parts.springs import EYE, extension_spring
 
 CRANK = "unloader"
 _TEETH = 60  # of a wheel: the most of one part of the ratio
-_EYE = 1.1  # of the spring, to its pins
 _DIRECTIONS = np.exp(1j * np.linspace(0, math.tau, 72, endpoint=False))
 _POSITIONS = np.linspace(0, 1, 25)  # of the stroke, at which the spring's line is looked at
 _TOOTH = 2.0  # mm, that a wheel's teeth are higher than its pitch circle, at most
@@ -173,7 +172,7 @@ class StandingUnloader:
         s, pin = self.spring, self.sizes.pin_diameter
         free, shortest = s.guide - s.crank - s.stretch + pin, s.guide - s.crank + pin
         longest = s.farthest + pin
-        wire = extension_spring(s.stiffness, free, longest, _EYE * pin, self.sizes.hook)
+        wire = extension_spring(s.stiffness, free, longest, EYE * pin, self.sizes.hook)
         if wire is None:
             raise DesignError(
                 "springs of round wire for the unloader", 0, 1, "",

@@ -19,10 +19,9 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, p
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
 from camgen.motion.spring_law import trade_off
-from camgen.study import Later, Plot, Study, Table
+from camgen.study import ROWS, Later, Plot, Study, Table
 from camgen.tolerances import LAW_CLOSES
 
-_ROWS = 1441  # cam angles of the curves: every quarter degree, both ends
 _FINE = 14_400  # cam angles at which peaks are looked for
 _SPEEDS = (50, 75, 90, 100, 110, 125)  # percent of the speed, at which the same spring is tried
 _Z = 30  # steps of the source's table over the run-up
@@ -227,7 +226,7 @@ class IndexingStudy:
         return numbers
 
     def _plots(self, cams: Mapping[str, DiscCam]) -> list[Plot]:
-        theta = np.linspace(0, math.tau, _ROWS)
+        theta = np.linspace(0, math.tau, ROWS)
         x, label = np.degrees(theta), f"{self.angle}, deg"
         found, ratio = self.at(theta), self.load.ratio
         link = [np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)]

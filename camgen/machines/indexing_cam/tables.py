@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.loads.tables import Bears, Drives, Positive, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.program import Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
@@ -18,7 +18,6 @@ from camgen.spec import Length, Record, Rpm, turning
 
 Span = Annotated[float, Field(ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
-Positive = Annotated[float, Field(gt=0, le=1e6)]
 
 
 class Arm(Record):

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle
 from camgen.machines.linkage.sizes import SUNK, Parts
-from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
+from camgen.parts.catalogue import CORE_HOLES, HEAD_ROOM, SCREWS, Bought, Screw
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer, Part, hull
 from camgen.spec import Print
 
 _THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold
-_HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 
 Ends = tuple[complex, complex]
 
@@ -63,7 +62,7 @@ class Cover:
         outer = hull([(z, self.radius) for z in own])
         low, high = (
             plate("cover", outer, {f"screw {k}": circle(z, wide / 2) for k, z in enumerate(own, 1)}, min_wall)
-            for wide in (self.screw.clearance, self.screw.head + _HEAD_ROOM)
+            for wide in (self.screw.clearance, self.screw.head + HEAD_ROOM)
         )
         return Part(
             "cover", "Cover of a guide", (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
@@ -89,7 +88,7 @@ def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:
         length = screw.length(grip, sizes.thickness + 2 * play)
         wall = (sizes.rail_width - CORE_HOLES[screw.thread]) / 2
         if wall >= min_wall and length >= grip + screw.nominal / 2:
-            radius = (screw.head + _HEAD_ROOM) / 2 + 1.25 * max(min_wall, 2 * fits.nozzle)
+            radius = (screw.head + HEAD_ROOM) / 2 + 1.25 * max(min_wall, 2 * fits.nozzle)
             return Cover(screw, length, radius, levels, thickness, grip)
     needed = CORE_HOLES[_THREADS[-1]] + 2 * min_wall
     raise DesignError(

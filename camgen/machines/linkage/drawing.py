@@ -170,7 +170,7 @@ class Drawing:
         bodies, start = self._bodies()
         joints = [*self._pins(bodies), *self._slides(bodies, start), *self._slots(bodies)]
         joints += [self._gear(gear, start) for gear in self.gears]
-        joints += [self._cam(cam, bodies, start, joints) for cam in self.cams]
+        joints += [self._cam(cam, start, joints) for cam in self.cams]
         drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
         speed = self.drive.speed_rpm * math.tau / 60
@@ -245,7 +245,7 @@ class Drawing:
         phase = (start[gear.b].angle - base) - gear.ratio * (start[gear.a].angle - base)
         return m.Gear(self.gear_name(gear), gear.a, gear.b, gear.ratio, phase, carrier)
 
-    def _cam(self, cam: t.Cam, bodies: Mapping[str, m.Body], start: Mapping[str, m.Pose], joints: Sequence[m.Joint]) -> m.Cam:
+    def _cam(self, cam: t.Cam, start: Mapping[str, m.Pose], joints: Sequence[m.Joint]) -> m.Cam:
         slide = self.slide_of(cam.follower)
         pivot = self.pivot(cam.cam)
         assert pivot is not None, "drawing_faults has looked"

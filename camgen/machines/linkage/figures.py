@@ -21,7 +21,7 @@ from camgen.machine.targets import Course, Through, time_ratio
 from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
-from camgen.study import Later, Plot, Sketch, Study, Table
+from camgen.study import ROWS, Later, Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ _PATHS = ("path", "length, mm", "least radius, mm", "at, deg", "inflections at, 
 _MOST_SERIES = 8  # curves of one plot
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
 _SLOW, _STILL = 0.05, 1e-6  # of a point's greatest speed: where a stop is looked for, and what is one
-ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
 
 
 def study(linkage: Linkage) -> Study:

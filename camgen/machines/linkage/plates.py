@@ -22,13 +22,12 @@ from camgen.machines.linkage.joined import Sleeve
 from camgen.machines.linkage.layout import GROUND, Layout
 from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
-from camgen.parts.catalogue import Bought
+from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.levels import Axis, Band, Wall, ways
 from camgen.parts.part import Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
-HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 _STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points
 _EVERY = 8  # samples of the motion: posts need no finer ones
 _LEAST = 2.0  # posts' diameters between two of them

@@ -19,10 +19,8 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
-from camgen.parts.springs import ExtensionSpring, extension_spring
+from camgen.parts.springs import EYE, ExtensionSpring, extension_spring
 from camgen.spec import unknown
-
-_EYE = 1.1  # of a spring, to its pin
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ def _sprung(spec: t.Spring, name: str, run: Run, sizes: Parts) -> Sprung:
     if shortest < free - 1e-9:
         said = f"{where}: its points come as near as {shortest:.6g} mm, its free length is {free:.6g} mm, and it only pulls"
         raise DesignError("length", shortest, free, "mm", where, "ask for a shorter one, or for a preload", said)
-    found = extension_spring(spec.rate, free + pin, longest + pin, _EYE * pin, sizes.hook)
+    found = extension_spring(spec.rate, free + pin, longest + pin, EYE * pin, sizes.hook)
     if found is None:
         said = f"no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
         remedy = "ask for another rate or free length, draw its points further apart, or take thinner pins"

@@ -74,7 +74,7 @@ def assess(mechanism: Mechanism) -> Assessment:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
     grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
     posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger, not machine.loads)
-    paired = pairs.told(forces, machine, outlines)
+    paired = pairs.told(forces, machine, outlines, mechanism.arm_stiffness)
     left += paired.left
     if mechanism.spring_asked is not None and mechanism.return_spring is None:
         from camgen.parts.springs import WIRES

@@ -23,7 +23,7 @@ from camgen.machine.friction import circle
 from camgen.machine.model import GROUND, Cam, Pin
 from camgen.machine.run import Run
 from camgen.machines.loads.journals import Journal, Post
-from camgen.machines.loads.pins import Bent, Stronger, bent_by, unsaid
+from camgen.machines.loads.pins import STILL, Bent, Stronger, bent_by, unsaid
 from camgen.machines.loads.rubbing import coefficient
 from camgen.machines.loads.tables import Bears, Weight
 from camgen.numerics import Floats
@@ -32,7 +32,6 @@ from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
 from camgen.study import Plot, Table
 
-_STILL = 1e-9  # N, below which nothing presses
 _RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
 
 
@@ -134,8 +133,8 @@ def contacts(
         if not isinstance(joint, Cam) or not joint.touches or outline is None:
             continue
         force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
-        if not np.any(force > _STILL):
-            if np.any(force < -_STILL):
+        if not np.any(force > STILL):
+            if np.any(force < -STILL):
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
                 borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
             continue

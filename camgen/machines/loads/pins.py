@@ -14,7 +14,7 @@ from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Bears
 from camgen.parts import materials
 
-_STILL = 1e-9  # N, below which nothing presses
+STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa
 _STEEL_BY = {  # keys that make them of steel, and their value there
     "pin": {"pin": "dowel", "pins": "steel"}, "shaft": {"shaft_made": "steel"}, "crank-pin": {"shaft_made": "steel"},
@@ -61,7 +61,7 @@ def bent_by(
 ) -> list[Bent]:
     """A pin by what it bears least of: bending, or shear as bending as bad, MPa; none that nothing presses."""
     worse, how = max((bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared"))
-    return [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)] if force > _STILL else []
+    return [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)] if force > STILL else []
 
 
 def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:

@@ -12,10 +12,10 @@ from camgen.machine.cams.machine import keeps_contact
 from camgen.machine.model import Cam, Machine
 from camgen.machine.run import solve
 from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.pins import STILL
 from camgen.numerics import Floats
 
 _SLOW = 1e-6  # of the speed, at which inertia does nothing
-_STILL = 1e-9  # N, below which nothing presses
 
 _NEEDS = "[[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
 
@@ -38,7 +38,7 @@ def pressed(machine: Machine, cams: Sequence[Cam], kicked: Collection[str], thet
     for cam in cams:
         effort = cam.leaves * runs.contacts[cam.name]
         force = runs.pressing.get(cam.name, effort)
-        if not np.any(np.abs(still.contacts[cam.name]) > _STILL):
+        if not np.any(np.abs(still.contacts[cam.name]) > STILL):
             why = f"no spring, weight or load acts on the follower of {cam.name}"
             borne.left.append(NotJudged("LIFT_OFF", why, _NEEDS))
             continue

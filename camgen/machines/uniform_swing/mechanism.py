@@ -32,13 +32,13 @@ from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_mach
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
 from camgen.machine.model import Machine
-from camgen.machines.cam_loads import unweighed
+from camgen.machines.cam_loads import lift_off, unweighed
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.pictures import Model, pictures
-from camgen.machines.uniform_swing.room import LAYOUT, Room, machine_checks, place_pins
-from camgen.machines.uniform_swing.study import blend_study, canvas_study, force_study, forces, keeps_contact, source_figures
+from camgen.machines.uniform_swing.room import Room, machine_checks, place_pins
+from camgen.machines.uniform_swing.study import NO_SPRING, blend_study, canvas_study, force_study, forces, source_figures
 from camgen.machines.uniform_swing.tables import (
     BaseTable,
     ColletTable,
@@ -53,6 +53,7 @@ from camgen.machines.uniform_swing.tables import (
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
 from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.study import Plot, Sketch, Study, Table
@@ -285,7 +286,8 @@ class UniformSwing(Mechanism):
             findings.append(screw_grip(self._machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
-            findings.append(keeps_contact(loaded, self._load))
+            less = "less inertia or a longer reversal_blend_deg"
+            findings.append(lift_off(loaded, self._load, False, NO_SPRING, less))
         return findings
 
     def unpressed(self) -> Sequence[NotJudged]:

@@ -15,11 +15,10 @@ from camgen.errors import DesignError
 from camgen.geometry.distances import inside, point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle, kidney, polygon
-from camgen.parts.catalogue import MotorFace, Screw
+from camgen.parts.catalogue import HEAD_ROOM, MotorFace, Screw
 from camgen.parts.hardware import FACETS, plate, rounded
 from camgen.parts.part import Layer, Part, hull
 
-_HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 _HEAD_DEPTH = 0.2  # mm, by which a screw's head or a nut lies below the surface
 
 
@@ -55,7 +54,7 @@ class Base:
         if self.mount is None:
             return ()
         flanges = self.slide_at * math.sin(min(self.swing / 2, math.pi / 2)) + self.axle_flange / 2
-        y = max(self.motor.half, flanges) + self.mount.head / 2 + _HEAD_ROOM
+        y = max(self.motor.half, flanges) + self.mount.head / 2 + HEAD_ROOM
         return tuple(complex(x, side * y) for x in (0.0, self.pivot) for side in (1, -1))
 
     @property
@@ -97,7 +96,7 @@ class Base:
                 "arc slot", math.degrees(2 * half), 360, "deg", "base", "its ends meet: use a smaller swing or a larger slide_at"
             )
         sunk = {
-            f"screw {k}": (z, screw.clearance / 2, (screw.head + _HEAD_ROOM) / 2) for k, (z, screw) in enumerate(self.sunk, 1)
+            f"screw {k}": (z, screw.clearance / 2, (screw.head + HEAD_ROOM) / 2) for k, (z, screw) in enumerate(self.sunk, 1)
         }
         # discs along the slot, so close that the chords between them take no more than 0.1 mm of its wall
         count = max(1, math.ceil(half / math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall)))))
@@ -109,7 +108,7 @@ class Base:
         fixed = {"boss": circle(0j, (motor.boss + self.slide) / 2), "axle": circle(complex(self.pivot), radius), "slot": slot}
         screws = {name: circle(z, through) for name, (z, through, _) in sunk.items()}
         pockets = {name: circle(z, head) for name, (z, _, head) in sunk.items()}
-        opening = self._window(facet_contour(outer, FACETS), (motor.screw.head + _HEAD_ROOM) / 2, radius)
+        opening = self._window(facet_contour(outer, FACETS), (motor.screw.head + HEAD_ROOM) / 2, radius)
         if opening:
             fixed["window"] = opening
         return Part(

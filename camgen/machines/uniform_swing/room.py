@@ -19,12 +19,12 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.parts.catalogue import DOWELS
+from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.part import hull
 
 if TYPE_CHECKING:
     from camgen.machines.uniform_swing.mechanism import UniformSwing
 
-LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
 LEAST_AXLE = 3.0  # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
 _LEAST_SIZES = {"parts.bore": 4.0, "geometry.tip_radius": 2.0}  # mm, that are still proposed: NEMA 8's shaft; less wears
 _TURNS = np.radians([0, *(side * turn for turn in range(10, 90, 10) for side in (1, -1))])  # of the pins off Ox

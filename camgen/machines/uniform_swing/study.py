@@ -9,20 +9,18 @@ from collections.abc import Mapping
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded, loaded
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_plots
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
-from camgen.study import Plot, Study, Table
+from camgen.study import ROWS, Plot, Study, Table
 
 _BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
 _JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
-_SAMPLES = 1441
-_NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
+NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
 
 
 def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
@@ -79,7 +77,7 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
 
 def forces(machine: Machine, cam: DiscCam, load: FollowerLoad) -> Loaded:
     """What tip and motor bear over the turn."""
-    return loaded(machine, cam, load, np.linspace(0, 2 * math.pi, _SAMPLES))
+    return loaded(machine, cam, load, np.linspace(0, 2 * math.pi, ROWS))
 
 
 def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study:
@@ -106,18 +104,10 @@ def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study
         if math.isfinite(rate):
             ways.append(f"has a rate of {rate / lever**2 * 1e3:.3g} N/mm (spring.rate)")
         notes.append(
-            _NO_SPRING if math.isinf(preload) else
+            NO_SPRING if math.isinf(preload) else
             f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
         )  # fmt: skip
     return Study(numbers, force_plots(found, "tip on cam") if np.any(found.effort) else (), notes=notes)
-
-
-def keeps_contact(found: Loaded, load: FollowerLoad) -> Finding:
-    """LIFT_OFF of force closure; a sharp reversal throws the follower off whatever the spring."""
-    preload, rate = found.spring_needed(load)
-    stiffer = f" or a spring.rate of {rate:.4g} N m/rad" if math.isfinite(rate) else ""
-    remedy = f"a spring.preload of {preload:.4g} N m{stiffer} keeps it; less inertia or a longer reversal_blend_deg lowers that"
-    return found.keeps_contact(_NO_SPRING if found.kick else remedy)
 
 
 def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float]:

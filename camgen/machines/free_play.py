@@ -1,0 +1,73 @@
+"""LASH before there are files: how far the air of pins, or of a cam's two contacts, lets an output move, and what is borne.
+
+What files of facets add, two chord tolerances at most, is not in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from camgen.findings import Finding, at_most
+from camgen.machine.cams.limits import unit_of as unit_of_lift
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.model import Cam, Output, unit_of
+from camgen.numerics import Floats
+
+if TYPE_CHECKING:
+    from camgen.machines.mechanism import Mechanism
+
+_ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
+
+
+def of_pins(mechanism: Mechanism) -> list[Finding]:
+    """LASH of each output that the machine's joints with clearance let move; none where a cam between two contacts adds its own,
+    which only the files tell."""
+    joints = mechanism.model.joints
+    wishes = [each for each in mechanism.asked() if each.judged]
+    if any(isinstance(each, Cam) and each.closure == "form" for each in joints) or not any(each.clearance for each in joints):
+        return []
+    run = mechanism.solve(np.linspace(*mechanism.range, _ANGLES), 1)
+    outputs: dict[str, Output] = {each.name: each for each in run.machine.outputs}
+    found = []
+    for asked in wishes:
+        play = 2 * float(np.nanmax(run.play(asked.output).total))
+        unit, scale = unit_of(outputs[asked.output])
+        if play > 0:
+            limit, said = borne(asked.lash, np.asarray(run[asked.output]))
+            said = f"by the clearance of its joints; {said}"
+            found.append(at_most("LASH", scale * play, scale * limit, unit, asked.output, said))
+    return found
+
+
+def borne(lash: float, value: Any) -> tuple[float, str]:
+    """The play that is accepted of an output with these values over the motion, (n,), and why no more."""
+    box = max(np.ptp(value.real), np.ptp(value.imag)) if np.iscomplexobj(value) else np.ptp(value)
+    half = float(box) / 2
+    return (lash, "the limit is limits.lash") if lash < half else (half, "the limit is half of the stroke")
+
+
+def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Finding]:
+    """LASH of a follower between two contacts of a disc cam, with so much air at each of the cams, mm; none without air.
+
+    Its way to a contact is the air over the speed at which it leaves it, for 1 of its motion along the contact's normal.
+    """
+    if air <= 0:
+        return []
+    theta = np.linspace(0, math.tau, _ANGLES)
+    play: Floats = sum((air / _leaving(cam, theta) for cam in cams), np.zeros(theta.size))
+    worst, (unit, scale) = int(np.argmax(play)), unit_of_lift(cams[0])
+    limit, said = borne(lash, cams[0].program(theta))
+    where = f"follower, cam angle {math.degrees(theta[worst]):.1f} deg"
+    remark = f"by {air:g} mm of air at each contact; {said}"
+    return [at_most("LASH", scale * float(play[worst]), scale * limit, unit, where, remark)]
+
+
+def _leaving(cam: DiscCam[Any], theta: Floats) -> Floats:
+    """How fast the follower leaves the cam along the normal of their contact, for 1 of its motion, (n,)."""
+    turn, s = np.exp(1j * theta), cam.program(theta)
+    velocity = cam.cutter.leaves * cam.cutter.velocity(s, cam.profile(theta) * turn)
+    return np.asarray(np.abs(velocity) * np.cos(cam.steepness(theta)))
