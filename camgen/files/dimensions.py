@@ -15,6 +15,7 @@ from camgen.tolerances import SAME_POINT
 
 STACK = 8  # layers that are told one by one
 _EDGES = 16  # rows that an outline may take in the table
+_ALIKE = 1e-9  # mm, by which distances that are one may differ
 
 
 @dataclass(frozen=True)
@@ -141,21 +142,24 @@ def number(value: float) -> str:
 
 
 def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
-    """Points of a contour of lines and arcs at the least and the greatest distance from the origin."""
+    """Points of a contour of lines and arcs at the least and the greatest distance from the origin; of a dwell its middle."""
     points: list[complex] = []
     for piece in contour.pieces:
         points += [start_point(piece), end_point(piece)]
-        if isinstance(piece, Arc) and piece.centre != 0:
+        if isinstance(piece, Arc) and abs(piece.centre) < _ALIKE:
+            points.insert(0, piece.centre + cmath.rect(piece.radius, piece.start + piece.sweep / 2))
+        elif isinstance(piece, Arc):
             towards = cmath.phase(piece.centre)
             for angle in (towards, towards + math.pi):
                 along = (angle - piece.start) * math.copysign(1, piece.sweep) % (2 * math.pi)
                 if along <= abs(piece.sweep):
                     points.append(piece.centre + cmath.rect(piece.radius, angle))
-        elif not isinstance(piece, Arc):
+        else:
             a, d = start_point(piece), end_point(piece) - start_point(piece)
             share = -(a * d.conjugate()).real / abs(d) ** 2
             points += [a + share * d] if 0 < share < 1 else []
-    return min(points, key=abs), max(points, key=abs)
+    away = [round(abs(point) / _ALIKE) for point in points]  # no rounding picks a place
+    return points[away.index(min(away))], points[away.index(max(away))]
 
 
 def free(contour: Contour) -> bool:

@@ -223,7 +223,8 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
 
 
 def hand_crank(layout: Layout) -> Iterator[Placed]:
-    """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for."""
+    """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for. Of sheet is the
+    arm alone, the pin is a dowel."""
     s, play, press, link = layout.sizes, layout.fits.slide_clearance, layout.fits.press_clearance, layout.driven
     if not s.hand_crank:
         return
@@ -237,6 +238,12 @@ def hand_crank(layout: Layout) -> Iterator[Placed]:
     )  # fmt: skip
     yield arm, Mount(arm.name, link, at, z=z)
     long = KNOB * s.pin_diameter
+    if s.of_sheet:
+        long = dowel(s.pin_diameter, long + s.thickness) or next_dowel(s.pin_diameter, long + s.thickness)
+        said = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {long:g}, pressed and glued in, flush with the crank's upper face",)
+        steel = replace(rod("knob-pin", "Pin of the knob", s.pin_diameter, long, notes=said), made="bought")
+        yield steel, Mount("knob-pin", link, at + knob, z=z + s.thickness - long)
+        return
     turns = spacer("knob", "Knob", s.pin_diameter + play, 2 * s.pin_diameter + 2 * s.head, long, layout.min_wall)
     yield turns, Mount("knob", link, at + knob, z=z - play - long)
     wide = s.pin_diameter + 2 * s.head

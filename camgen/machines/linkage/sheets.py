@@ -53,9 +53,6 @@ def faults(sizes: Parts, laser: Laser | None, table: str, slides: int = 0, groov
     if sizes.motor != "none":
         right = '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none'
         found.append(Fault(f"{table}.motor", repr(sizes.motor), right))
-    if sizes.hand_crank:
-        right = "0: its knob is no sheet; turn the shaft by what fits on it"
-        found.append(Fault(f"{table}.hand_crank", f"{sizes.hand_crank:g}", right))
     if sizes.plates > 1:
         found.append(Fault(f"{table}.plates", f"{sizes.plates}", "1: a second one is screwed on printed posts, heads in pockets"))
     if sizes.shaft != "through":
