@@ -54,7 +54,8 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
 
 @pytest.mark.parametrize("name", sorted({path.stem for path in SPECS.glob("*.toml")} - {"uniform-swing", "four-leg-walker"}))
 def test_free_as_designed(tmp_path: Path, name: str) -> None:
-    findings = swept(tmp_path / "x.3mf", name)
+    coarse = ("accuracy.chord_tolerance=0.02",) if name == "stitch-head" else ()  # a tenth of its joints' air
+    findings = swept(tmp_path / "x.3mf", name, *coarse)
     assert [f"{f.code} {f.where}" for f in findings if not f.ok] == []
     assert "INTERFERENCE" in {f.code for f in findings}
 

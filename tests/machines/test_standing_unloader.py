@@ -39,7 +39,7 @@ def starter() -> IndexingCam:
 
 @pytest.fixture(scope="module")
 def meshes(starter: IndexingCam) -> dict[str, Mesh]:
-    return {each.name: solid(each, 0.005) for each in starter.parts()}
+    return {each.name: solid(each, 0.02) for each in starter.parts()}
 
 
 def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) -> None:
