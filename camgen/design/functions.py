@@ -210,7 +210,7 @@ def _polished(
     start = np.append(start, [min(most, max(values[own])), min(flattest, max(values[~own]))])
     within = {"type": "ineq", "fun": room, "jac": slopes}
     end = minimize(lambda x: x[goal], start, jac=lambda x: np.eye(6)[goal], bounds=bounds, constraints=within, method="SLSQP",
-                   options={"maxiter": 40, "ftol": 1e-12})  # fmt: skip
+                   options={"maxiter": 40, "ftol": 1e-15})  # fmt: skip
     return np.array([end.x[0], begin[1], *np.exp(end.x[1:4])]) if np.isfinite(end.x).all() else begin
 
 
