@@ -30,9 +30,11 @@ _COPIES = 3
 _WEIGHTS = (0.1, 10.0)  # least and greatest, of the bars' share in the value against the error's
 _SHAKEN = 10  # copies of a design
 _SHARES = (0.003, 0.1)  # of the drawing's size: least and greatest that points are moved by
+_TASKS, _TIMES = 60, 6  # few chains are sown so often that there are so many tasks, each so often at most
 _ROUNDS = 6  # of shaking in a unit of effort
 _NEAR = 0.98  # a design is shaken too that would be on the front with such shares of its error and bars
 _APART = 0.01  # least difference of the bars of designs that are shaken, as a share
+_ELSEWHERE = 0.04  # of the drawing's size: how far a point of two designs lies apart that are not the same
 _MEASURED = 2000  # angles of a turn at the end
 
 
@@ -67,27 +69,46 @@ def kinds(most_pairs: int, grounds: int) -> list[Chain]:
 def search(
     goal: Goal, kinds: Sequence[Chain], effort: int = 1, seed: int = 0, run: Runner = map, told: Told = lambda text: None,
 ) -> list[Found]:  # fmt: skip
-    """Designs for a path, a front from the least error to the least length of bars; run: `map`, or that of several cores.
+    """Designs for a path, those on the front from the least error to the least length of bars and others; run: `map`, or that
+    of several cores.
 
-    effort: how long the designs near the front are shaken. The same call gives the same front.
+    effort: how long the designs near the front are shaken. The same call gives the same designs.
     """
     solve = partial(solved, goal)
-    tasks = [Task(chain, (seed, k)) for k, chain in enumerate(kinds)]
-    by_chain = dict(zip(kinds, run(solve, tasks), strict=True))
+    found: list[Found] = []
+
+    def take(tasks: Sequence[Task]) -> None:
+        for designs in run(solve, tasks):
+            found.extend(designs)
+
+    times = min(_TIMES, -(-_TASKS // len(kinds)))
+    take([Task(chain, (seed, k, time)) for time in range(times) for k, chain in enumerate(kinds)])
     for again in range(effort * _ROUNDS):
-        best = front(design for designs in by_chain.values() for design in designs)
+        best = front(found)
         told(f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them")
-        close = (tuple(_near(front(by_chain[chain], _APART), best)) for chain in kinds)
-        tasks = [Task(chain, (seed, k, again), each) for k, (chain, each) in enumerate(zip(kinds, close, strict=True)) if each]
-        for task, designs in zip(tasks, run(solve, tasks), strict=True):
-            by_chain[task.chain] = front([*by_chain[task.chain], *designs])
-    return front(design for designs in by_chain.values() for design in designs)
+        own = [front((each for each in found if each.chain == chain), _APART) for chain in kinds]
+        close = [tuple(near(designs, best, _NEAR)) for designs in own]
+        take([Task(chain, (seed, k, times + again), close[k]) for k, chain in enumerate(kinds) if close[k]])
+    return found
 
 
-def _near(designs: Iterable[Found], best: Sequence[Found]) -> Iterable[Found]:
-    """Those that no design of a front beats clearly in both error and bars."""
+def near(designs: Iterable[Found], best: Sequence[Found], share: float) -> Iterable[Found]:
+    """Those that no design of a front beats in both error and bars by more than to such a share of them."""
     return (each for each in designs
-            if not any(one.error < _NEAR * each.error and one.bars < _NEAR * each.bars for one in best))  # fmt: skip
+            if not any(one.error < share * each.error and one.bars < share * each.bars for one in best))  # fmt: skip
+
+
+def apart(designs: Iterable[Found]) -> list[Found]:
+    """Those whose points lie elsewhere than those of all nearer ones, by rising error."""
+    kept: list[Found] = []
+    drawn: list[Points] = []
+    for each in sorted(designs, key=lambda each: (each.error, each.bars)):
+        z = np.array(each.drawn)
+        size = _ELSEWHERE * (np.ptp(z.real) + np.ptp(z.imag))
+        if not any(one.chain == each.chain and np.abs(other - z).max() < size for one, other in zip(kept, drawn, strict=True)):
+            kept.append(each)
+            drawn.append(z)
+    return kept
 
 
 def front(designs: Iterable[Found], step: float = 0.0) -> list[Found]:
@@ -102,6 +123,8 @@ def front(designs: Iterable[Found], step: float = 0.0) -> list[Found]:
 def area(designs: Iterable[Found], goal: Goal) -> float:
     """Share of the field below (worst error, most bars) that a front dominates, 0 to 1."""
     kept = [each for each in front(designs) if each.error < goal.worst and each.bars < goal.most]
+    if not kept:
+        return 0.0
     ends = [each.error for each in kept[1:]] + [goal.worst]
     held = sum((end - each.error) * (goal.most - each.bars) for each, end in zip(kept, ends, strict=True))
     return held / (goal.worst * goal.most)

@@ -35,6 +35,8 @@ Told = Callable[[str], None]
 
 _FOUND = ("points", "links", "lengths", "output", "slide", "slot", "gear", "cam", "layers")  # tables that a search makes
 _STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
+_BEHIND = 0.8  # of the error and bars of a design that could be built: the front reaches to those at most so much worse
+_WEIGHED = 60  # designs for a path whose parts are made; a layer more at most
 _WORST, _MOST = 0.2, 10.0  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 
 
@@ -265,11 +267,12 @@ def _for_path(asked: Asked) -> str:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
-    front = [Candidate(each, points, asked.rest, wanted.joined) for each in paths.front(found, _STEP)]
+    front = _weighed(found, lambda each: Candidate(each, points, asked.rest, wanted.joined), asked.told)
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
-    summary = (f"{len(front)} designs: each is nearer to the path than all with less bar, or has less bar than all "
-               "nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
+    summary = (f"{len(front)} designs: each is nearer to the path than all with less bar, or has less bar than all nearer, "
+               "of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be built "
+               "as it stands.")  # fmt: skip
     rows = asked.handed_over(front, "Linkages for the path", summary, ("worst_distance_mm", "bars_mm"), said)
 
     def worth(each: Candidate) -> float:
@@ -281,6 +284,27 @@ def _for_path(asked: Asked) -> str:
                f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.found.bars:.4g} mm, "
                f"play of {best.weighed.lash:.3g} mm")  # fmt: skip
     return asked.spec_of(best, said, wanted.tolerance)
+
+
+def _weighed(found: Sequence[Found], made: Callable[[Found], Candidate], told: Told) -> list[Candidate]:
+    """The front of all designs and that of those that can be built, by rising error.
+
+    What cannot be built leaves room for designs behind it: they are weighed front after front.
+    """
+    from camgen.design import paths
+
+    left = paths.apart(paths.near(found, paths.front(found), _BEHIND))
+    weighed: dict[Found, Candidate] = {}
+    can: list[Found] = []
+    while left and len(weighed) < _WEIGHED:
+        layer = paths.front(left, _STEP)
+        weighed |= {each: made(each) for each in layer}
+        can += [each for each in layer if not weighed[each].weighed.refused]
+        told(f"{len(weighed)} designs weighed, {len(can)} of them can be built")
+        left = [each for each in left if each not in layer
+                and not any(one.error <= each.error and one.bars <= each.bars for one in can)]  # fmt: skip
+    shown = {*paths.front(weighed, _STEP), *paths.front(can, _STEP)}
+    return [weighed[each] for each in sorted(shown, key=lambda each: (each.error, each.bars))]
 
 
 def _found_tables(asked: Asked) -> None:
