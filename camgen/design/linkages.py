@@ -12,13 +12,13 @@ import numpy as np
 from camgen.design.chains import Chain
 from camgen.design.paths import Found
 from camgen.design.weighed import Weighed, rounded_up
-from camgen.numerics import Points
+from camgen.numerics import Floats, Points
 from camgen.reading import Data
 from camgen.report.sketches import Drawn
 
 TRACED, CRANK = "P", "crank"
 _STEPS = 2000  # angles at which the worst distance is looked for
-_PLACES = 24  # of the wanted path that the finished machine is judged at
+_PLACES = 24  # of the wanted path, evenly, that the finished machine is judged at, and the one that it misses most
 _DIGITS = 6  # of a coordinate, mm
 
 
@@ -39,14 +39,20 @@ class Candidate:
     @cached_property
     def worst(self) -> float:
         """Greatest distance from the path to the wanted one or back, mm."""
+        return float(max(np.max(each) for each in self._distances))
+
+    @cached_property
+    def _distances(self) -> tuple[Floats, Floats]:
+        """How far each place of the path lies from the wanted one, and each wanted place from the path, mm."""
         from scipy.spatial import cKDTree
 
         a, b = (np.stack([z.real, z.imag], axis=-1) for z in (self.path, self.wanted))
-        return float(max(np.max(cKDTree(b).query(a)[0]), np.max(cKDTree(a).query(b)[0])))
+        return cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]
 
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of PATH_ERROR, mm, its own worst distance and a fiftieth unless given."""
-        places = self.wanted[np.linspace(0, len(self.wanted), _PLACES, endpoint=False).astype(int)]
+        even = np.linspace(0, len(self.wanted), _PLACES, endpoint=False).astype(int)
+        places = self.wanted[sorted({*even.tolist(), int(np.argmax(self._distances[1]))})]
         borne = tolerance or rounded_up(1.02 * self.worst + 1e-3)
         through = {"at": [_place(z) for z in places], "tolerance": borne}
         drive = {"link": CRANK, **self.tables.get("drive", {})}

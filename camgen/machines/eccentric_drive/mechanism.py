@@ -385,6 +385,11 @@ class EccentricDrive(Mechanism):
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
+    def forecast(self) -> Sequence[Finding]:
+        """Of the base, where disc, strap, rod and slider can be made."""
+        self._check_sizes()
+        return super().forecast()
+
     def limits(self) -> Sequence[Finding]:
         """Least transmission angle: of the rod against the square to the guide."""
         g = self.geometry

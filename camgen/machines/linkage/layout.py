@@ -95,7 +95,8 @@ class Layout(Joined):
     def _under_eye(self, spring: Stretched) -> float:
         """How far the eyes of a spring lie over the floor of its lowest level, mm: in the middle of its coils, which lie as low
         as they can without rubbing on what is beneath; of sheet on whole spacers."""
-        middle, step = (spring.diameter - spring.wire) / 2 + self.fits.slide_clearance, self.sizes.thickness + self.fits.slide_clearance
+        air = self.fits.slide_clearance
+        middle, step = (spring.diameter - spring.wire) / 2 + air, self.sizes.thickness + air
         return step * math.ceil(middle / step - 1e-9) if self.sizes.of_sheet else middle
 
     def eye(self, name: str) -> tuple[float, float]:

@@ -58,7 +58,7 @@ def faults(sizes: Parts, laser: Laser | None, table: str, slides: int = 0, groov
     if sizes.shaft != "through":
         found.append(Fault(f"{table}.shaft", repr(sizes.shaft), '"through": crank pins with flats are printed'))
     if slides:
-        right = "slots and pins in place of it: rails stand on their plate, and sheets have one thickness"
+        right = "slots and pins in place of it, of a cam a follower that swings: rails stand on plates, and no sheet does"
         found.append(Fault("slide", f"{slides} with {table}.make = 'laser'", right))
     if grooves:
         right = '"force" or "conjugate": the back plate of a groove is as thick as a level and its play, which no sheet is'
