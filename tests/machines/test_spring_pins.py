@@ -115,3 +115,15 @@ def test_springs_are_drawn_between_their_pins() -> None:
     tops = [mount.z for mount in whole.mounts() if mount.part.startswith("own-")]
     assert there.z - drawn.z == pytest.approx(min(tops) - min(mount.z for mount in own.mounts()))
     assert "spring" in [body.name for body in animation(own).bodies]
+
+
+def test_coils_lie_clear_of_what_is_beneath() -> None:
+    """Of the cam and the roller, where the eye has sunk onto its spacer: by as much as all that slides."""
+    own = bench()
+    mounted, parts = own.return_spring, {part.name: part for part in own.parts()}
+    assert mounted is not None
+    tops = {mount.part: mount.z + parts[mount.part].thickness for mount in own.mounts()}
+    eye = max(top for name, top in tops.items() if name.startswith("spacer"))
+    beneath = max(top for name, top in tops.items() if name.startswith(("cam", "roller")))
+    spring = mounted.spring
+    assert eye + spring.wire / 2 - spring.outside / 2 - beneath >= 0.2 - 1e-9  # print.slide_clearance
