@@ -270,9 +270,9 @@ def _for_path(asked: Asked) -> str:
     front = _weighed(found, lambda each: Candidate(each, points, asked.rest, wanted.joined), asked.told)
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
-    summary = (f"{len(front)} designs: each is nearer to the path than all with less bar, or has less bar than all nearer, "
-               "of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be built "
-               "as it stands.")  # fmt: skip
+    summary = (f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
+               "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
+               "built as it stands.")  # fmt: skip
     rows = asked.handed_over(front, "Linkages for the path", summary, ("worst_distance_mm", "bars_mm"), said)
 
     def worth(each: Candidate) -> float:
