@@ -169,7 +169,7 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
         return []
     rows.append(("all of these", "", "", "", 100 * float(np.mean(good))))
     numbers["yield_percent"] = 100 * float(np.mean(good))
-    told = [Table("Yield", ("finding", "what", "limit", "unit", "copies that hold, %"), rows)]
+    told = [Table("Yield of play and fits alone", ("finding", "what", "limit", "unit", "copies that hold, %"), rows)]
     if copies.held:
         shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for cam, (_, _, air) in by_cam.items()]
         heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
