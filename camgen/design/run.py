@@ -273,7 +273,7 @@ def _for_path(asked: Asked) -> str:
     summary = (f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
                "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
                "built as it stands.")  # fmt: skip
-    rows = asked.handed_over(front, "Linkages for the path", summary, ("worst_distance_mm", "bars_mm"), said)
+    rows = asked.handed_over(front, "Linkages for the path", summary, ("mean_distance_mm", "bars_mm"), said)
 
     def worth(each: Candidate) -> float:
         return (1 - each.found.error / goal.worst) * (1 - each.found.bars / goal.most)

@@ -26,7 +26,7 @@ sys.path[:0] = [str(HERE.parent / "machine"), str(ROOT)]
 import chains  # noqa: E402  of the tests
 from results import PAGE, put  # noqa: E402
 
-from camgen.design.paths import area, kinds, search  # noqa: E402
+from camgen.design.paths import area, front, kinds, search  # noqa: E402
 from camgen.design.polish import Goal  # noqa: E402
 from camgen.design.target import Target  # noqa: E402
 from camgen.machine.closing import close  # noqa: E402
@@ -145,7 +145,7 @@ def paths(told: Callable[[str], None]) -> str:
     rows, spent, missed = [], [], []
     for pairs, effort in BUDGETS:
         begun = time.process_time()
-        found = search(goal, [kind for kind in kinds(pairs, 2) if len(kind.bodies) <= 2 * pairs], effort)
+        found = front(search(goal, [kind for kind in kinds(pairs, 2) if len(kind.bodies) <= 2 * pairs], effort))
         spent.append(time.process_time() - begun)
         score = area(found, goal)
         missed.append(1 - score)

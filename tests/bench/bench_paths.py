@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.design.paths import area, kinds, search
+from camgen.design.paths import area, front, kinds, search
 from camgen.design.polish import Goal
 from camgen.design.target import Target
 from camgen.pipeline.jobs import Workers
@@ -29,7 +29,7 @@ def main(effort: int) -> None:
         goal = Goal(Target(points), 0.1, 10.0 / 2)
         begun, spent = time.perf_counter(), sum(os.times()[:4])
         with Workers(2) as workers:
-            found = search(goal, kinds(4, 2), effort, 0, workers.map)
+            found = front(search(goal, kinds(4, 2), effort, 0, workers.map))
         scores.append(area(found, goal))
         print(
             f"target {number}, effort {effort}: score {scores[-1]:.4f} (students {theirs}), {len(found)} designs, least chamfer "
