@@ -75,21 +75,23 @@ def search(
     effort: how long the designs near the front are shaken. The same call gives the same designs.
     """
     solve = partial(solved, goal)
-    found: list[Found] = []
+    by_chain: dict[Chain, list[Found]] = {chain: [] for chain in kinds}
 
     def take(tasks: Sequence[Task]) -> None:
-        for designs in run(solve, tasks):
-            found.extend(designs)
+        for task, designs in zip(tasks, run(solve, tasks), strict=True):
+            by_chain[task.chain] += designs
+
+    def found() -> list[Found]:
+        return [each for designs in by_chain.values() for each in designs]
 
     times = min(_TIMES, -(-_TASKS // len(kinds)))
     take([Task(chain, (seed, k, time)) for time in range(times) for k, chain in enumerate(kinds)])
     for again in range(effort * _ROUNDS):
-        best = front(found)
+        best = front(found())
         told(f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them")
-        own = [front((each for each in found if each.chain == chain), _APART) for chain in kinds]
-        close = [tuple(near(designs, best, _NEAR)) for designs in own]
+        close = [tuple(near(front(by_chain[chain], _APART), best, _NEAR)) for chain in kinds]
         take([Task(chain, (seed, k, times + again), close[k]) for k, chain in enumerate(kinds) if close[k]])
-    return found
+    return found()
 
 
 def near(designs: Iterable[Found], best: Sequence[Found], share: float) -> Iterable[Found]:
