@@ -1,7 +1,7 @@
 """Many variants of one spec, each judged, as rows of one table; what is done survives a kill.
 
-    journal   a file beside the table: its first line says which sweep it is of, each further one is a variant's row; a run
-              that finds one of its own goes on from there
+    journal   a file beside the table: its first line says which sweep it is of, each further one is a variant's row behind a
+              digest of it and of the sweep; a run that finds one of its own goes on from there
     chunk     numbers of some variants, growing, the task of one worker: pure, so that it may run twice
     engine    runs chunks: here, in processes of this machine, or on a Dask cluster; rows are written here alone
 """
@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from camgen import __version__
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted, file_errors
 from camgen.files.folder import locked
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
@@ -124,6 +124,12 @@ def _figure(value: float) -> float | None:
     return float(f"{value:.12g}") if math.isfinite(value) else None
 
 
+def _whole(row: Row) -> bool:
+    """Whether a row says what every row says, in texts and numbers."""
+    said = all(isinstance(row.get(name), str) for name in ("verdict", "fails", "reason")) and row["verdict"] in _TOLD
+    return said and all(value is None or isinstance(value, str | int | float) for value in row.values())
+
+
 def _judge_chunk(task: Task, numbers: Chunk) -> list[Row]:
     """What a worker does."""
     return judged(task, numbers)
@@ -133,12 +139,17 @@ def _judge_chunk(task: Task, numbers: Chunk) -> list[Row]:
 
 
 class Journal:
-    """Rows on disk as they come, one a line, and where each variant's row begins."""
+    """Rows on disk as they come, one a line, and where each variant's row begins.
+
+    strange: lines that are no rows of this sweep as it wrote them; their variants are judged again.
+    """
 
     def __init__(self, path: Path, task: Task) -> None:
         self.path = path
         self.places = np.full(task.variants.count, -1, dtype=np.int64)
-        head = json.dumps({"camgen": __version__, "sweep": task.digest, "variants": task.variants.count}) + "\n"
+        self.strange = 0
+        self._sweep = task.digest
+        head = json.dumps({"camgen": __version__, "sweep": self._sweep, "variants": task.variants.count}) + "\n"
         with file_errors():
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = open(path, "a+b")  # noqa: SIM115
@@ -159,20 +170,37 @@ class Journal:
             self._file.seek(0, os.SEEK_END)
 
     def _read(self) -> None:
-        """Find the rows; from a line on that was cut off, or is none of ours, they are dropped."""
+        """Find the rows; what a kill cut off at the end is dropped."""
         place = self._file.tell()
         for line in iter(self._file.readline, b""):
-            try:
-                row = json.loads(line) if line.endswith(b"\n") else None
-            except ValueError:
-                row = None
-            sound = isinstance(row, dict) and {"variant", "verdict", "fails", "reason"} <= row.keys()
-            number = row["variant"] if sound else None  # type: ignore[index]
-            if not (type(number) is int and 0 <= number < len(self.places)):
-                self._file.truncate(place)  # what follows is judged again
+            row = self._row(line)
+            if row is not None:
+                self.places[row["variant"]] = place
+            elif line.endswith(b"\n"):
+                self.strange += 1
+            else:
+                self._file.truncate(place)
                 return
-            self.places[number] = place
             place += len(line)
+
+    def _line(self, row: Row) -> bytes:
+        text = json.dumps(row, ensure_ascii=False).encode()
+        return self._digest(text) + b" " + text + b"\n"
+
+    def _row(self, line: bytes) -> Row | None:
+        """The row of a line as this sweep wrote it; None of any other line, whatever it holds."""
+        digest, _, text = line.removesuffix(b"\n").partition(b" ")
+        if not line.endswith(b"\n") or digest != self._digest(text):
+            return None
+        try:
+            row = json.loads(text)
+        except (ValueError, RecursionError):
+            return None
+        return row if isinstance(row, dict) and row.get("variant") in range(len(self.places)) and _whole(row) else None
+
+    def _digest(self, text: bytes) -> bytes:
+        """Of a row and the sweep that it is of."""
+        return hashlib.sha256(self._sweep.encode() + b" " + text).hexdigest()[:16].encode()
 
     @property
     def done(self) -> int:
@@ -185,17 +213,20 @@ class Journal:
             for row in rows:
                 if self.places[row["variant"]] < 0:
                     self.places[row["variant"]] = self._file.tell()
-                    self._file.write(json.dumps(row, ensure_ascii=False).encode() + b"\n")
+                    self._file.write(self._line(row))
             self._file.flush()
         except OSError as error:
             said = f"{error.strerror or error}; {self.done} variants are in it: the same command goes on from there"
             raise FileError(self.path, said) from None
 
     def rows(self, step: int = 1) -> Iterator[Row]:
-        """All rows by the variants' numbers, or every second one, third one..."""
+        """All rows by the variants' numbers, or every second one, third one...; FileError where one is no longer as written."""
         for place in self.places[self.places >= 0][::step]:
             self._file.seek(int(place))
-            yield json.loads(self._file.readline())
+            row = self._row(self._file.readline())
+            if row is None:
+                raise FileError(self.path, "was changed during this run; the same command judges the changed rows again")
+            yield row
         self._file.seek(0, os.SEEK_END)
 
     def close(self) -> None:
@@ -295,7 +326,10 @@ class Cluster:
 
 @dataclass(frozen=True)
 class Swept:
-    """What a sweep came to: variants of each verdict, most frequent reasons, how many further ones, s, rows done before."""
+    """What a sweep came to: variants of each verdict, most frequent reasons, how many further ones, s, rows done before.
+
+    strange: lines of the journal that were not as this sweep wrote them.
+    """
 
     count: int
     verdicts: Mapping[str, int]
@@ -304,6 +338,7 @@ class Swept:
     seconds: float
     before: int
     columns: Sequence[str]
+    strange: int = 0
 
     @property
     def told(self) -> str:
@@ -317,7 +352,9 @@ class Swept:
         again = f", {self.before} of them done before" if self.before else ""
         rows = f"{self.count} row{'s' if self.count > 1 else ''}{again}"
         place = f"{rows}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
-        return [self.told, *(f"  {n} x {reason}" for reason, n in self.reasons), *([more] if self.further else []), place]
+        anew = f"{counted(self.strange, 'line')} of the journal not as this sweep wrote them: those variants are judged again"
+        reasons = [f"  {n} x {reason}" for reason, n in self.reasons]
+        return [self.told, *reasons, *([more] if self.further else []), *([anew] if self.strange else []), place]
 
 
 def sweep(
@@ -361,7 +398,7 @@ def sweep(
         del reasons[""]
         write(table, list(columns), journal.rows())
         found = Swept(count, dict(verdicts), reasons.most_common(_REASONS), max(len(reasons) - _REASONS, 0),
-                      time.perf_counter() - began, before, list(columns))  # fmt: skip
+                      time.perf_counter() - began, before, list(columns), journal.strange)  # fmt: skip
         keys = [axis.key for axis in task.variants.axes]
         named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
         units = {key: unit(key) for key in keys}
