@@ -15,6 +15,7 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.errors import counted
+from camgen.files.dxf import PART_LAYERS
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import thinnest_wall
@@ -105,7 +106,8 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
     form, where = FORMATS[path.suffix[1:]], path.name
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
-    faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
+    faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
+    faults += _misplaced(drawing.marks, expected.marks)
     faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
         "DXF_CLOSED", len(faults), 0, "contours", where,

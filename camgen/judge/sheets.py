@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import FileError
-from camgen.files.cutting import read_svg
-from camgen.files.dxf import read_dxf
+from camgen.files.cutting import DXF_LAYERS, Layer, read_svg
+from camgen.files.dxf import CUT_LAYER, ENGRAVE_LAYER, Drawing, read_dxf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
@@ -60,7 +60,7 @@ def judge_sheet(
     cut is from its outline. ROUND_TRIP and MIN_WALL are those of each part as cut.
     """
     drawing, where = read_dxf(dxf, engraving=True), dxf.name
-    faults = [fault.message for fault in drawing.faults]
+    faults = [fault.message for fault in drawing.faults] + drawing.repainted(DXF_LAYERS)
     faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
     findings = [
         at_most("DXF_CLOSED", len(faults), 0, "contours", where,
@@ -73,7 +73,7 @@ def judge_sheet(
     except ValueError as error:
         return [*findings, at_most("SHEET_FIT", math.nan, 0, "mm", where, str(error))], {}
     findings += _fit(found, beam, len(laid), where)
-    findings.append(_same_as_svg(drawing.cut, drawing.engraved, svg, beam.sheet))
+    findings.append(_same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in laid]))
     judged: dict[str, Judged] = {}
     for copy in laid:
         if not found:
@@ -115,19 +115,23 @@ def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: str) -> list[Fi
     return findings
 
 
-def _same_as_svg(cut: Sequence[Ring], engraved: Sequence[Ring], svg: Path, sheet: tuple[float, float]) -> Finding:
-    """ROUND_TRIP of the same sheet in SVG: contour by contour as in the DXF."""
+def _same_as_svg(drawing: Drawing, svg: Path, sheet: tuple[float, float], names: Sequence[str]) -> Finding:
+    """ROUND_TRIP of the same sheet in SVG: contour by contour as in the DXF, each piece under its name."""
     try:
         size, layers = read_svg(svg)
     except FileError as error:
         return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, str(error))
-    there = [*layers.get("ENGRAVE", ()), *layers.get("CUT", ())]
-    wanted = [*engraved, *cut]
-    if len(there) != len(wanted) or size != sheet:
-        said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
-        return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, said)
-    off = max((_apart(a, b) for a, b in zip(there, wanted, strict=True)), default=0.0)
-    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, f"{len(there)} contours, as in the DXF")
+    engraved, cut = (layers.get(name, Layer([], [])) for name in (ENGRAVE_LAYER, CUT_LAYER))
+    pairs = [(engraved.rings, drawing.engraved), (cut.rings, drawing.cut)]
+    off, said = 0.0, f"{len(engraved.rings) + len(cut.rings)} contours, as in the DXF"
+    for there, wanted in pairs:
+        if len(there) != len(wanted) or size != sheet:
+            off, said = math.nan, f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
+            break
+        off = max([off, *(_apart(a, b) for a, b in zip(there, wanted, strict=True))])
+    if cut.titles != list(names) or not set(engraved.titles) <= set(names):
+        off, said = math.nan, "its pieces do not have the names of the list of sheets, in that order"
+    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, said)
 
 
 def _apart(a: Ring, b: Ring) -> float:

@@ -319,6 +319,10 @@ def unplotted(drawing: ezdxf.document.Drawing) -> None:
     drawing.layers.get("CUT").dxf.plot = 0
 
 
+def painted(**attributes: object) -> Callable[[ezdxf.document.Drawing], None]:
+    return lambda drawing: drawing.layers.get("CUT").update_dxf_attribs(attributes)
+
+
 def rim_with(**attributes: object) -> Callable[[ezdxf.document.Drawing], None]:
     return lambda drawing: rim(drawing).update_dxf_attribs(attributes)
 
@@ -347,6 +351,8 @@ def mark_a_centre(drawing: ezdxf.document.Drawing) -> None:
         pytest.param(of_cut_layer("lock"), {"DXF_CLOSED"}, id="layer locked"),
         pytest.param(unplotted, {"DXF_CLOSED"}, id="layer not plotted"),
         pytest.param(dashed, {"DXF_CLOSED"}, id="layer dashed"),
+        pytest.param(painted(color=5), {"DXF_CLOSED"}, id="layer for another tool"),
+        pytest.param(painted(true_color=255), {"DXF_CLOSED"}, id="layer in a true colour"),
         pytest.param(rim_with(invisible=1), {"DXF_CLOSED"}, id="invisible contour"),
         pytest.param(rim_with(const_width=2), {"DXF_CLOSED"}, id="contour with a width"),
         pytest.param(rim_with(transparency=0x020000FF - 255), {"DXF_CLOSED"}, id="transparent contour"),
