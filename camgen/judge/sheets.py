@@ -84,7 +84,7 @@ def judge_sheet(
         own = piece.moved(shift=-copy.place).moved(1 / turn)
         named = f"{where}, {copy.part}-{copy.copy}"
         try:
-            rings = [_widened(own.outer, -beam.kerf / 2), *(_widened(hole, beam.kerf / 2) for hole in own.holes)]
+            rings = [widened(own.outer, -beam.kerf / 2), *(widened(hole, beam.kerf / 2) for hole in own.holes)]
         except ValueError as error:
             findings.append(at_most("KERF", math.nan, 0, "mm", named, str(error)))
             continue
@@ -150,7 +150,7 @@ def _area(ring: Ring, tolerance: float = FACETS) -> Any:
     return shapely.Polygon(np.column_stack([z.real, z.imag]))
 
 
-def _widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
+def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     """A ring moved outwards by a distance, mm (< 0: inwards), facetted, its corners sharp or as a disc leaves them; ValueError
     where it falls apart."""
     import shapely
@@ -181,14 +181,14 @@ def _kerf(path: Shape, expected: Expected, kerf: float, where: str) -> Finding:
             return at_most("KERF", math.nan, 0, "mm", where, f"{len(cut)} pieces are left of a contour")
         edge = shapely.get_coordinates(cut[0].exterior)[:-1] @ np.array([1, 1j])
         target = wanted.counter_clockwise().facetted(FACETS)
-        off = max(off, float(np.max(point_to_ring(_along(target), edge))))
+        off = max(off, float(np.max(point_to_ring(along(target), edge))))
         allowed = max(allowed, _round_corner(target if way < 0 else target[::-1], kerf / 2))
     limit = allowed + 2 * expected.chord_tolerance + WAY_BACK * kerf / 2 + FACETS
     said = "how far the part as cut is from its outline: inner corners come out round, and what is narrower than the kerf is lost"
     return at_most("KERF", off, limit, "mm", where, said)
 
 
-def _along(ring: Points) -> Points:
+def along(ring: Points) -> Points:
     """A polygon's vertices and the middles of its edges."""
     return np.concatenate([ring, (ring + np.roll(ring, -1)) / 2])
 
@@ -200,43 +200,3 @@ def _round_corner(ring: Points, radius: float) -> float:
     turn = np.angle(way / np.roll(way, 1))
     sharpest = float(np.max(-turn, initial=0.0))
     return radius * (1 / math.cos(sharpest / 2) - 1) if sharpest > _CORNER else 0.0
-
-
-# ---- tables for machine tools ------------------------------------------------------------------------------------------
-
-
-def judge_points(table: Path, points: Points, outline: Ring, limit: float) -> Finding:
-    """ROUND_TRIP of a table of a profile: how far its points, (n,) mm, are from the outline in the part's own file."""
-    off = float(np.max(point_to_ring(points, outline.facetted(FACETS)), initial=0.0)) if len(points) else math.nan
-    return at_most("ROUND_TRIP", off, limit, "mm", table.name, f"{len(points)} points against the outline that is cut")
-
-
-def judge_path(
-    path: Path, table: Sequence[tuple[complex, complex, float]], outline: Ring, radius: float, limit: float,
-    within: bool = False,
-) -> list[Finding]:
-    """A cutter's path round an outline, or within one, such as a groove's outer wall: the same in DXF and CSV; CUTTER: how far
-    what the cutter leaves is from the outline.
-
-    table: ends and bulge of each piece. What it leaves is the area within the path less all that a disc of this radius, mm,
-    covers about its points; or what is without both.
-    """
-    rings = read_dxf(path).cut
-    if len(rings) != 1:
-        return [at_most("CUTTER", math.nan, 0, "mm", path.name, f"{len(rings)} contours instead of 1")]
-    ring, written = rings[0], Ring(np.array([a for a, _, _ in table]), np.array([bulge for *_, bulge in table]))
-    gaps = max((abs(b - a) for (_, b, _), (a, _, _) in zip(table, (*table[1:], *table[:1]), strict=True)), default=math.nan)
-    away = np.max(point_to_ring(written.samples(), ring.facetted(FACETS)), initial=0.0) if len(table) else math.nan
-    said = f"{len(table)} lines and arcs, as in the DXF"
-    findings = [at_most("ROUND_TRIP", max(gaps, float(away)), 2 * FACETS, "mm", path.with_suffix(".csv").name, said)]
-    left = _widened(ring, radius if within else -radius, sharp=False)
-    target = outline.facetted(FACETS)
-    off = point_to_ring(_along(target), left.points)
-    worst = int(np.argmax(off))
-    z = _along(target)[worst]
-    said = (
-        f"outline less what a cutter of radius {radius:g} mm leaves, at x {z.real:.3f}, y {z.imag:.3f} mm; "
-        "where it is more, the cutter is too large for a hollow (output.cutter_radius)"
-    )
-    other = float(np.max(point_to_ring(left.points, target)))
-    return [*findings, at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said)]
