@@ -26,7 +26,6 @@ from camgen.tolerances import SAME_POINT
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
 CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER = "CUT", "CENTER", "ENGRAVE"
 _CUT, _MARKS, _ENGRAVE = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}, {ENGRAVE_LAYER: (5, 13)}
-PART_LAYERS = _CUT | _MARKS | _ENGRAVE
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
 _MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
@@ -263,7 +262,7 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
         faults += _looks(entity)
     units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
     layers = {layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers}
-    ours = {name: look for name, look in layers.items() if name in PART_LAYERS}
+    ours = {name: look for name, look in layers.items() if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)}
     return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours)
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.files.dxf import PART_LAYERS, read_dxf
+from camgen.files.dxf import read_dxf
 from camgen.findings import Finding, at_most
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Floats, Ints, Points, Ring
@@ -28,7 +28,7 @@ from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.judge.contours import contour_error
 from camgen.judge.joints import Rolled
-from camgen.judge.round_trip import MILLIMETRES
+from camgen.judge.round_trip import MILLIMETRES, PART_LAYERS
 from camgen.judge.sheets import FACETS, along, widened
 from camgen.tolerances import BOUND_SPARE
 
@@ -75,7 +75,7 @@ def judge_profile(table: Path, profile: Profile, ring: Ring, law: Rolled, step_d
 
 
 @dataclass(frozen=True)
-class Seen:
+class _Seen:
     """Places against a ring, (m,) each: how far apart, mm; the nearest edge; how far a normal leans from that of the best edge
     that passes there, and how far it may, rad."""
 
@@ -149,7 +149,7 @@ class _Edges:
         normal = np.where(flat, -1j * way / np.abs(way), np.sign(bent) * spoke / np.abs(spoke))
         return np.where(flat, straight, arc), normal
 
-    def against(self, z: Points, normal: Points) -> Seen:
+    def against(self, z: Points, normal: Points) -> _Seen:
         """Places with their normals, (m,), against the edges."""
         apart, nearest, lean, limit = [], [], [], []
         for k in range(0, len(z), max(_BLOCK // self.count, 1)):
@@ -162,7 +162,7 @@ class _Edges:
             nearest.append(np.argmin(distance, axis=1))
             lean.append(off[np.arange(len(best)), best])
             limit.append(self.turn_limit[best])
-        return Seen(*map(np.concatenate, (apart, nearest, lean, limit)))
+        return _Seen(*map(np.concatenate, (apart, nearest, lean, limit)))
 
 
 # ---- the follower ----------------------------------------------------------------------------------------------------

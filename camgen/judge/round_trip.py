@@ -15,7 +15,6 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.errors import counted
-from camgen.files.dxf import PART_LAYERS
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import thinnest_wall
@@ -26,6 +25,8 @@ from camgen.judge.contours import contour_error
 from camgen.numerics import distinct
 
 MILLIMETRES = 4  # $INSUNITS of DXF
+# By these, in a part's drawing, a laser's program takes its tool: colour index and line weight, 1/100 mm, of a layer.
+PART_LAYERS = {"CUT": (7, 25), "CENTER": (1, 13), "ENGRAVE": (5, 13)}
 
 
 @dataclass(frozen=True)

@@ -12,19 +12,23 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen.errors import FileError
-from camgen.files.cutting import DXF_LAYERS, Layer, read_svg
-from camgen.files.dxf import CUT_LAYER, ENGRAVE_LAYER, Drawing, read_dxf
+from camgen.files.cutting import read_svg
+from camgen.files.dxf import read_dxf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
 from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
 from camgen.tolerances import WAY_BACK
 
+if TYPE_CHECKING:
+    from camgen.files.dxf import Drawing
+
+_TOOLS = {"ENGRAVE": (5, 0), "CUT": (1, 0)}  # colour index and line weight, by which the laser takes them: blue, red, hairlines
 FACETS = 1e-4  # mm, chord tolerance of arcs where gaps and corners are measured
 _FINE = 1e-5  # mm, where motion and fits are
 _ROUND = 64  # chords of a quarter of the beam's circle
@@ -60,7 +64,7 @@ def judge_sheet(
     cut is from its outline. ROUND_TRIP and MIN_WALL are those of each part as cut.
     """
     drawing, where = read_dxf(dxf, engraving=True), dxf.name
-    faults = [fault.message for fault in drawing.faults] + drawing.repainted(DXF_LAYERS)
+    faults = [fault.message for fault in drawing.faults] + drawing.repainted(_TOOLS)
     faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
     findings = [
         at_most("DXF_CLOSED", len(faults), 0, "contours", where,
@@ -121,15 +125,17 @@ def _same_as_svg(drawing: Drawing, svg: Path, sheet: tuple[float, float], names:
         size, layers = read_svg(svg)
     except FileError as error:
         return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, str(error))
-    engraved, cut = (layers.get(name, Layer([], [])) for name in (ENGRAVE_LAYER, CUT_LAYER))
-    pairs = [(engraved.rings, drawing.engraved), (cut.rings, drawing.cut)]
-    off, said = 0.0, f"{len(engraved.rings) + len(cut.rings)} contours, as in the DXF"
-    for there, wanted in pairs:
+    off, count = 0.0, 0
+    for name, wanted in (("ENGRAVE", drawing.engraved), ("CUT", drawing.cut)):
+        there = layers[name].rings if name in layers else []
+        count += len(there)
         if len(there) != len(wanted) or size != sheet:
-            off, said = math.nan, f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
-            break
+            said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
+            return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, said)
         off = max([off, *(_apart(a, b) for a, b in zip(there, wanted, strict=True))])
-    if cut.titles != list(names) or not set(engraved.titles) <= set(names):
+    titles = {name: layer.titles for name, layer in layers.items()}
+    said = f"{count} contours, as in the DXF"
+    if titles.get("CUT", []) != list(names) or not set(titles.get("ENGRAVE", [])) <= set(names):
         off, said = math.nan, "its pieces do not have the names of the list of sheets, in that order"
     return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, said)
 

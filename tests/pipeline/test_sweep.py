@@ -28,6 +28,7 @@ from camgen.pipeline import sweep as sweeps
 from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
+from camgen.pipeline.sweep_journal import Journal
 from camgen.pipeline.variants import variants
 from camgen.settings import override
 from camgen.starters import unit_at
@@ -281,9 +282,9 @@ def test_another_sweep_s_journal_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps, "_CROWDS", ())
-    add = sweeps.Journal.add
+    add = Journal.add
 
-    def full(self: sweeps.Journal, found: object) -> None:
+    def full(self: Journal, found: object) -> None:
         if self.done >= 3:
             self._file.close()
             monkeypatch.setattr(self, "_file", open("/dev/full", "ab", buffering=0))  # noqa: SIM115
@@ -291,7 +292,7 @@ def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.Monk
 
     if not Path("/dev/full").exists():
         pytest.skip("no full disk at hand")
-    monkeypatch.setattr(sweeps.Journal, "add", full)
+    monkeypatch.setattr(Journal, "add", full)
     with pytest.raises(FileError, match="No space left.*goes on from there"):
         sweep(task(), tmp_path / "t.csv")
     monkeypatch.undo()
@@ -348,7 +349,7 @@ def test_bad_input_writes_nothing(
 def begun(table: Path, work: Task, number: int) -> Path:
     """The journal of a sweep that was ended when it had one row."""
     path = table.with_name(f"{table.name}.journal")
-    journal = sweeps.Journal(path, work)
+    journal = Journal(path, work.digest, work.variants.count)
     journal.add(sweeps.judged(work, [number]))
     journal.close()
     return path
