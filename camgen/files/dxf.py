@@ -26,6 +26,7 @@ from camgen.tolerances import SAME_POINT
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
 CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER = "CUT", "CENTER", "ENGRAVE"
 _CUT, _MARKS, _ENGRAVE = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}, {ENGRAVE_LAYER: (5, 13)}
+MILLIMETRES = 4  # $INSUNITS
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
 _MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
@@ -226,18 +227,7 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     CENTER marks, and where engraving may be there rings on ENGRAVE as well. Whatever else there is, or looks otherwise than
     drawn plainly, is a fault: somebody's laser will cut it, or leave it out.
     """
-    from ezdxf.filemanagement import readfile
-    from ezdxf.lldxf.const import DXFError
-
-    try:
-        text = Path(path).read_bytes()
-        if not text.rstrip().endswith(b"EOF"):
-            raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
-        drawing = readfile(str(path))
-    except OSError as error:
-        raise FileError(path, error.strerror or str(error)) from None
-    except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
-        raise FileError(path, f"not a valid DXF file: {error}") from None
+    drawing = _opened(path)
     rings: list[Ring] = []
     engraved: list[Ring] = []
     marks: list[tuple[complex, complex]] = []
@@ -264,6 +254,33 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     layers = {layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers}
     ours = {name: look for name, look in layers.items() if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)}
     return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours)
+
+
+def read_contours(path: Path) -> tuple[list[Ring], list[str]]:
+    """What a dimensioned drawing shows of the part's contours, those on CUT, and what is wrong with one of them, or its unit;
+    FileError as for `read_dxf`."""
+    drawing = _opened(path)
+    found = [_ring_of(entity) for entity in drawing.modelspace().query(f"*[layer=='{CUT_LAYER}']")]
+    wrong = [fault.message for _, faults in found for fault in faults]
+    units = drawing.header.get("$INSUNITS")
+    wrong += [] if units == MILLIMETRES else [f"$INSUNITS is {units}, millimetres are {MILLIMETRES}"]
+    return [ring for ring, _ in found if ring is not None], wrong
+
+
+def _opened(path: str | Path) -> Any:
+    """The document (ezdxf) of a file; FileError where it cannot be read, is no DXF or is cut short."""
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        text = Path(path).read_bytes()
+        if not text.rstrip().endswith(b"EOF"):
+            raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
+        return readfile(str(path))
+    except OSError as error:
+        raise FileError(path, error.strerror or str(error)) from None
+    except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
 
 
 def _looks(entity: Any) -> Iterator[DrawingFault]:

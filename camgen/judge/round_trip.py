@@ -15,6 +15,7 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.errors import counted
+from camgen.files.dxf import read_contours
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import thinnest_wall
@@ -140,6 +141,15 @@ def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float
     pairs = zip(engraved, wanted, strict=True)
     off = max((contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
     return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
+
+
+def judge_dimensioned(path: Path, expected: Expected) -> Finding:
+    """ROUND_TRIP of the contours that a dimensioned drawing shows at the part's own size."""
+    rings, wrong = read_contours(path)
+    if wrong:
+        return strange(path, wrong)
+    found = judge_cut(rings, expected, path.name).findings
+    return next(finding for finding in found if finding.code == "ROUND_TRIP")
 
 
 def judge_mesh(path: Path, expected: Expected) -> Judged:

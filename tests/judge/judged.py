@@ -60,7 +60,7 @@ def judged(folder: Path, *kinds: str) -> Report:
         return check(folder)
     with Workers() as workers:
         case = Case(mechanism_of(folder), folder)
-        return judge(case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent, "is in the folder")[0]
+        return judge(case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent)[0]
 
 
 def wrong(folder: Path, *kinds: str) -> list[Finding]:

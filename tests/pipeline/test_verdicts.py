@@ -96,9 +96,9 @@ def test_what_kinds_of_files_leave_unjudged_is_named(
     report = make(name, kinds, *settings)
     files = [each for each in report.not_judged if each.code not in UNTOLD]
     assert report.ok and {each.code for each in files} == left_out
-    assert all("was made (--only)" in each.why for each in files)
+    assert all("is in the folder" in each.why for each in files)
     files = [each for each in check(tmp_path / name).not_judged if each.code not in UNTOLD]
-    assert {each.code for each in files} == left_out and all("in the folder" in each.why for each in files)
+    assert {each.code for each in files} == left_out and all("is in the folder" in each.why for each in files)
 
 
 @pytest.mark.parametrize("name, settings", [("disc-cam", ("geometry.closure='conjugate'",)), ("disc-cam", (
@@ -157,7 +157,7 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
     )
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))
     assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
-    assert any("no 3MF was made (--only)" in each["why"] for each in data["not_judged"])
+    assert any("no 3MF is in the folder" in each["why"] for each in data["not_judged"])
     page = (tmp_path / "uniform-swing" / "report.html").read_text("utf-8")
     assert '<p class="verdict open">' in page and "NOT JUDGED: INTERFERENCE" in page
     assert page.count('<tr class="open"><td class="mark"><b>NOT JUDGED</b>') == 5
