@@ -184,7 +184,7 @@ def read_glb(path: Path) -> list[Course]:
 
     try:
         return _Glb(read_bytes(path, _MOST_BYTES, "a GLB")).courses()
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, struct.error) as error:
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error) as error:
         raise FileError(path, f"not a machine in GLB as camgen writes it: {error}") from None
 
 
@@ -229,8 +229,8 @@ class _Glb:
     def node(self, number: int, keys: set[str]) -> dict[str, Any]:
         """A node that may have these keys."""
         node: dict[str, Any] = self.nodes[number]
-        if not node.keys() <= keys:
-            raise ValueError(f"node {number} has {', '.join(sorted(node.keys() - keys))}")
+        if not (node.keys() <= keys and isinstance(node["name"], str)):
+            raise ValueError(f"node {number} has {', '.join(sorted(node.keys() - keys)) or 'no name'}")
         return node
 
     def moved(self) -> dict[tuple[int, str], tuple[Any, Any]]:
@@ -269,8 +269,8 @@ class _Glb:
 
     def copy(self, number: int) -> tuple[str, str, Floats]:
         """A copy of a part on a body."""
-        node = self.node(number, _COPY)
+        node, mesh = self.node(number, _COPY), self.whole["meshes"][self.node(number, _COPY)["mesh"]]
         matrix = np.array(node.get("matrix", np.eye(4).ravel()), float).reshape(4, 4).T
         if not np.array_equal(matrix[3], [0, 0, 0, 1]) or not np.all(np.isfinite(matrix)):
             raise ValueError(f"node {number} has a matrix that is no placing")
-        return node["name"], self.whole["meshes"][node["mesh"]]["name"], matrix[:3]
+        return node["name"], str(mesh["name"]), matrix[:3]
