@@ -243,12 +243,3 @@ def greatest(
         place, x = x[k], np.linspace(low, high, 17)
         x[np.argmin(np.abs(x - place))] = place  # not beside it: a neighbour that is the same place would halve the bracket
     return float(x[k]), float(y[k])
-
-
-def arithmetic() -> str:
-    """What the last digits of sines, exponentials and their like depend on: the system, and the instructions that numpy takes."""
-    import platform
-
-    instructions = np.show_config(mode="dicts")["SIMD Extensions"]
-    taken = [*instructions.get("baseline", ()), *instructions.get("found", ())]
-    return " ".join([platform.system(), platform.machine(), *taken])

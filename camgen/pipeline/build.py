@@ -11,13 +11,12 @@ from camgen.errors import Fault, FileError, SpecError
 from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
 from camgen.files.formats import FORMATS, USUAL
 from camgen.findings import at_most
-from camgen.numerics import arithmetic
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, cores, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
-from camgen.pipeline.rebuild import ANY_KIND, PACKAGES, hold_against, judged_files, kinds_of
-from camgen.pipeline.summary import seen, write_report, write_texts
+from camgen.pipeline.rebuild import ANY_KIND, PACKAGES, Rebuild, judged_files, kinds_of, system
+from camgen.pipeline.summary import Summary, seen, write_report, write_texts
 from camgen.report.report import Report
 
 KINDS = (*USUAL, "report")  # made where nobody says which
@@ -60,8 +59,8 @@ def build(
         write_texts(case, folder)
         report, columns = judge(case, kinds, reading, workers, progress)
         progress("writing the report", 0.85)
-        write_report(case, kinds, report, columns, scene, folder)
-        write_manifest(folder, PACKAGES, {"kinds": kinds, "arithmetic": arithmetic()})
+        write_report(Summary(kinds, report, columns, scene), case, folder)
+        write_manifest(folder, PACKAGES, {"kinds": kinds, "system": system()})
     said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
     remarks = [*hints, *mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
@@ -87,7 +86,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         as_they_are = [name for name in differ if name in judged]
         changed = [name for name in differ if name not in judged]
         progress("making anew what is beside the parts", 0.85)
-        anew = hold_against(case, kinds, manifest, report, columns, bool(as_they_are), changed, workers)
+        anew = Rebuild(case, kinds, manifest, report, columns, bool(as_they_are)).outcome(changed, workers)
     findings = [*report.findings, *anew.findings]
     if changed:
         said = f"changed since the build: {', '.join(changed)}"

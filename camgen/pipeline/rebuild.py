@@ -3,30 +3,35 @@
     judged   files that stages of the judge read and judge by what they hold: those of the parts, assemblies, plates, sheets
     anew     all others, but for spec.toml and the manifest: drawings, lists, tables, texts, the machine in motion, reports
 
-Bytes follow from the spec, the versions of camgen and its packages, and the last digits of numpy's functions, which differ from
-processor to processor; of a build by others what is not the same but for such digits is named, not failed.
+Bytes follow from the spec, the versions of camgen and its packages, and the system: the last digits of sines and exponentials
+differ from processor to processor, and packed bytes from one zlib to the next. Of a folder that others built, what is not the
+same but for such digits is named, not failed.
 """
 
 from __future__ import annotations
 
+import platform
 import re
+import zlib
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import repeat, zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+
+import numpy as np
 
 from camgen import __version__
 from camgen.files.folder import MANIFEST, SPEC, versions
 from camgen.files.formats import FORMATS
 from camgen.findings import NotJudged, at_most
 from camgen.geometry.outlines import Floats
-from camgen.numerics import arithmetic
 from camgen.pipeline.jobs import Case, Workers
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
-from camgen.pipeline.summary import seen, write_drawing, write_report, write_texts
+from camgen.pipeline.summary import Summary, seen, write_drawing, write_report, write_texts
 from camgen.report.report import Report
 
 ANY_KIND = (*FORMATS, "report")  # that can be asked for
@@ -39,6 +44,14 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _DIGITS = 1e-9  # mm, or a share: by which numbers that are the same may differ
 _SHOWN = 40  # characters of a place where two texts differ
 _TOLD = 3  # files of which that place is told
+
+
+def system() -> str:
+    """What bytes depend on besides versions of packages: the system, its libraries, and the instructions that numpy takes."""
+    libraries = [*platform.libc_ver(), "zlib", zlib.ZLIB_RUNTIME_VERSION]
+    instructions = np.show_config(mode="dicts")["SIMD Extensions"]
+    taken = [*instructions.get("baseline", ()), *instructions.get("found", ())]
+    return " ".join(filter(None, [platform.system(), platform.machine(), *libraries, *taken]))
 
 
 def kinds_of(case: Case, manifest: Mapping[str, Any]) -> list[str]:
@@ -61,55 +74,65 @@ def judged_files(case: Case, listed: Collection[str]) -> set[str]:
     return own | {SPEC} | {name for name in listed if name.endswith((".3mf", ".step"))}
 
 
-def hold_against(
-    case: Case, kinds: Sequence[str], manifest: Mapping[str, Any], report: Report, columns: Mapping[str, Floats],
-    otherwise: bool, told: Collection[str], workers: Workers,
-) -> Outcome:  # fmt: skip
-    """REBUILD: files that are not as they are made anew, that are not there, or that no such build makes.
+@dataclass(frozen=True)
+class Rebuild:
+    """An earlier build, judged again, with what it is to be held against.
 
-    report, columns: of the files as they are now; otherwise: whether parts' files were changed since the build, so that what it
-    says of them is no longer so; told: names of files whose change is told already.
+    report, columns: of the files as they are now; otherwise: whether a part's file was changed since the build, so that what the
+    build said of the files is no longer so.
     """
-    with TemporaryDirectory() as scratch:
-        anew = Path(scratch)
-        _make(case, kinds, report, columns, workers, anew)
-        names = sorted(path.name for path in anew.iterdir())
-        left = [name for name in names if name not in told and not (otherwise and name in _OF_FILES)]
-        wrong = {name: said for name in left if (said := _difference(case.folder / name, anew / name))}
-    known = {*names, *judged_files(case, manifest["files"]), MANIFEST, *(_OF_FILES if otherwise else ())}
-    wrong |= {name: "is made by no such build" for name in manifest["files"] if name not in known}
-    notes = ["of the parts' files as they were: " + ", ".join(sorted(_OF_FILES & set(names)))] if otherwise else []
-    others = _others(manifest)
-    if wrong and others:
-        why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
-        return Outcome(not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes)
-    said = f"{len(left)} files beside the parts are as they are made anew from spec.toml and the parts' files"
-    if wrong:
-        rows = [f"{name} {why}" for name, why in wrong.items()]
-        more = [", ".join(list(wrong)[_TOLD:])] if len(wrong) > _TOLD else []
-        said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join([*rows[:_TOLD], *more])
-    return Outcome([at_most("REBUILD", len(wrong), 0, "files", SPEC, said)], notes=notes)
 
+    case: Case
+    kinds: Sequence[str]
+    manifest: Mapping[str, Any]
+    report: Report
+    columns: Mapping[str, Floats]
+    otherwise: bool
 
-def _make(
-    case: Case, kinds: Sequence[str], report: Report, columns: Mapping[str, Floats], workers: Workers, folder: Path
-) -> None:  # fmt: skip
-    """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""
-    mechanism, anew = case.mechanism, Case(case.mechanism, folder)
-    drawings = list(case.parts) if "dxf" in kinds else []
-    drawn = workers.map(write_drawing, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings)))
-    scene = seen(case, kinds)
-    if scene is not None:
-        anew.file("assembly", "glb").write_bytes(scene.glb)
-    write_parts_list(anew.file("parts", "csv"), mechanism, lying_sides(mechanism, written(case) if "3mf" in kinds else {}))
-    if "dxf" in kinds and mechanism.output.machining:
-        from camgen.pipeline.machining import make_tables
+    def outcome(self, told: Collection[str], workers: Workers) -> Outcome:
+        """REBUILD: files that are not as they are made anew, that are not there, or that no such build makes.
 
-        make_tables(anew)
-    write_texts(case, folder)
-    write_report(case, kinds, report, columns, scene, folder)
-    for _ in drawn:
-        pass
+        told: names of files whose change is told already.
+        """
+        listed, left_out = self.manifest["files"], _OF_FILES if self.otherwise else set()
+        with TemporaryDirectory() as scratch:
+            anew = Path(scratch)
+            self._make(anew, workers)
+            made = sorted(path.name for path in anew.iterdir())
+            held = [name for name in made if name not in told and name not in left_out]
+            wrong = {name: said for name in held if (said := _difference(self.case.folder / name, anew / name))}
+        known = {*made, *judged_files(self.case, listed), MANIFEST, *left_out}
+        wrong |= {name: "is made by no such build" for name in listed if name not in known}
+        notes = ["of the parts' files as they were: " + ", ".join(sorted(left_out & set(made)))] if self.otherwise else []
+        others = _others(self.manifest)
+        if wrong and others:
+            why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
+            return Outcome(not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes)
+        said = f"{len(held)} files beside the parts are as they are made anew from spec.toml and the parts' files"
+        if wrong:
+            rows = [f"{name} {why}" for name, why in wrong.items()]
+            more = [", ".join(list(wrong)[_TOLD:])] if len(wrong) > _TOLD else []
+            said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join([*rows[:_TOLD], *more])
+        return Outcome([at_most("REBUILD", len(wrong), 0, "files", SPEC, said)], notes=notes)
+
+    def _make(self, folder: Path, workers: Workers) -> None:
+        """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""
+        case, kinds, anew = self.case, self.kinds, Case(self.case.mechanism, folder)
+        drawings = list(case.parts) if "dxf" in kinds else []
+        drawn = workers.map(write_drawing, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings)))
+        scene = seen(case, kinds)
+        if scene is not None:
+            anew.file("assembly", "glb").write_bytes(scene.glb)
+        sides = lying_sides(case.mechanism, written(case) if "3mf" in kinds else {})
+        write_parts_list(anew.file("parts", "csv"), case.mechanism, sides)
+        if "dxf" in kinds and case.mechanism.output.machining:
+            from camgen.pipeline.machining import make_tables
+
+            make_tables(anew)
+        write_texts(case, folder)
+        write_report(Summary(kinds, self.report, self.columns, scene), case, folder)
+        for _ in drawn:
+            pass
 
 
 def _others(manifest: Mapping[str, Any]) -> str:
@@ -118,7 +141,7 @@ def _others(manifest: Mapping[str, Any]) -> str:
     packages = manifest.get("packages")
     there = {"camgen": manifest["camgen"], **(packages if isinstance(packages, dict) else {})}
     other = [f"{name} {there.get(name, 'unknown')}" for name in sorted({*here, *there}) if here.get(name) != there.get(name)]
-    return ", ".join([*other, *(["another processor"] if manifest.get("arithmetic") != arithmetic() else [])])
+    return ", ".join([*other, *(["another system"] if manifest.get("system") != system() else [])])
 
 
 # ---- one file --------------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ All of it follows from spec.toml and the parts' files, so that it can be made ag
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from camgen.files.formats import SOLID
@@ -48,14 +48,24 @@ def write_texts(case: Case, folder: Path) -> None:
         (folder / f"{case.mechanism.name}-{name}").write_text(text, encoding="utf-8")
 
 
-def write_report(
-    case: Case, kinds: Collection[str], report: Report, columns: Mapping[str, Floats], scene: Scene | None, folder: Path
-) -> None:  # fmt: skip
+@dataclass(frozen=True)
+class Summary:
+    """What a report is written of: the kinds of files that were asked for, what was found of them, the columns of motion.csv, and
+    the machine in three dimensions."""
+
+    kinds: Collection[str]
+    report: Report
+    columns: Mapping[str, Floats]
+    scene: Scene | None
+
+
+def write_report(summary: Summary, case: Case, folder: Path) -> None:
     """Write motion.csv, report.html where it is asked for, and report.json."""
-    if columns:
-        write_csv(folder / "motion.csv", columns)
-    if "report" in kinds:
+    if summary.columns:
+        write_csv(folder / "motion.csv", summary.columns)
+    if "report" in summary.kinds:
         from camgen.pipeline.shown import animation
 
-        write_html(folder / "report.html", replace(report, animation=animation(case.mechanism), scene=scene))
-    write_json(folder / "report.json", report)
+        shown = replace(summary.report, animation=animation(case.mechanism), scene=summary.scene)
+        write_html(folder / "report.html", shown)
+    write_json(folder / "report.json", summary.report)

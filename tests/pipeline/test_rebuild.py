@@ -20,7 +20,6 @@ from hypothesis import strategies as st
 from stl_rows import TRIANGLE
 
 from camgen.errors import FileError
-from camgen.numerics import arithmetic
 from camgen.pipeline import build as pipeline
 from camgen.pipeline import rebuild
 from camgen.report.report import Report
@@ -308,7 +307,7 @@ def test_a_plate_that_is_damaged_or_lost_and_the_chain_of_a_linkage_are_told(tmp
 # ---- by others, and by this one's own digits -------------------------------------------------------------------------
 
 
-OTHERS = [{"camgen": "0.0"}, {"packages": {"numpy": "1.0"}}, {"packages": 5}, {"arithmetic": "Linux x86_64 X86_V2"}]
+OTHERS = [{"camgen": "0.0"}, {"packages": {"numpy": "1.0"}}, {"packages": 5}, {"system": "Linux x86_64 X86_V2"}]
 
 
 def test_a_folder_of_another_version_holds_where_every_byte_is_the_same(folder: Path) -> None:
@@ -358,11 +357,11 @@ def test_last_digits_are_another_processor_s(folder: Path) -> None:
         text = path.read_text(encoding="utf-8")
         path.write_text(other := last_digits(text, 3e-10), encoding="utf-8")
         assert other != text
-    mended(folder, arithmetic="another")
+    mended(folder, system="another")
     assert failing(folder) == set()
     path = folder / "motion.csv"
     path.write_text(last_digits(path.read_text(encoding="utf-8"), 1e-6), encoding="utf-8")
-    mended(folder, arithmetic=arithmetic())
+    mended(folder, system=rebuild.system())
     assert failing(folder) == {"REBUILD"}
 
 
