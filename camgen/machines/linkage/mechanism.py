@@ -29,8 +29,8 @@ from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, Stand
 from camgen.machine.joining import Module, joined
 from camgen.machine.reach import folds, refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import stroke
 from camgen.machines import included as inc
+from camgen.machines.free_play import accepted
 from camgen.machines.linkage import bridges, figures, sheets, spring_sketches, spring_steps, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
@@ -59,7 +59,6 @@ from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Output, unknown
 from camgen.study import Sketch, Study, Table, together
 
-_LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
 _LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
@@ -386,9 +385,8 @@ class Linkage(Mechanism):
     def _asked(self) -> tuple[Asked, ...]:
         found = []
         for wanted, course in zip(self.wanted, figures.courses(self), strict=True):
-            given = self.allowed.lash if course.unit == "mm" else self.allowed.lash_deg
-            lash = _LASH * stroke(course) if given is None else given
-            found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
+            lash, of = accepted(course, self.allowed.lash, self.allowed.lash_deg)
+            found.append(Asked(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
         return tuple(found)
 
     def bought(self) -> Sequence[Bought]:
@@ -447,4 +445,3 @@ class Linkage(Mechanism):
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
         return together([figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)])
-
