@@ -46,7 +46,7 @@ class PathWish(Record):
 
     def borne(self, size: float) -> float:
         """How far path and points may be apart, mm; size: the longest chord of the path, mm."""
-        return self.tolerance or size / _OF_USE
+        return self.tolerance or float(f"{size / _OF_USE:.4g}")
 
     @property
     def further(self) -> str:

@@ -119,7 +119,8 @@ def test_sides_of_a_path_do_not_change_with_its_turn() -> None:
     for turn in (0.0, 0.3, math.pi / 4, math.pi / 2):
         length, width = targets.rectangle(ellipse().value * np.exp(1j * turn))
         assert (length, width) == (pytest.approx(40, rel=1e-4), pytest.approx(10, rel=1e-4))
-        line = np.random.default_rng(1).permutation(np.linspace(0, 40, 99)) * np.exp(1j * turn) + 3
+        rounding = np.random.default_rng(1).normal(size=99) * 1e-14
+        line = (np.linspace(0, 40, 99) + 1j * rounding) * np.exp(1j * turn)
         assert targets.rectangle(line) == (pytest.approx(40, rel=1e-9), pytest.approx(0, abs=1e-6))
 
 
