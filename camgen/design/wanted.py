@@ -14,7 +14,7 @@ from pydantic import Field
 from camgen.errors import Fault, FileError, SpecError
 from camgen.motion.tables import read_table
 from camgen.numerics import Points
-from camgen.reading import Data
+from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
 
 _MOST_POINTS = 20_000
@@ -55,7 +55,7 @@ class PathWish(Record):
 
     def line(self, folder: Path) -> Points:
         """Its corners in their order, or its places where no lines join them; SpecError or FileError where they are no path."""
-        given = _table(folder / self.path) if isinstance(self.path, str) else self.path
+        given = _table(_named(self.path, folder)) if isinstance(self.path, str) else self.path
         z = np.array([complex(*place) for place in given], complex)
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
         box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
@@ -205,6 +205,12 @@ def wish(data: Mapping[str, Any], source: str) -> PathWish | FunctionWish | KeyW
 def without(data: Data) -> Data:
     """The tables less [wanted]."""
     return {key: value for key, value in data.items() if key != "wanted"}
+
+
+def _named(path: str, folder: Path) -> Path:
+    """The file that a wish names, seen from the folder of its spec."""
+    (named,) = references({"wanted": {"path": path}})
+    return named.file(folder)
 
 
 def _table(path: Path) -> Sequence[tuple[float, float]]:

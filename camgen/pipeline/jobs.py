@@ -72,6 +72,22 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     return data, source, folder
 
 
+def files_of(spec: Path) -> list[Path]:
+    """A spec's file and those that it names, of included specs too, whether they are there or not; of what is no spec itself."""
+    found, waiting = list[Path](), [spec]
+    while waiting:
+        file = waiting.pop()
+        if file in found:
+            continue
+        found.append(file)
+        with suppress(CamgenError):
+            for each in reading.references(reading.read(file)):
+                with suppress(SpecError):
+                    other = each.file(file.parent)
+                    (waiting if each.kind == "spec" else found).append(other)
+    return found
+
+
 def changed(
     data: reading.Data,
     source: str,
@@ -82,8 +98,10 @@ def changed(
     """The mechanism of some tables with some keys set anew; like: see `validate`."""
     for setting in overrides:
         data = override(data, setting)
-    data = with_tables(data, folder)
-    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, like=like)
+    left = [each for each in reading.references(data) if each.kind != "spec" and each.outside]
+    hints = tuple(f"{each.path} was read from {each.name}, outside the spec's folder" for each in left)
+    data = with_tables(data, folder, source)
+    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, hints, like)
     if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later
         with suppress(DesignError):
             made.model  # noqa: B018
