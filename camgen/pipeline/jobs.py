@@ -73,18 +73,21 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
 
 
 def files_of(spec: Path) -> list[Path]:
-    """A spec's file and those that it names, of included specs too, whether they are there or not; of what is no spec itself."""
-    found, waiting = list[Path](), [spec]
-    while waiting:
-        file = waiting.pop()
-        if file in found:
-            continue
-        found.append(file)
-        with suppress(CamgenError):
-            for each in reading.references(reading.read(file)):
-                with suppress(SpecError):
-                    other = each.file(file.parent)
-                    (waiting if each.kind == "spec" else found).append(other)
+    """A spec's file, those that it names, and those that included specs name, whether they are there or not; of what is no spec
+    itself alone."""
+    named = _named_in(spec)
+    included = [file for kind, file in named if kind == "spec"]  # which include none
+    theirs = [file for other in included for kind, file in _named_in(other) if kind != "spec"]
+    return [spec, *(file for _, file in named), *theirs]
+
+
+def _named_in(spec: Path) -> list[tuple[str, Path]]:
+    """What each file that a spec names holds, and where it is; nothing of what is no spec."""
+    found = list[tuple[str, Path]]()
+    with suppress(CamgenError):
+        for each in reading.references(reading.read(spec)):
+            with suppress(SpecError):
+                found.append((each.kind, each.file(spec.parent)))
     return found
 
 
