@@ -106,7 +106,8 @@ def references(data: Data, path: str = "") -> Iterator[Reference]:
 def _laws(value: Any, path: str) -> Iterator[tuple[str, Data]]:
     """Tables of laws that name a file in place of points, wherever a law may stand: as its name says, it is a table."""
     if isinstance(value, dict):
-        if value.get("name") == "table" and isinstance(value.get("file"), str) and "points" not in value:
+        name, file = value.get("name"), value.get("file")
+        if isinstance(name, str) and isinstance(file, str) and name == "table" and "points" not in value:
             yield path, value
         for key, inner in value.items():
             if isinstance(inner, dict | list):
