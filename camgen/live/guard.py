@@ -9,6 +9,7 @@ What asks for too much, or says for too long nothing at all, is left.
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -103,7 +104,7 @@ class _Answering:
 class Few(H11Protocol):
     """A connection of few, which says within some seconds what it wants."""
 
-    def connection_made(self, transport) -> None:  # type: ignore[no-untyped-def]
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Take it, unless there are too many."""
         super().connection_made(transport)
         if len(self.connections) > _CONNECTIONS:

@@ -94,7 +94,7 @@ def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> Non
 
 
 def _serve(app: App, port: int, way: Path | None, say: Say, beside: threading.Thread | None = None) -> None:
-    """way: where the page is put that leads a browser to the address; None where none is opened."""
+    """Serve an app until Ctrl-C. way: where the page is put that leads a browser to it; None where none is opened."""
     import uvicorn
 
     from camgen.live.guard import Few, word
