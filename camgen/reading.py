@@ -92,7 +92,7 @@ def references(data: Data, path: str = "") -> Iterator[Reference]:
         if isinstance(inner, str):
             yield Reference(f"{path}include.{k}.spec", "spec", each, "spec")
         elif isinstance(inner, dict):
-            yield from references(inner, f"{path}include.{k}.spec.")
+            yield from (one for one in references(inner, f"{path}include.{k}.spec.") if one.kind != "spec")  # it includes none
     for k, each in enumerate(_listed(data.get("load"), "on")):
         if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each:
             yield Reference(f"{path}load.on.{k}.file", "load", each, "file")
