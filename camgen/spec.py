@@ -93,7 +93,7 @@ class Print(Record):
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
-    form_orders: Orders = (2, 4)
+    form_orders: Orders | None = None
 
 
 class Material(Record):

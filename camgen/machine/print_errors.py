@@ -24,6 +24,7 @@ from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
 from camgen.tolerances import SAME_POINT
 
+ORDERS = 2, 4  # waves a turn of an outline's form, unless a spec says others
 _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
 
 
@@ -48,7 +49,7 @@ class Sizes:
     form: float  # of an outline's waves, all together
     place: float  # of a centre along an axis
     hole: float  # of the diameter of a hole
-    orders: tuple[int, int] = (2, 4)  # waves a turn of an outline's form, least and greatest; one would be a bore off its centre
+    orders: tuple[int, int] = ORDERS  # waves a turn of an outline's form, least and greatest; one would be a bore off its centre
 
     @property
     def waves(self) -> range:

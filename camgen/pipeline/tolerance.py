@@ -22,7 +22,7 @@ from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
 from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Place, Slide, Slot, placed, places_of, unit_of
-from camgen.machine.print_errors import Mode, Sensitivity, Sizes, hole_at, sensitivities, waviness
+from camgen.machine.print_errors import ORDERS, Mode, Sensitivity, Sizes, hole_at, sensitivities, waviness
 from camgen.machine.run import Run, solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -45,7 +45,7 @@ def sizes_of(mechanism: Mechanism) -> Sizes:
     size = materials.of(mechanism.material.name).spread / 3 if given.size_error is None else given.size_error
     place = size / math.sqrt(2) if given.place_error is None else given.place_error
     form = size / 4 if given.form_error is None else given.form_error
-    return Sizes(size / 2, form, place, size, given.form_orders)
+    return Sizes(size / 2, form, place, size, given.form_orders or ORDERS)
 
 
 @dataclass(frozen=True)
