@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from camgen import reading, spec
@@ -71,6 +71,19 @@ def test_depth_is_the_shortest_way_out_and_overlaps_are_placed() -> None:
     assert (first, last, again, end) == pytest.approx((touch, math.pi - touch, math.pi + touch, math.tau - touch), abs=2e-3)
 
 
+@pytest.mark.parametrize("height", [0.0, 0.5])
+def test_the_deepest_place_is_told_by_its_angle(height: float) -> None:
+    """Squares of 2 mm that lie on each other once, as 3 + 4 cos is 0; the way is a straight line, or one that bends."""
+
+    def way(theta: np.ndarray) -> np.ndarray:
+        x = 3 + 4 * np.cos(theta)
+        return x + 1j * height * x**2 * np.sin(theta)
+
+    found = least_distance(meeting([SQUARE], [SQUARE]), way)
+    assert found.distance == pytest.approx(-2, abs=1e-6)
+    assert math.cos(found.theta) == pytest.approx(-0.75, abs=1e-6)
+
+
 def test_pieces_fill_what_is_not_convex() -> None:
     assert len(convex_pieces(SQUARE)) == 1 and len(convex_pieces(SQUARE[::-1])) == 1
     parts = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in convex_pieces(DART)]
@@ -93,6 +106,7 @@ def hull(points: list[complex]) -> np.ndarray | None:
 
 
 @settings(max_examples=40)
+@example([0j, -2 + 1.125j, 2 - 1j], [0j, -2 + 1.125j, 2 - 1j], 4.0, 0.0, 0.0)  # along a straight line, not evenly
 @given(CORNERS, CORNERS, st.floats(0.5, 8), st.floats(0, 8), st.floats(0, 6.2))
 def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase):  # type: ignore[no-untyped-def]
     first, second = hull(a), hull(b)
