@@ -7,6 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
+from shapes import polygon, rounded
 
 from camgen.geometry.rings import Ring
 from camgen.judge.contact import RollingContact, Touch, contact, rolling_contact
@@ -15,11 +16,6 @@ from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.machine.closed_form import slider_travel
 
 EXACT = 1e-9  # mm, what the contact claims
-
-
-def polygon(points: np.ndarray) -> Ring:
-    """Straight ring through the points."""
-    return Ring(np.asarray(points, complex), np.zeros(len(points)))
 
 
 def disc(centre: complex, radius: float) -> Ring:
@@ -368,16 +364,6 @@ def test_a_swinging_face_on_noisy_polygons(seed: int, noise: float, ahead: float
     at = ground[np.arange(40), np.argmax(leaves * met, axis=1)]
     assert np.max(np.abs(np.imag(np.conj(normal) * (at - pivot)) - touch.place)) < 1e-9
     assert np.max(np.abs(np.angle(normal / (1j * leaves * (at - pivot))) - touch.pressure_angle)) < 1e-9
-
-
-def rounded(corners: np.ndarray, radius: float) -> Ring:
-    """What a disc covers whose centre goes round a convex polygon: edges, and an arc about each corner."""
-    outward = -1j * (np.roll(corners, -1) - corners)
-    outward = radius * outward / np.abs(outward)
-    before = np.roll(outward, 1)
-    turn = np.angle(outward / before)
-    points = np.column_stack([corners + before, corners + outward]).ravel()
-    return Ring(points, np.column_stack([np.tan(turn / 4), np.zeros(len(turn))]).ravel())
 
 
 def hull(points: np.ndarray) -> np.ndarray:
