@@ -216,8 +216,8 @@ class _Builder:
     def _steady(self, feature: Steady, joint: Pin) -> None:
         """How far the far end is off the joint's axis is a misfit of the joint, and so are sizes there."""
         eyes, ground = self.found.eyes, joint.a if joint.a.body == GROUND else joint.b
-        on = [self._mount(eye.part or "", ground, eye.at).place(eyes[eye].centre) for eye in (feature.near, feature.far)]
-        off = abs((on[1] - feature.far.at) - (on[0] - feature.near.at))
+        shifts = [self._placed(eye, ground).at - ground.at for eye in (feature.near, feature.far)]
+        off = abs(shifts[1] - shifts[0])
         if feature.webs is not None:
             body = joint.b if ground is joint.a else joint.a
             low, high = (self.made[self._mount(eye.part or "", body, eye.at)].place(eyes[eye].centre) for eye in feature.webs)
