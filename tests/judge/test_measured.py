@@ -333,7 +333,8 @@ def test_a_face_is_where_its_middle_was_meant(facing: float, lean: float, off: f
     found = read([outline], files, drawing=False).flats[flat]
     assert found.facing == pytest.approx(facing + lean, abs=1e-9)
     assert found.at == pytest.approx(at + np.exp(1j * facing) * off / math.cos(lean), abs=1e-9)
-    assert read([outline], files | {"stem": files["cam"]}, drawing=False).lost == ["lift: the face is lost"]
+    elsewhere = [[Shape(polygon(np.array([500, 501, 500 + 1j])), ())]]
+    assert read([outline], files | {"stem": elsewhere}, drawing=False).lost == ["lift: the face is lost"]
     bought = Flat(None, at, facing, 12.0)
     assert read([CamOutline("lift", "cam", "O", None, bought)], files, drawing=False).flats[bought] is bought
 
