@@ -90,6 +90,19 @@ def test_the_arc_round_a_corner_becomes_the_corner_again(facets: int, start: int
     assert max(np.max(np.min(near, axis=0)), np.max(np.min(near, axis=1))) < limit
 
 
+def test_where_a_ring_begins_says_nothing() -> None:
+    """Corners rounded by more or less than what is taken off, of facets and of arcs: the same points, from any start."""
+    corners = on_a_circle([1.1, 1.4, 1.6])
+    facetted, chipped = rounded(corners, 0.4).facetted(0.002), np.append(SQUARE, [0.2j, 0.05 + 0.05j])
+    for ring in (rounded(corners, 0.3), polygon(facetted), polygon(chipped)):
+        wanted = grown(ring, -0.45)
+        for start in range(1, len(ring.points)):
+            made = grown(Ring(np.roll(ring.points, start), np.roll(ring.bulges, start)), -0.45)
+            assert len(made.points) == len(wanted.points)
+            shift = int(np.argmin(np.abs(made.points - wanted.points[0])))
+            np.testing.assert_allclose(np.roll(made.points, -shift), wanted.points, atol=1e-12)
+
+
 def test_what_print_closes_is_refused() -> None:
     """A strip 1 mm wide from either side of which 0.6 mm are lost; a disc smaller than what it loses."""
     strip = polygon(np.array([0, 9, 9 + 1j, 1j]))

@@ -139,7 +139,7 @@ def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
 
 # ---- what may touch ----------------------------------------------------------------------------------------------------
 
-GAP, SPARE = 0.2, 0.02  # mm: of the machine, and what facets may show of an overlap
+GAP, SPARE = 0.1875, 0.03125  # mm: of the machine, and what facets may show of an overlap; sums of them are exact
 ARM, PLATE, PIN = Eye("arm", 5j, 4.1), Eye("plate", 0j, 4.3), Eye("pin", 0j, 4.0, shaft=True)
 TIP = Eye("arm", 30 + 0j, 6.0, shaft=True)
 CAM = CamOutline("lift", "cam", "shaft", "pivot", TIP)
@@ -159,7 +159,7 @@ def arms(other: str, overlap: float) -> dict[str, float]:
     return {" ".join(sorted((copy, other))): overlap for copy in ("arm-1", "arm-2")}
 
 
-@pytest.mark.parametrize("air, overlap", [(0.0, 0.0), (0.1, 0.0), (0.2, 0.0), (0.209, 0.0), (-0.03, 0.06)])
+@pytest.mark.parametrize("air, overlap", [(0.0, 0.0), (0.125, 0.0), (GAP, 0.0), (GAP + SPARE / 2, 0.0), (-0.03125, 0.0625)])
 def test_fits_with_no_more_air_than_the_gap_may_touch(air: float, overlap: float) -> None:
     """air: mm, on either side of what is in the other; overlap: of the diameters where it is pressed in."""
     hole = replace(PIN, part="plate", diameter=4 + 2 * air, shaft=False)
@@ -174,9 +174,9 @@ def test_fits_with_no_more_air_than_the_gap_may_touch(air: float, overlap: float
 
 
 def test_fits_with_more_air_must_keep_their_distance() -> None:
-    hole = replace(PIN, part="plate", diameter=4 + 2 * 0.22, shaft=False)
-    rails = SlideFaces("guide", Faces("plate", 0j, 0.0, 8 + 2 * 0.22), Faces("arm", 0j, 0.0, 8))
-    for wide in (PinEyes("P", hole, PIN), Steady("P", PLATE, hole, PIN), rails, Apart("x", "arm", "plate", gap=0.22)):
+    hole = replace(PIN, part="plate", diameter=4 + 2 * 0.21, shaft=False)
+    rails = SlideFaces("guide", Faces("plate", 0j, 0.0, 8 + 2 * 0.21), Faces("arm", 0j, 0.0, 8))
+    for wide in (PinEyes("P", hole, PIN), Steady("P", PLATE, hole, PIN), rails, Apart("x", "arm", "plate", gap=0.21)):
         assert touching(wide) == {}
     assert touching(PinEyes("P", ARM, replace(hole, part="cam"))) == {}  # holes do not hold each other
     assert touching(PinEyes("P", hole, replace(PIN, part=None))) == {}  # what no part has, nobody sees

@@ -19,7 +19,8 @@ from hypothesis import strategies as st
 from camgen import reading, spec
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
-from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, meeting, signed_distances
+from camgen.judge.clearance import _way, convex_pieces, judge_clearance, least_distance, meeting, signed_distances
+from camgen.machine.features import Apart, PartPose
 from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
 from camgen.parts.solids import solid
 
@@ -82,6 +83,28 @@ def test_the_deepest_place_is_told_by_its_angle(height: float) -> None:
     found = least_distance(meeting([SQUARE], [SQUARE]), way)
     assert found.distance == pytest.approx(-2, abs=1e-6)
     assert math.cos(found.theta) == pytest.approx(-0.75, abs=1e-6)
+
+
+@pytest.mark.parametrize("turned, angle", [("a", 0.0), ("b", 0.0), ("a", 1e-3), ("b", 1e-3)])
+@pytest.mark.parametrize("flipped", [False, True])
+def test_only_bodies_that_shift_are_compared(turned: str, angle: float, flipped: bool) -> None:
+    """One that turns on a part of its way alone, or that lies turned over, is refused; else b's way is what a sees of it."""
+
+    def poses(theta: np.ndarray) -> dict[str, list[PartPose]]:
+        still = np.zeros(theta.shape)
+        ways = {"a": 3 * np.exp(1j * theta), "b": 5 + 1j * theta}
+        return {
+            name: [PartPose(way, angle * (theta > 3) if name == turned else still, flipped and name == turned)]
+            for name, way in ways.items()
+        }
+
+    theta = np.linspace(0, math.tau, 9)
+    way = _way(Apart("x", "a", "b"), poses)
+    if angle or flipped:
+        with pytest.raises(ValueError, match="x: only bodies that shift are compared"):
+            way(theta)
+    else:
+        np.testing.assert_allclose(way(theta), 5 + 1j * theta - 3 * np.exp(1j * theta))
 
 
 def test_pieces_fill_what_is_not_convex() -> None:

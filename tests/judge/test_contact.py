@@ -303,11 +303,12 @@ def test_in_line_tip_on_an_off_centre_disc_is_a_slider_crank(
 
 def marched(z: np.ndarray, start: complex, ahead: complex, rho: float, theta: np.ndarray) -> np.ndarray:
     """Way of a tip along `ahead` from `start` at first touch, by steps that can never pass through, from 80 mm off."""
-    x = np.full(len(theta), 80.0)
+    x, todo = np.full(len(theta), 80.0), np.arange(len(theta))
     for _ in range(6000):
-        gap = distance(z, (start + ahead * x) * np.exp(-1j * theta)) - rho
-        x -= np.maximum(gap, 0)
-        if np.max(gap) < 1e-12:
+        gap = distance(z, (start + ahead * x[todo]) * np.exp(-1j * theta[todo])) - rho
+        x[todo] -= np.maximum(gap, 0)
+        todo = todo[(gap > 1e-12) & (x[todo] > -80)]  # some never meet it
+        if not len(todo):
             break
     return x
 
@@ -369,6 +370,35 @@ def test_a_swinging_face_on_noisy_polygons(seed: int, noise: float, ahead: float
 def hull(points: np.ndarray) -> np.ndarray:
     """The convex hull of points, counter-clockwise, that are not all on one line."""
     return points[ConvexHull(np.column_stack([points.real, points.imag])).vertices]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    count=st.integers(3, 5),
+    radius=st.sampled_from([1.0, 6.0, 12.0]),
+    rho=st.sampled_from([0.0, 4.0]),
+    far=st.floats(45, 70),
+    leaves=st.sampled_from([1, -1]),
+)
+def test_noses_that_a_tip_grazes(seed: int, count: int, radius: float, rho: float, far: float, leaves: int) -> None:
+    """Discs round slim polygons, met by tips on an arm and on a slide until they pass by: as if the tip were larger by them."""
+    rng = np.random.default_rng(seed)
+    corners = hull(rng.uniform(4, 22, count) * np.exp(1j * (np.arange(count) + rng.uniform(0, 0.9, count)) * 2 * np.pi / count))
+    ring = rounded(corners, radius)
+    if distance(corners, np.zeros(1, complex))[0] > 0:
+        ring, corners = ring.moved(shift=-ring.centroid), corners - ring.centroid
+    theta = rng.uniform(-9, 9, 60)
+    pivot = far * np.exp(1j * rng.uniform(-3, 3))
+    arm = pivot * np.exp(1j * (np.pi + leaves * rng.uniform(0.3, 1.2))) * rng.uniform(0.7, 1.05)
+    agree(rolling_contact(ring, complex(pivot), complex(arm), rho, leaves), corners, radius + rho, theta)
+    along = np.exp(1j * rng.uniform(-3, 3))
+    start, ahead = along * complex(2, rng.uniform(-12, 12)), leaves * along
+    touch = contact(ring, SlideTip(complex(start), complex(along), rho, leaves)).touch(theta)
+    x = marched(corners, start, ahead, radius + rho, theta)
+    before = np.real((start + ahead * x) * np.conj(ahead)) > 0
+    off = np.abs(leaves * x - touch.angle)[before] * np.cos(touch.pressure_angle[before])
+    assert np.max(off, initial=0) < EXACT
 
 
 @settings(max_examples=40, deadline=None)
@@ -497,6 +527,18 @@ def test_the_wall_of_a_groove_from_within(rho: float, seed: int, leaves: int) ->
     rest = float(np.angle(-pivot / arm))
     x = outwards(lambda x: pivot + arm * np.exp(1j * (rest + leaves * x)), abs(arm))
     assert np.max(np.abs(rest + leaves * x - touch.angle) * np.cos(touch.pressure_angle)) * abs(arm) < 1e-8
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.1])
+def test_small_outlines_run_their_own_way_too(size: float) -> None:
+    """Discs and holes far smaller than 1 mm^2: met at their radius, refused where they are run the other way."""
+    ring = disc(0, 3 * size)
+    within = SlideTip(0j, 1j, size, 1, True)
+    assert contact(ring, SlideTip(0j, 1j, size, 1)).angle(0.3) == pytest.approx(4 * size)
+    assert contact(ring.reversed(), within).angle(0.3) == pytest.approx(2 * size)
+    for wrong, form in ((ring.reversed(), SlideFace(0j, 1j, 1)), (ring, within)):
+        with pytest.raises(ValueError, match="the outline does not run"):
+            contact(wrong, form)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from camgen.judge.joints import assembled
 from camgen.judge.measured import Measured, MeasuredFaces, Readings
-from camgen.machine import GROUND, Body, Drive, Gear, Machine, Pin, Place, Pose, Slide, Slot
+from camgen.machine import GROUND, Angle, Body, Drive, Gear, Machine, Output, Path, Pin, Place, Pose, Slide, Slot
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import (
@@ -20,6 +21,7 @@ from camgen.machine.features import (
     Faces,
     Feature,
     GearTeeth,
+    Mark,
     Mount,
     PinEyes,
     Ring,
@@ -207,6 +209,29 @@ def test_what_is_off_at_the_far_end_of_a_shaft_is_a_misfit(
     assert fit.misfit == pytest.approx(max(0.02, abs(off) + apart, *map(abs, sizes), spread))
     assert misfit == pytest.approx(fit.misfit) or webs
     assert fit.shifts[0] == pytest.approx(abs(together)) or fit.shifts[1] == pytest.approx(abs(together))
+
+
+@settings(max_examples=20)
+@given(standing=st.tuples(STANDING, STANDING), shifts=st.tuples(SHIFT, SHIFT), guide=POINT)
+def test_places_of_outputs_go_with_what_they_are_of(
+    standing: tuple[tuple[complex, float, bool], ...], shifts: tuple[complex, complex], guide: complex
+) -> None:
+    """A joint's place with the joint, a thread guide with its hole, in whichever copy it is; any other place stays."""
+    mounts = [Mount(name, body.name, *how) for name, body, how in zip("ab", BODIES, standing, strict=True)]
+    eyes = [Eye(m.part, drawn(m, at), 4.0) for m, at in zip(mounts, PLACES, strict=True)]
+    mark = Eye("b", drawn(mounts[1], guide), 2.0)
+    found = Readings({eye: Measured(eye.at + shifts[0], 4.0) for eye in eyes} | {mark: Measured(mark.at + shifts[1], 2.0)})
+    pin = Pin("P", Place("crank", PLACES[0]), Place("rod", PLACES[1]))
+    places = Place("rod", PLACES[1]), Place("rod", guide), Place("rod", guide + 1), Place("crank", guide)
+    outputs = tuple(Output(str(k), Path(place)) for k, place in enumerate(places))
+    features: list[Feature] = [PinEyes("P", *eyes), Mark(mark)]
+    made = assembled(replace(machine(pin), outputs=outputs), features, [*mounts, Mount("b", "crank", 99j)], found).machine
+    spin = cmath.exp(1j * mounts[1].turned)
+    ways = [spin * (-shift.conjugate() if mounts[1].flipped else shift) for shift in shifts]
+    wanted = PLACES[1] + ways[0], guide + ways[1], guide + 1, guide
+    assert [output.of.of.at for output in made.outputs] == [pytest.approx(at, abs=1e-9) for at in wanted]  # type: ignore[union-attr]
+    turning = replace(machine(pin), outputs=(Output("turn", Angle("rod"), "rad"),))
+    assert assembled(turning, features, mounts, found).machine.outputs == turning.outputs
 
 
 # ---- faces ---------------------------------------------------------------------------------------------------------------

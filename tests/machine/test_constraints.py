@@ -34,7 +34,7 @@ from camgen.machine import (
 )
 from camgen.machine import constraints as module
 from camgen.machine.closing import close
-from camgen.machine.constraints import Constraints
+from camgen.machine.constraints import Constraints, _stretch
 from camgen.machine.model import Clutch, placed
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
@@ -117,6 +117,13 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
             if not isinstance(joint, Pin) or output != "foot":
                 # A pin's two displacements turn with its body: the share is the length of both together.
                 np.testing.assert_allclose(np.sqrt(moved), shares[joint.name], rtol=1e-4, atol=1e-5, err_msg=joint.name)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1), (2, 2)])
+def test_a_stretch_is_the_largest_singular_value(shape: tuple[int, int]) -> None:
+    matrices = np.random.default_rng(8).normal(size=(50, *shape))
+    matrices[0], matrices[1], matrices[2] = 0.0, 1.0, np.eye(*shape)
+    np.testing.assert_allclose(_stretch(matrices), np.linalg.svd(matrices, compute_uv=False)[:, 0], rtol=1e-12, atol=1e-15)
 
 
 def displaced(joint: object, h: complex) -> object:
