@@ -11,8 +11,10 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections import defaultdict
-from collections.abc import Callable, Generator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,50 +25,50 @@ OUT = os.environ.get("LINE_TESTS", "")
 
 
 class LineTests:
-    """Contexts of coverage: a test by its id, or what tests share by its name; users: of each shared thing, by contexts."""
+    """Contexts of coverage: a test by its id, or what tests share by its name; users: of each shared thing, by contexts;
+    seconds: of each context, less those of the contexts in it."""
 
     def __init__(self, of: list[str]) -> None:
         import coverage
 
-        files = [str(path) for name in of for path in ([Path(name)] if name.endswith(".py") else Path(name).rglob("*.py"))]
-        self.files = sorted(files)
-        self.coverage = coverage.Coverage(data_file=None, config_file=False, include=[str(Path(f).resolve()) for f in files])
+        named = (path for name in of for path in ([Path(name)] if name.endswith(".py") else Path(name).rglob("*.py")))
+        self.files = sorted(map(str, named))
+        included = [str(Path(file).resolve()) for file in self.files]
+        self.coverage = coverage.Coverage(data_file=None, config_file=False, include=included)
         self.coverage.set_option("run:disable_warnings", ["no-data-collected"])  # tests that run none of these files
         self.users: dict[str, set[str]] = defaultdict(set)
-        self.seconds: dict[str, float] = {}
+        self.seconds: dict[str, float] = defaultdict(float)
+        self._tests: set[str] = set()
         self._contexts = ["import"]
         self.coverage.start()
 
-    def within(self, context: str, work: Callable[[], Any]) -> Any:
-        """The work, whose lines count for the context."""
+    @contextmanager
+    def within(self, context: str) -> Iterator[None]:
+        """What is run here counts for the context, and the time that it takes."""
         self.users[context].add(self._contexts[-1])
         self._contexts.append(context)
         self.coverage.switch_context(context)
+        start = time.perf_counter()
         try:
-            return work()
+            yield
         finally:
+            took = time.perf_counter() - start
             self._contexts.pop()
+            self.seconds[context] += took
+            self.seconds[self._contexts[-1]] -= took
             self.coverage.switch_context(self._contexts[-1])
 
     def tests(self, context: str) -> set[str]:
         """The tests that a context counts for."""
-        if context in self.seconds:
-            return {context}
-        return set().union(*(self.tests(user) for user in self.users[context] if user != "import"))
+        if context in self._tests or context == "import":
+            return {context} & self._tests
+        return set().union(*map(self.tests, self.users[context]))
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
-        self._contexts.append(item.nodeid)
-        self.seconds[item.nodeid] = 0.0
-        self.coverage.switch_context(item.nodeid)
-        try:
+        self._tests.add(item.nodeid)
+        with self.within(item.nodeid):
             return (yield)
-        finally:
-            self._contexts.pop()
-            self.coverage.switch_context(self._contexts[-1])
-
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        self.seconds[report.nodeid] += report.duration
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         for item in session.items:
@@ -77,19 +79,14 @@ class LineTests:
     def pytest_fixture_setup(self, fixturedef: Any) -> Generator[None, Any, Any]:
         if fixturedef.scope == "function":
             return (yield)
-        name = _shared(fixturedef)
-        self._contexts.append(name)
-        self.coverage.switch_context(name)
-        try:
+        with self.within(_shared(fixturedef)):
             value = yield
-        finally:
-            self._contexts.pop()
-            self.coverage.switch_context(self._contexts[-1])
         if fixturedef.argname == "once":
             made = value
 
             def value(name: str, make: Any) -> Path:
-                return Path(self.within(f"once {name}", lambda: made(name, make)))
+                with self.within(f"once {name}"):
+                    return Path(made(name, make))
 
             fixturedef.cached_result = (value, *fixturedef.cached_result[1:])
         return value
@@ -100,10 +97,15 @@ class LineTests:
         lines: dict[str, dict[int, list[str]]] = {}
         for file in self.files:
             contexts = data.contexts_by_lineno(str(Path(file).resolve()))
-            found = {line: set().union(*map(self.tests, names)) for line, names in contexts.items()}
-            lines[file] = {line: sorted(tests) for line, tests in sorted(found.items()) if tests}
+            tests = {line: set().union(*map(self.tests, names)) for line, names in contexts.items()}
+            lines[file] = {line: sorted(names) for line, names in sorted(tests.items()) if names}
+        needs = defaultdict(list)
+        for context in self.seconds.keys() - self._tests - {"import"}:
+            for test in self.tests(context):
+                needs[test].append(context)
         sources = {file: Path(file).read_text(encoding="utf-8") for file in self.files}
-        Path(OUT).write_text(json.dumps({"seconds": self.seconds, "lines": lines, "sources": sources}), encoding="utf-8")
+        found = {"seconds": self.seconds, "needs": needs, "lines": lines, "sources": sources}
+        Path(OUT).write_text(json.dumps(found), encoding="utf-8")
 
 
 def _shared(definition: Any) -> str:

@@ -44,7 +44,7 @@ from cosmic_ray.operators.operator import Example, Operator
 TOP = Path(__file__).resolve().parents[2]
 KEPT = TOP / "build" / "mutants"
 CODE = ("camgen/judge", "camgen/machine/closing.py", "camgen/machine/constraints.py")
-TESTS = ("tests/judge", "tests/machine", "tests/pipeline", "tests/files")
+TESTS = ("tests/judge", "tests/machine", "tests/pipeline", "tests/files", "tests/parts/test_fits.py")
 SWAPS = {
     ("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil"), ("real", "imag"),
     ("sin", "cos"),
@@ -201,10 +201,11 @@ def pytest_run(tree: Path, arguments: Sequence[str], limit: float | None, **vari
 
 @dataclass(frozen=True)
 class Map:
-    """seconds: of each test; lines: by file and line the tests that run it; bodies: by file the first and the last line of
-    what each function does."""
+    """seconds: of each test, and of what tests share; needs: of each test, what it shares with others; lines: by file and line
+    the tests that run it; bodies: by file the first and the last line of what each function does."""
 
     seconds: dict[str, float]
+    needs: dict[str, list[str]]
     lines: dict[str, dict[int, list[str]]]
     bodies: dict[str, list[tuple[int, int]]]
 
@@ -212,10 +213,12 @@ class Map:
     def read(cls) -> Map:
         """All maps that were made, as one."""
         seconds: dict[str, float] = {}
+        needs: dict[str, list[str]] = {}
         lines: dict[str, dict[int, list[str]]] = defaultdict(lambda: defaultdict(list))
         for path in sorted((KEPT / "map").glob("*.json")):
             data = json.loads(path.read_text(encoding="utf-8"))
             seconds |= data["seconds"]
+            needs |= data["needs"]
             for file, found in data["lines"].items():
                 now = _lines_now(data["sources"][file], (TOP / file).read_text(encoding="utf-8"))
                 for line, tests in found.items():
@@ -225,7 +228,7 @@ class Map:
             file: [(node.body[0].lineno, node.end_lineno or 0) for node in each if isinstance(node, ast.FunctionDef)]
             for file, each in nodes.items()
         }
-        return cls(seconds, lines, bodies)
+        return cls(seconds, needs, lines, bodies)
 
     def tests(self, mutant: Mutant, most: float) -> list[str]:
         """Those that run its line, the quickest first, of `most` seconds together; of a line that is run on import all that
@@ -237,13 +240,17 @@ class Map:
             own = set(next(filter(None, near), ()))
         else:
             own = {test for tests in lines.values() for test in tests}
-        chosen, total = [], 0.0
-        for test in sorted(own, key=lambda test: (self.seconds[test], test)):
-            total += self.seconds[test]
-            if total > most and chosen:
+        chosen: list[str] = []
+        for test in sorted(own, key=lambda test: (self.cost([test]), test)):
+            if chosen and self.cost([*chosen, test]) > most:
                 break
             chosen.append(test)
         return chosen
+
+    def cost(self, tests: Sequence[str]) -> float:
+        """Seconds of these tests, and once of what they share."""
+        shared = {each for test in tests for each in self.needs.get(test, ())}
+        return sum(self.seconds[each] for each in (*tests, *shared))
 
 
 def _lines_now(before: str, now: str) -> dict[int, int]:
@@ -283,13 +290,15 @@ def outcome(mutant: Mutant, tree: Path, known: Map, most: float) -> dict[str, An
     for stale in (path.parent / "__pycache__").glob(f"{path.stem}.*.pyc"):
         stale.unlink()
     try:
-        limit = _START + 2 * sum(known.seconds[test] for test in tests)
+        limit = _START + 3 * known.cost(tests)
         code, said = pytest_run(tree, ["-x", "--no-header", "--tb=line", *tests], limit)
     finally:
         path.write_text(source, encoding="utf-8")
     if code == 0:
         return record | {"noticed": False, "by": f"{len(tests)} tests"}
     killed = {-signal.SIGXCPU: "too long", -signal.SIGKILL: "killed", -signal.SIGSEGV: "crash", 2: "it cannot be imported"}
+    if "ERROR collecting" in said:
+        code = 2
     assert code == 1 or code in killed, f"{mutant}: pytest ended with {code}\n{said[-3000:]}"
     failed = re.search(r"^(?:FAILED|ERROR) (\S+)", said, re.MULTILINE)
     return record | {"noticed": True, "by": failed[1] if failed else killed.get(code, "an error")}
