@@ -33,9 +33,9 @@ from camgen.machine import (
     solve,
 )
 from camgen.machine import constraints as module
-from camgen.machine.closing import close
+from camgen.machine.closing import _followed, close
 from camgen.machine.constraints import Constraints, _stretch
-from camgen.machine.model import Clutch, placed
+from camgen.machine.model import Clutch, Turning, placed
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
 
@@ -247,6 +247,52 @@ def test_beyond_a_dead_point_there_is_nothing() -> None:
     good = np.isfinite(closed.q).all(axis=1)
     assert good[0] and not good.all() and (np.diff(good.astype(int)) != 0).sum() == 1
     assert (np.isfinite(poses(stephenson_three(crank=8 + 7j), theta)[0]).all(axis=1) == good).all()
+
+
+@pytest.mark.parametrize("name", ["four-bar", "slider-crank", "Whitworth", "Klann"])
+def test_a_chain_is_followed_closely_on_its_branch(name: str) -> None:
+    """Guesses from steps of at most ten degrees are within a hundredth of what closes, with the sign of its determinant."""
+    system = Constraints(CHAINS[name]())
+    theta = np.linspace(-1, 2, 90)
+    guess, signs = _followed(system, theta)
+    closed = close(system, theta)
+    assert np.abs((guess - closed.q) / system.unit).max() < 0.01
+    np.testing.assert_array_equal(signs, np.linalg.slogdet(system.evaluate(closed.q, theta)[1])[0])
+
+
+@pytest.mark.parametrize("start, rate", [(1.0, 1.0), (-2.5, -2.0)])
+def test_a_parallelogram_stays_one_where_its_links_lie_in_line(start: float, rate: float) -> None:
+    """There both branches meet, and the determinant changes its sign; the rocker goes on as the crank does."""
+    machine = Machine(
+        (Body("crank"), Body("coupler"), Body("rocker")),
+        (Pin("O", Place(GROUND), Place("crank")), Pin("A", Place("crank", 20), Place("coupler")),
+         Pin("B", Place("coupler", 40), Place("rocker", 20)), Pin("C", Place(GROUND, 40), Place("rocker"))),
+        (Drive("motor", "crank", Turning(rate, start)),),
+        {"crank": Pose(0j, start), "coupler": Pose(20 * np.exp(1j * start), 0.0), "rocker": Pose(40 + 0j, start)},
+    )  # fmt: skip
+    theta = np.linspace(-3, 3, 83) / abs(rate)
+    system = Constraints(machine)
+    closed = close(system, theta)
+    np.testing.assert_allclose(closed.q[:, 8], start + rate * theta, atol=1e-9)
+    np.testing.assert_allclose(closed.q[:, 5], 0.0, atol=1e-9)
+    assert not _followed(system, theta)[1].any()  # what the sign is to be is not known beyond the first of them
+    near = np.linspace(-0.2, 0.2, 9)
+    assert np.ptp(_followed(system, near)[1]) == 0 and _followed(system, near)[1].all()
+
+
+def test_the_size_of_a_machine_is_its_largest_place() -> None:
+    """A drawn place, a point of a body or 1 mm: misfits count by it, so that a machine far off or tiny closes as well."""
+    for scale, shift in ((1.0, 0.0), (1.0, 500.0), (1e-3, 0.0)):
+        lengths = [scale * each for each in (40.0, 15.0, 45.0, 35.0)]
+        machine = four_bar(*lengths)
+        moved = {name: Pose(pose.place + shift, pose.angle) for name, pose in machine.start.items()}
+        points = tuple(replace(body, points={}) for body in machine.bodies)
+        system = Constraints(replace(machine, bodies=points, start=moved))
+        drawn_ = max(abs(part) for pose in moved.values() for part in (pose.place.real, pose.place.imag, pose.angle))
+        assert system.size == pytest.approx(max(1.0, drawn_))
+        np.testing.assert_array_equal(system.unit, [system.size, system.size, 1.0] * 3)
+        long = Constraints(replace(machine, bodies=(replace(machine.bodies[0], points={"x": 7777j}), *machine.bodies[1:])))
+        assert long.size == 7777.0
 
 
 def test_conditions_that_do_not_match_are_refused() -> None:
