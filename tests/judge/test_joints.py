@@ -98,6 +98,7 @@ def test_measured_teeth_lie_in_each_others_gaps(
     assert fit.play == pytest.approx(space - sum(thick) + wider, abs=1e-9)
     assert fit.meant == pytest.approx(space - 6.0, abs=1e-9)
     assert fit.misfit == pytest.approx(max(abs(wider), *(abs(each - 3.0) for each in thick)), abs=1e-9)
+    assert (fit.shifts, fit.parts) == ((0.0, 0.0), ("", "")) and closable.radii == {"mesh": RADII[1]}
 
 
 # ---- pins ----------------------------------------------------------------------------------------------------------------

@@ -239,7 +239,7 @@ def test_a_bore_with_a_keyway_is_its_round_part() -> None:
     notch = [0.9 + 2.5j, 0.9 + 3.4j, -0.9 + 3.4j, -0.9 + 2.5j]
     arc = 0.1j + math.hypot(0.9, 2.4) * np.exp(1j * np.linspace(math.atan2(2.4, -0.9), math.tau + math.atan2(2.4, 0.9), 90))[1:-1]
     keyed = polygon(8 + np.concatenate([notch, arc]))
-    other, above = facets(30j, 8, 40), facets(8.5, 1, 40)
+    other, above = facets(-8, 2.5, 40), facets(8.5, 1, 40)
     eye = Eye("x", 8 + 0j, 5.1)
     found = measure_bore(eye, [[Shape(PLATE, (other, keyed))], [Shape(PLATE, (above,))]])
     assert found.centre == pytest.approx(8 + 0.1j, abs=1e-6)

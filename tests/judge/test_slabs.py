@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapes import polygon
 
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
 from camgen.geometry.rings import Floats, Points, Ring
@@ -91,6 +91,19 @@ def test_heights_that_differ_by_rounding_are_one() -> None:
     noise = np.where(np.arange(len(mesh.vertices)) % 2, 0.0, 8 * 2.0**-24) * (mesh.vertices[:, 2] > 0)
     (found,) = slabs_of(Mesh(mesh.vertices - np.outer(noise, [0, 0, 1]), mesh.faces))
     assert found.z0 == 0 and found.z1 == pytest.approx(8, abs=1e-6)
+
+
+@pytest.mark.parametrize("far", [0.0, 900.0])
+def test_walls_that_rounding_leans_are_upright(far: float) -> None:
+    """A prism of 48 corners whose coordinates are float32, far from the origin too: its section is the slice half way up."""
+    z = far * (1 + 0.7j) + 5 * np.exp(2j * np.pi * (np.arange(48) + 0.3) / 48)
+    mesh = solid(Part("p", "", (Layer(Region(contour(z.tolist())), 0, 7),)), 0.01)
+    top = mesh.vertices[:, 2] > 0
+    noise = (np.random.default_rng(1).uniform(-1, 1, mesh.vertices.shape) * [1, 1, 0]) * top[:, None]
+    leaning = mesh.vertices + noise * 2.0**-24 * (abs(far) + 5)
+    read = Mesh(leaning.astype(np.float32).astype(float), mesh.faces)
+    (found,) = slabs_of(read)
+    np.testing.assert_array_equal([ring.points for ring in found.rings], [ring.points for ring in slice_mesh(read, 3.5)])
 
 
 # ---- as one sees the other -----------------------------------------------------------------------------------------------

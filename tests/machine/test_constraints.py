@@ -34,7 +34,7 @@ from camgen.machine import (
 )
 from camgen.machine import constraints as module
 from camgen.machine.closing import _followed, close
-from camgen.machine.constraints import Constraints, _stretch
+from camgen.machine.constraints import Constraints, _stretch, solved
 from camgen.machine.model import Clutch, Turning, placed
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
@@ -117,6 +117,21 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
             if not isinstance(joint, Pin) or output != "foot":
                 # A pin's two displacements turn with its body: the share is the length of both together.
                 np.testing.assert_allclose(np.sqrt(moved), shares[joint.name], rtol=1e-4, atol=1e-5, err_msg=joint.name)
+
+
+@pytest.mark.parametrize("right", [(9, 3), (9, 3, 2)])
+def test_systems_that_have_no_numbers_have_no_solution(right: tuple[int, ...]) -> None:
+    """nan or inf in a matrix or on its right, each by itself; the others are solved as if alone."""
+    rng = np.random.default_rng(2)
+    matrices, wanted = rng.normal(size=(9, 3, 3)), rng.normal(size=right)
+    sides = np.einsum("nij,nj...->ni...", matrices, wanted)
+    matrices[1, 0, 2], matrices[4, 2, 2] = np.nan, np.inf
+    sides[3, 0], sides[4, 1] = np.nan, -np.inf
+    found = solved(matrices, sides)
+    lost = np.isnan(found).reshape(9, -1)
+    assert lost.all(axis=1).tolist() == lost.any(axis=1).tolist() == [k in (1, 3, 4) for k in range(9)]
+    np.testing.assert_allclose(found[~lost[:, 0]], wanted[~lost[:, 0]], atol=1e-12)
+    np.testing.assert_array_equal(solved(matrices[5:], sides[5:]), found[5:])
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1), (2, 2)])
