@@ -69,6 +69,53 @@ def test_facets_of_a_circle_follow_it(count: int, distance: float, hollow: bool)
     np.testing.assert_allclose(made, points * radius / 8, atol=1e-9)
 
 
+@pytest.mark.parametrize("distance", [-0.3, 0.3])
+@pytest.mark.parametrize("start", range(5))
+def test_facets_that_end_in_an_arc_go_on_in_it(distance: float, start: int) -> None:
+    """A disc whose one half is an arc, the other facets: moved, all of its vertices lie on the larger or smaller circle, but for
+    what the corners of facets stand out; the arc is an arc of it."""
+    half = np.exp(1j * np.linspace(0, math.pi, 30))
+    ring = Ring(np.roll(8 * half, start), np.roll(np.append(np.zeros(29), 1.0), start))
+    made = grown(ring, distance)
+    away = np.abs(made.points) - 8 - distance
+    stands_out = abs(distance) * (1 / math.cos(math.pi / 58) - 1)
+    assert -1e-3 * abs(distance) <= np.min(away) and np.max(away) <= stands_out + 1e-3 * abs(distance)
+    (arc,) = np.flatnonzero(made.bulges)
+    ends = made.points[[arc, (arc + 1) % 30]]
+    assert np.max(np.abs(np.sort(ends.real) - [-8 - distance, 8 + distance])) < 2e-3 and np.max(np.abs(ends.imag)) < 0.02
+
+
+@pytest.mark.parametrize("distance", [-0.3, 0.3])
+@pytest.mark.parametrize("turned_over", [False, True])
+def test_a_curve_of_an_arc_and_three_facets_keeps_its_corner(distance: float, turned_over: bool) -> None:
+    """A disc less a segment, whose circle goes on in facets of 6 deg beside one of its corners: the corner goes to where the
+    larger circle meets the moved chord, as it does at its other end, an arc's."""
+    angles = np.radians([-50, 212, 218, 224, 230])  # both ends 50 deg beside the lowest place
+    points, bulges = 10 * np.exp(1j * angles), np.append(math.tan(math.radians(262) / 4), np.zeros(4))
+    ring = Ring(points, bulges).moved(-1, mirror=True) if turned_over else Ring(points, bulges)
+    low, wide = points[0].imag - distance, math.sqrt((10 + distance) ** 2 - (points[0].imag - distance) ** 2)
+    made = grown(ring, distance).points
+    for corner in (complex(wide, low), complex(-wide, low)):
+        assert np.min(np.abs(made - corner)) < 0.015 * abs(distance)
+
+
+@pytest.mark.parametrize("distance", [-0.3, 0.3])
+def test_edges_between_arcs_are_no_facets(distance: float) -> None:
+    """A D of edges and small arcs that follow each other, with two sharp corners: each moved square to itself, exactly."""
+    corners = 12 * np.exp(1j * np.linspace(0.6, math.tau - 0.6, 15))
+
+    def shape(radius: float) -> Ring:
+        whole = rounded(corners, radius)
+        before, after = whole.points[::2] - corners, whole.points[1::2] - corners
+        mitres = corners + (before + after) / (1 + np.real(np.conj(before) * after) / radius**2)
+        ends = np.append(mitres[0], np.append(whole.points[2:-2], mitres[-1]))
+        return Ring(ends, np.append(0.0, np.append(whole.bulges[2:-2], 0.0)))
+
+    made, wanted = grown(shape(2.0), distance), shape(2.0 + distance)
+    np.testing.assert_allclose(made.points, wanted.points, atol=1e-9)
+    np.testing.assert_allclose(made.bulges, wanted.bulges, atol=1e-9)
+
+
 @pytest.mark.parametrize("facets", [1, 2, 7])
 @pytest.mark.parametrize("start", range(4))
 def test_the_arc_round_a_corner_becomes_the_corner_again(facets: int, start: int) -> None:

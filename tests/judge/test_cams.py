@@ -9,14 +9,14 @@ import pytest
 
 from camgen import tolerances
 from camgen.findings import at_most
-from camgen.geometry.rings import Ring
-from camgen.judge.cams import Followed, _overlap, _own_tip, _tips, judged_angles, limit, named, s_unit
+from camgen.geometry.rings import Ring, Shape
+from camgen.judge.cams import Followed, _overlap, _own_tip, _tips, judged_angles, limit, named, rolled, s_unit
 from camgen.judge.contact import contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.joints import Outline, Rolled
-from camgen.machine import Cam
-from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
+from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide
+from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, Mount, OwnTip
 from camgen.machine.model import Floats
 
 TIP = Eye(None, 30 + 0j, 6.0, shaft=True)
@@ -94,6 +94,32 @@ def test_an_overlap_is_told_where_it_is_largest(free: float, said: str) -> None:
     assert finding.measured == pytest.approx(0.2 if free < 0 else 0.5, abs=1e-5) and said in finding.message
     degrees = float(finding.where.removeprefix("x, cam angle ").removesuffix(" deg"))
     assert math.cos(math.radians(degrees) - 0.3) == pytest.approx(-1, abs=1e-5)
+
+
+@pytest.mark.parametrize("bored", [True, False])
+def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
+    """A disc whose bore is off by what its outline is: about the bore it lies where it is meant, and moves the follower so. A
+    tip that another part has counts as meant."""
+    machine = Machine(
+        (Body("cam"), Body("follower")),
+        (Pin("O", Place(GROUND), Place("cam")), Slide("stem", Place(GROUND), Place("follower")),
+         Cam("lift", "cam", "follower", Harmonic(), slide="stem", rest=19.0, closure="force")),
+        (Drive("motor", "cam"),),
+        {"cam": Pose(0j, 0.0), "follower": Pose(23 + 0j, 0.0)},
+    )  # fmt: skip
+    off = 2 - 3j
+    bore = Eye("cam", 0j, 5.0) if bored else None
+    mounts = [Mount("cam", "cam"), Mount("stem", "follower", turned=math.pi)]
+    theta = np.linspace(0, math.tau, 50)
+    tips = Eye("stem", 0j, 6.0, shaft=True), Flat("stem", 0j, 0.0, 30.0)
+    for tip, more in zip(tips, (3.0, 0.0), strict=True):
+        given_ = CamOutline("lift", "cam", "O", None, tip, bore=bore)
+        sections = [[Shape(disc(4 + off, 16.0), (disc(off, 2.5),))]]
+        ring, law = rolled(machine, given_, mounts, sections)
+        assert ring.centroid == pytest.approx(4 if bored else 4 + off, abs=1e-6)
+        centre = (4 if bored else 4 + off) * np.exp(1j * theta)
+        across = centre.imag if more else 0.0
+        np.testing.assert_allclose(law(theta), centre.real + np.sqrt((16 + more) ** 2 - across**2) - 19, atol=1e-6)
 
 
 def test_the_limit_of_s_is_the_outlines_over_the_least_lever() -> None:

@@ -106,6 +106,31 @@ def test_body_shifted_into_another_by_a_twentieth_of_a_millimetre() -> None:
     assert min(failed.theta, math.tau - failed.theta) < math.radians(1)
 
 
+@pytest.mark.parametrize("allowed", [0.05, 0.4])
+@pytest.mark.parametrize("round_", [True, False])
+def test_an_overlap_may_be_as_deep_as_is_allowed(allowed: float, round_: bool) -> None:
+    """An eccentric that reaches into a wall by a share of that, or into a post; what is deeper is told, and never as less."""
+    cam = Body("cam", slabs(disc(5, 20)), SPIN)
+    for share in (0.5, 0.9, 1.1, 1.5):
+        depth = share * allowed
+        other = slabs(disc(27 - depth, 2) if round_ else box(25 - depth - 50j, 40 + 50j))
+        c = only(swept([cam, Body("wall", other)], {frozenset(("cam", "wall")): allowed}))
+        assert interference([c], 0.0)[0].ok is (share < 1)
+        if share > 1:
+            assert -c.gap == pytest.approx(depth, abs=0.006) and -c.proven >= depth - 1e-9
+
+
+@pytest.mark.parametrize("thin", ["home", "guest", "both", "disc"])
+def test_what_is_thinner_than_it_may_overlap_says_nothing(thin: str) -> None:
+    """A foil of 0.1 mm, or a needle, that goes right through what it may overlap by 0.3 mm; thicker, it is seen."""
+    for width, holds in ((0.1, True), (1.0, False)):
+        wide = {"home": (width, 8.0), "guest": (8.0, width), "both": (width, width), "disc": (8.0, width)}[thin]
+        home = box(complex(20, -wide[0] / 2), complex(30, wide[0] / 2))
+        guest = disc(25, wide[1] / 2, 720) if thin == "disc" else box(complex(20, -wide[1] / 2), complex(30, wide[1] / 2))
+        c = only(swept([Body("a", slabs(home)), Body("b", slabs(guest), SPIN)], {frozenset("ab"): 0.3}))
+        assert interference([c], 0.0)[0].ok is holds
+
+
 def test_spikes_that_meet_between_two_samples() -> None:
     """Two spikes 0.05 mm wide at radius 40 meet for under 0.15 deg; off every grid of whole degrees."""
     at = np.exp(1j * math.radians(123.4567))
