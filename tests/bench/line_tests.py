@@ -48,11 +48,11 @@ class LineTests:
         self.users[context].add(self._contexts[-1])
         self._contexts.append(context)
         self.coverage.switch_context(context)
-        start = time.perf_counter()
+        start = time.process_time()
         try:
             yield
         finally:
-            took = time.perf_counter() - start
+            took = time.process_time() - start
             self._contexts.pop()
             self.seconds[context] += took
             self.seconds[self._contexts[-1]] -= took

@@ -70,9 +70,9 @@ def test_an_arm_lies_on_one_side_of_its_axle(bearing: float, far: float, arm: fl
     assert isinstance(own, ArmFace) and (own.facing, own.ahead) == (pytest.approx(1j * side * axle / far), 0.0)
 
 
-@pytest.mark.parametrize("at", [30.0, -150.0])
-def test_an_arm_on_the_line_of_the_shafts_has_no_side(at: float) -> None:
-    pivot = (40 * math.cos(math.radians(30)), 40 * math.sin(math.radians(30)))
+@pytest.mark.parametrize("at, bearing", [(30.0, 30), (-150.0, 30), (0.0, 0), (180.0, 0)])
+def test_an_arm_on_the_line_of_the_shafts_has_no_side(at: float, bearing: float) -> None:
+    pivot = (40 * math.cos(math.radians(bearing)), 40 * math.sin(math.radians(bearing)))
     with pytest.raises(SpecError, match="does not lie on the line"):
         table(motion="oscillating", radius=4, pivot=pivot, arm=30, at_deg=at)
 

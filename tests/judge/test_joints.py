@@ -171,7 +171,7 @@ def test_a_bearing_takes_its_thickness_of_the_hole() -> None:
 def test_of_two_copies_the_one_at_the_joint_counts() -> None:
     """A part twice on the crank; what no file shows stays where it is meant, and a part elsewhere is refused."""
     eyes = Eye("a", 1 + 0j, 4.0), Eye(None, PLACES[1], 0.0)
-    mounts = [Mount("a", "crank", -30j), Mount("a", "crank", PLACES[0] - 1j, turned=math.pi / 2), Mount("a", "rod")]
+    mounts = [Mount("a", "crank", -PLACES[0] - 1), Mount("a", "crank", PLACES[0] - 1j, turned=math.pi / 2), Mount("a", "rod")]
     found = Readings({eyes[0]: Measured(1.1 + 0j, 4.0), eyes[1]: Measured(PLACES[1], 0.0)})
     pin = Pin("P", Place("crank", PLACES[0]), Place("rod", PLACES[1]))
     (joint,) = assembled(machine(pin), [PinEyes("P", *eyes)], mounts[:2], found).machine.joints
