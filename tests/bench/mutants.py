@@ -202,12 +202,13 @@ def pytest_run(tree: Path, arguments: Sequence[str], limit: float | None, **vari
 @dataclass(frozen=True)
 class Map:
     """seconds: of each test, and of what tests share; needs: of each test, what it shares with others; lines: by file and line
-    the tests that run it; bodies: by file the first and the last line of what each function does."""
+    the tests that run it; bodies: by file the first and the last line of what each function does; texts: its lines."""
 
     seconds: dict[str, float]
     needs: dict[str, list[str]]
     lines: dict[str, dict[int, list[str]]]
     bodies: dict[str, list[tuple[int, int]]]
+    texts: dict[str, list[str]]
 
     @classmethod
     def read(cls) -> Map:
@@ -223,23 +224,27 @@ class Map:
                 now = _lines_now(data["sources"][file], (TOP / file).read_text(encoding="utf-8"))
                 for line, tests in found.items():
                     lines[file][now.get(int(line), 0)] += tests
-        nodes = {file: ast.walk(ast.parse((TOP / file).read_text(encoding="utf-8"))) for file in lines}
+        sources = {file: (TOP / file).read_text(encoding="utf-8") for file in lines}
+        nodes = {file: ast.walk(ast.parse(source)) for file, source in sources.items()}
         bodies = {
             file: [(node.body[0].lineno, node.end_lineno or 0) for node in each if isinstance(node, ast.FunctionDef)]
             for file, each in nodes.items()
         }
-        return cls(seconds, needs, lines, bodies)
+        return cls(seconds, needs, lines, bodies, {file: source.split("\n") for file, source in sources.items()})
 
     def tests(self, mutant: Mutant, most: float) -> list[str]:
-        """Those that run its line, the quickest first, of `most` seconds together; of a line that is run on import all that
-        run any line of its file."""
+        """Those that run its line, the quickest first, of `most` seconds together; of a line that is run on import those that
+        run any line with the name it begins with, or any line of its file."""
         lines = self.lines.get(mutant.file, {})
         if any(begin <= mutant.line <= end for begin, end in self.bodies.get(mutant.file, ())):
             # of a statement over several lines not every one is told
             near = (lines.get(line) for line in range(mutant.line, mutant.line - _LONGEST, -1))
             own = set(next(filter(None, near), ()))
         else:
-            own = {test for tests in lines.values() for test in tests}
+            name = re.match(r"\w+", mutant.text)
+            used = [k for k, text in enumerate(self.texts[mutant.file], 1) if name and re.search(rf"\b{name[0]}\b", text)]
+            own = {test for line in used for test in lines.get(line, ())}
+            own = own or {test for tests in lines.values() for test in tests}
         chosen: list[str] = []
         for test in sorted(own, key=lambda test: (self.cost([test]), test)):
             if chosen and self.cost([*chosen, test]) > most:
