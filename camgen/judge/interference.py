@@ -425,7 +425,7 @@ def interference(clearances: Sequence[Clearance], needed: float, angle: str = "c
     apart = [(c.proven - needed, c) for c in clearances if c.allowed is None]
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
-        seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {-c.gap:.4f} mm or more"
+        seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {abs(c.gap):.4f} mm or more"
         remark = f"nearest of {counted(len(apart), 'pair')} that must stay apart; {seen}; {_PROVEN}"
         findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark))
     for c in _worst(touching):
