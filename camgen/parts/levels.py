@@ -5,7 +5,9 @@
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
     far      an axis of the ground between two plates goes through from one to the other, or leaves out the levels between two
-             of its links, where others pass: then it is two stubs, one on each plate
+             of its links, where others pass: then it is two stubs, one on each plate, or one stub on either
+    opening  a slot of the ground, in which the pin of an axis runs: in the plate on which that pin ends, which is one of them;
+             or another wide hole
     wall     stands beside a link that slides, on the link or plate that guides it, as high as the link, or its cover over it
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
@@ -30,6 +32,7 @@ from camgen.errors import DesignError
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Floats, Points
 
+_ONE_LINE = 1e-6  # mm, by which slots that are one may lie beside each other
 _WAY = 1.1  # of a chord: the way between two samples
 _LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
@@ -63,7 +66,7 @@ class Axis:
 
     links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
     link; under: the same of what is under its lowest; far: whether there is a second plate over all, low, high: links that
-    must be on the lower, on the upper one of two stubs.
+    must be on the lower, on the upper one of two stubs; runs: whether it is a pin that runs in a slot of one plate.
     """
 
     name: str
@@ -78,6 +81,23 @@ class Axis:
     far: bool = False
     low: tuple[str, ...] = ()
     high: tuple[str, ...] = ()
+    runs: bool = False
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A hole of a plate of the ground that is wider than what its axis takes of it: a slot in which a pin runs, a motor's boss.
+
+    corners: both ends of its middle line, (2, n) complex mm, or its centre, (1, n); radius: half of what it takes of the plate
+    across, half of a wall included, mm; axis: the name of that axis. Two slots on one line are one.
+    """
+
+    name: str
+    corners: Points = field(compare=False)
+    radius: float = field(compare=False)
+    axis: str
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -97,7 +117,7 @@ class Wall:
     move: str = field(default="", compare=False)
 
 
-Thing = Band | Axis | Wall
+Thing = Band | Axis | Wall | Opening
 
 
 class Crowded(DesignError):
@@ -158,6 +178,11 @@ def _way(thing: Thing) -> _Way:
 def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
     a, b = one.thing, other.thing
+    if isinstance(a, Opening) or isinstance(b, Opening):
+        if not (isinstance(a, Opening) and isinstance(b, Opening)) or a.axis == b.axis:
+            return None  # the axes pass by whatever else stands on the ground, or moves
+        if min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0]):
+            return None
     if isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
         return None
     if isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
@@ -172,9 +197,16 @@ def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
     return _Rule(a, b, max(0.0, float(between[k])), needed, k)
 
 
+def in_line(one: Points, other: Points) -> bool:
+    """Whether two slots, both ends of their middle lines, (2,) complex mm, lie on one line."""
+    way = one[1] - one[0]
+    return bool(np.all(np.abs(((other - one[0]) * way.conjugate()).imag) <= _ONE_LINE * abs(way)))
+
+
 def levels(
     bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
     walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (), explain: bool = True, searched: bool = False,
+    openings: Sequence[Opening] = (),
 ) -> dict[str, int] | None:  # fmt: skip
     """Levels by name, 1 the lowest; None where they are not found soon, or to `explain` a longer search and DesignError.
 
@@ -182,20 +214,19 @@ def levels(
     to be kept; over: pairs of levels, the first of which must lie over the second; searched: soon was not soon enough.
     """
     given = given or {}
-    things: list[Thing] = [*bands, *axes, *walls]
-    ways = [_way(thing) for thing in things]
-    rules = [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
+    rules = _rules([*bands, *axes, *walls, *openings], gap)
+    crossed = any(isinstance(rule.a, Opening) for rule in rules)
     found: dict[str, int] | None = None
     if any(axis.far for axis in axes):
         found = integer_program(bands, axes, rules, given, over, strict=True)
-    elif not searched:
+    elif not searched and not crossed:
         soon = search(tuple(bands), tuple(axes), tuple(rules), tuple(given.items()), tuple(over))
         found = None if soon is None else dict(soon)
     if found is not None or not explain:
         return found
     found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
     assert found is not None, "rules may be broken"
-    ends = {axis.name: cut(axis, rules, found) for axis in axes if axis.far}
+    ends = _ends(bands, axes, rules, found)
     broken = [rule for rule in rules if not _kept(rule, found, ends)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
@@ -209,22 +240,49 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
         return level[thing.level] - thing.below, level[thing.level]
     if isinstance(thing, Wall):
         return level.get(thing.on, 0) + 1, level[thing.link] + thing.over
+    if isinstance(thing, Opening):
+        return 0, 0
     held = [level[link] for link in thing.links]
     return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
 
 
 def cuts(
-    bands: Sequence[Band], axes: Sequence[Axis], walls: Sequence[Wall], gap: float, level: Mapping[str, int]
-) -> dict[str, int]:
-    """Of each axis between two plates that is two stubs, by its name, the highest level of the lower one: 0 where all of its
-    links are on the upper plate's."""
-    far = {axis.name: axis for axis in axes if axis.far}
-    things: list[Thing] = [*bands, *axes, *walls]
-    pairs = combinations([_way(thing) for thing in things], 2)
-    asked = ((a, b) for a, b in pairs if far.keys() & {a.thing.name, b.thing.name})
-    rules = [rule for a, b in asked if (rule := _meets(a, b, gap))]
-    found = {name: cut(axis, rules, level) for name, axis in far.items()}
-    return {name: at for name, at in found.items() if at is not None}
+    bands: Sequence[Band], axes: Sequence[Axis], walls: Sequence[Wall], gap: float, level: Mapping[str, int],
+    openings: Sequence[Opening] = (),
+) -> dict[str, int]:  # fmt: skip
+    """Of each axis between two plates that does not go through, by its name, the highest level of its lower stub: 0 where all
+    of its links are on the upper plate's, that of its highest link where all are on the lower plate's."""
+    rules = _rules([*bands, *axes, *walls, *openings], gap)
+    return {name: at for name, at in _ends(bands, axes, rules, level).items() if at is not None}
+
+
+def _rules(things: Sequence[Thing], gap: float) -> list[_Rule]:
+    """Those of all pairs that meet."""
+    ways = [_way(thing) for thing in things]
+    return [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
+
+
+def _ends(
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], level: Mapping[str, int]
+) -> dict[str, int | None]:
+    """The cut of each axis between two plates. What two such axes leave to each other decides the integer program: on which
+    plate a link of theirs is held; that of any other axis lets most of what meets it pass."""
+    far, bound = {axis.name: axis for axis in axes if axis.far}, _bound(axes, rules)
+    found = {name: cut(axis, rules, level) for name, axis in far.items() if name not in bound}
+    if bound:
+        solution = _program(bands, axes, rules, level)
+        assert solution is not None, "rules may be broken"
+        upper = solution.upper
+        found |= {name: max([level[link] for link in far[name].links if (name, link) not in upper], default=0) for name in bound}
+    return found
+
+
+def _bound(axes: Sequence[Axis], rules: Sequence[_Rule]) -> set[str]:
+    """Names of axes between two plates that may not be on whichever plate they like: they run in a slot of one, or meet what
+    stands on the ground too."""
+    met = {thing.name for rule in rules for thing in (rule.a, rule.b)
+           if all(isinstance(each, Axis) and (each.far or each.ground) for each in (rule.a, rule.b))}  # fmt: skip
+    return {axis.name for axis in axes if axis.far and (axis.runs or axis.name in met)}
 
 
 def cut(axis: Axis, rules: Sequence[_Rule], level: Mapping[str, int]) -> int | None:
@@ -251,16 +309,33 @@ def _others(rule: _Rule, axis: Axis) -> list[Thing]:
 def _gap(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[float, float]:
     """Between which levels an axis lets others pass, both taken, whose lower stub ends so high."""
     higher = [value for link in axis.links if (value := level[link]) > at]
-    return at + axis.over * (at > 0), min(higher) - axis.over if higher else math.inf
+    none = 0 if axis.low else -1
+    return at + axis.over if at else none, min(higher) - axis.over if higher else math.inf
+
+
+def _plates(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[bool, bool]:
+    """Whether the lower plate holds an axis whose lower stub ends so high, and whether the upper one does."""
+    held = [level[link] for link in axis.links]
+    return bool(axis.low) or any(value <= at for value in held), any(value > at for value in held)
 
 
 def _kept(rule: _Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
     """Whether two things share no level; ends: the cuts of axes between two plates."""
-    for axis in (thing for thing in (rule.a, rule.b) if isinstance(thing, Axis) and thing.far):
+    a, b = rule.a, rule.b
+    if isinstance(a, Opening) and isinstance(b, Opening):
+        return bool(ends.get(a.axis, 1)) != bool(ends.get(b.axis, 1))
+    if isinstance(a, Axis) and isinstance(b, Axis) and a.far and b.far:
+        cut_a, cut_b = ends[a.name], ends[b.name]
+        if cut_a is None or cut_b is None:
+            return False
+        (low_a, high_a), (low_b, high_b) = _gap(a, cut_a, level), _gap(b, cut_b, level)
+        apart = not any(one and other for one, other in zip(_plates(a, cut_a, level), _plates(b, cut_b, level), strict=True))
+        return apart and low_a < high_b and low_b < high_a
+    for axis in (thing for thing in (a, b) if isinstance(thing, Axis) and thing.far):
         at, (one, other) = ends[axis.name], span(_others(rule, axis)[0], level)
         low, high = (math.inf, 0) if at is None else _gap(axis, at, level)
         return low < one and other < high
-    (a0, a1), (b0, b1) = span(rule.a, level), span(rule.b, level)
+    (a0, a1), (b0, b1) = span(a, level), span(b, level)
     return a1 < b0 or b1 < a0
 
 
@@ -329,6 +404,8 @@ def _on(thing: Thing) -> tuple[str, ...]:
     """Names of the levels that say which levels a thing takes."""
     if isinstance(thing, Axis):
         return thing.links
+    if isinstance(thing, Opening):
+        return ()
     return (thing.level,) if isinstance(thing, Band) else (thing.link, *([thing.on] if thing.on else []))
 
 
@@ -352,6 +429,23 @@ def integer_program(
     over: Sequence[tuple[str, str]] = (), strict: bool = False,
 ) -> dict[str, int] | None:  # fmt: skip
     """The same by branch and bound; rules that cannot be kept are broken at a price, or `strict`: None where one cannot be."""
+    found = _program(bands, axes, rules, given, over, strict)
+    return None if found is None else found.level
+
+
+@dataclass(frozen=True)
+class _Solution:
+    """Levels by name; upper: axis and link, of each link that an axis between two plates holds on its upper stub."""
+
+    level: dict[str, int]
+    upper: set[tuple[str, str]]
+
+
+def _program(
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
+    over: Sequence[tuple[str, str]] = (), strict: bool = False,
+) -> _Solution | None:  # fmt: skip
+    """Its solution; None only where `strict`."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
     least = _least(bands, axes)
@@ -368,14 +462,23 @@ def integer_program(
     rows += [({0: 1, k: -1}, 0) for k in level.values()]
     rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in over]
     axis_ends: dict[str, tuple[int, int]] = {}
-    big, plate = 2.0 * most + 4, column(0, 0, 0)
+    uppers: dict[tuple[str, str], int] = {}
+    held: dict[str, tuple[int, int]] = {}  # whether the lower plate holds an axis, and whether the upper one does
+    big, plate, bound = 2.0 * most + 4, column(0, 0, 0), _bound(axes, rules)
     for axis in (axis for axis in axes if axis.far):  # top of the lower stub, bottom of the upper one: others pass between
-        low, high = axis_ends[axis.name] = column(0, 0, most + 1), column(0, 0, most + 2)
+        none = -1 if axis.name in bound and not axis.low else 0
+        low, high = axis_ends[axis.name] = column(0, none, most + 1), column(0, 0, most + 2)
         rows.append(({high: 1, low: -1}, 0))
         for link in axis.links:
-            upper = column(0, float(link in axis.high), float(link not in axis.low))
+            upper = column(_LOW * (axis.name in bound), float(link in axis.high), float(link not in axis.low))
+            uppers[axis.name, link] = upper
             rows.append(({low: 1, level[link]: -1, upper: big}, axis.over))
             rows.append(({high: -1, level[link]: 1, upper: -big}, axis.over - big))
+        if axis.name in bound:
+            below, above = held[axis.name] = column(0, 0, 1), column(0, 0, 1)
+            rows += [({below: 1, uppers[axis.name, link]: 1}, 1) for link in axis.links]
+            rows += [({above: 1, uppers[axis.name, link]: -1}, 0) for link in axis.links]
+            rows += [({below: -1, above: -1}, -1)] if axis.runs else []
     for axis in (axis for axis in axes if not axis.far):
         low, high = axis_ends[axis.name] = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
         for link in axis.links:
@@ -386,6 +489,8 @@ def integer_program(
         """Column of the lowest level and what is added to it, and the same of the highest."""
         if isinstance(thing, Wall):
             return level.get(thing.on, plate), 1, level[thing.link], thing.over
+        if isinstance(thing, Opening):
+            return plate, 0, plate, 0
         if isinstance(thing, Band):
             return level[thing.level], -thing.below, level[thing.level], 0
         return axis_ends[thing.name][0], 0, axis_ends[thing.name][1], 0
@@ -395,8 +500,16 @@ def integer_program(
         short = (rule.needed - rule.distance) / rule.needed
         broken = column(_BROKEN * (1 + max(0.0, short)), 0, 0 if strict else 1)
         far = [axis for axis in (rule.a, rule.b) if isinstance(axis, Axis) and axis.far]
-        if len(far) == 2:
-            rows.append(({broken: 1}, 1))  # both begin on the lower plate
+        slotted = [thing.axis for thing in (rule.a, rule.b) if isinstance(thing, Opening)]
+        if len(far) == 2 or (slotted and held.keys() & set(slotted)):  # on no plate both of them
+            both = [held.get(name) for name in slotted or [axis.name for axis in far]]
+            sides = zip(*(each or (plate, plate) for each in both), strict=True)
+            there = sum(each is None for each in both)  # those that end on the lower plate in any case
+            for (one, other), fixed in zip(sides, (there, 0), strict=True):
+                rows.append(({one: -1.0, broken: 1} | ({other: -1.0} if other != one else {}), fixed - 1))
+            if far:
+                rows.append(({b1: 1, a0: -1, broken: big}, 1))
+                rows.append(({a1: 1, b0: -1, broken: big}, 1))
             continue
         if far:
             if far[0] is rule.a:
@@ -418,4 +531,5 @@ def integer_program(
         return None
     if found.x is None:
         raise _no_levels()
-    return {name: round(found.x[k]) for name, k in level.items()}
+    chosen = {name: round(found.x[k]) for name, k in level.items()}
+    return _Solution(chosen, {pair for pair, k in uppers.items() if round(found.x[k])})

@@ -24,7 +24,7 @@ from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.levels import Axis, Band, Wall, ways
+from camgen.parts.levels import Axis, Thing, ways
 from camgen.parts.part import Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
@@ -41,7 +41,7 @@ def post_radius(sizes: Parts) -> float:
 
 
 def columns(
-    things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float,
+    things: Sequence[Thing], corners: Sequence[complex], radius: float, gap: float,
     kept: Sequence[tuple[complex, float]] = (),
 ) -> tuple[complex, ...]:  # fmt: skip
     """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
@@ -95,10 +95,13 @@ def _quarters(low: complex, high: complex, beyond: float) -> Iterator[tuple[comp
 def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str]) -> Part:
     """The plate under level 1; collar: radius of those of shafts, mm."""
     s = layout.sizes
-    points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots}
+    points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots and layout.in_first(name)}
     holes = {f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()}
     hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
     hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
+    channels = layout.channels_in(False)
+    holes |= layout.slot_holes(GROUND, channels.keys())
+    hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     radius, under = s.mount_diameter / 2, collar + s.mount_diameter  # a screw's head beside the collar
     face, motor = s.face, points[layout.shaft_of(layout.driven)]
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
@@ -146,6 +149,9 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
     hubs: list[tuple[complex, float]] = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
+    channels = layout.channels_in(True)
+    holes |= layout.slot_holes(GROUND, channels.keys())
+    hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     more, under, below = _screwed(layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand")
     for stand in (stand for stand in layout.stands if stand.merged is not None):
         assert stand.merged is not None

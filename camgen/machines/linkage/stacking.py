@@ -19,7 +19,7 @@ from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse, tall
 from camgen.machines.linkage.plates import columns, post_radius
-from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, levels, span
+from camgen.parts.levels import Axis, Band, Crowded, Opening, Thing, Wall, cuts, levels, span
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -82,6 +82,12 @@ class Things:
     axes: list[Axis]
     walls: list[Wall]
     over: list[tuple[str, str]]
+    openings: list[Opening]
+
+    @property
+    def every(self) -> list[Thing]:
+        """All of them."""
+        return [*self.bands, *self.axes, *self.walls, *self.openings]
 
 
 def covered(layout: Layout, run: Run) -> Layout:
@@ -89,10 +95,9 @@ def covered(layout: Layout, run: Run) -> Layout:
     if layout.sizes.plates < 2:
         return layout
     t, gap = things(layout, run), layout.fits.slide_clearance
-    ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level).items()}
-    every: list[Band | Axis | Wall] = [*t.bands, *t.axes, *t.walls]
-    places = columns(every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
-    return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in every)))
+    ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()}
+    places = columns(t.every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
+    return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in t.every)))
 
 
 def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
@@ -101,7 +106,7 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
     Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
     """
     t, gap = things(layout, run), layout.fits.slide_clearance
-    return levels(t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, searched=explain)
+    return levels(t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, explain, t.openings)
 
 
 def things(layout: Layout, run: Run) -> Things:
@@ -156,22 +161,33 @@ def things(layout: Layout, run: Run) -> Things:
         moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
         upper = layout.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
         hanging = tuple(link for link in moving if link in layout.webs and link != shaft) if shaft is not None else ()
-        if shaft is not None or point in layout.slots:
+        thrown = layout.thrown(point)
+        if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not thrown):
             over += [(upper, link) for link in moving if link not in (upper, *hanging)]
         held = (*moving, *layout.riders.get(point, ()))
         loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
         over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
         if shaft is not None and layout.webs.get(shaft):
             over += [(shaft, rider) for rider in layout.riders.get(point, ())]
-        elif any(link in layout.webs for link in moving):  # what turns on a throw lies between its webs
-            low, *high = (link for link in moving if link in layout.webs)
+        elif thrown:  # what turns on a throw, or runs on it, lies between its webs
+            low, *high = thrown
             between = [link for link in held if link not in layout.webs]
             over += [(link, low) for link in between] + [(web, link) for web in high for link in between]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
         low_ends = () if shaft is None else tuple(link for link in held if link not in hanging)
-        axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point),
-                         layout.between_plates(point), low_ends, hanging))  # fmt: skip
+        runs = layout.slotted_link(point) == GROUND
+        axes.append(Axis(name, held, place, wide, links[0] == GROUND or runs, *layout.beyond(point), *slimmer_pin(layout, point),
+                         layout.between_plates(point), low_ends, hanging, runs))  # fmt: skip
+    openings = []
+    for point, ends in layout.slots_of(GROUND).items():
+        half = (layout.turning(point) + layout.fits.slide_clearance + layout.min_wall) / 2
+        move = f"another line of the slot of points.{point}"
+        openings.append(Opening(f"slot of pin {point}", ways(GROUND, ends), half, f"pin {point}", move=move))
+    for z, radius in layout.motor_holes:
+        point = layout.shaft_of(layout.driven)
+        half, move = radius + layout.min_wall / 2, f"points.{point} elsewhere"
+        openings.append(Opening("hole for the motor", ways(GROUND, [z]), half, f"shaft {point}", move=move))
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body
@@ -187,7 +203,7 @@ def things(layout: Layout, run: Run) -> Things:
             walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
         over += [(link, on)] if on != GROUND else []
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
-    return Things(bands, axes, walls, over)
+    return Things(bands, axes, walls, over, openings)
 
 
 def lacking(layout: Layout) -> DesignError | None:
