@@ -120,12 +120,16 @@ class Wall:
 Thing = Band | Axis | Wall | Opening
 
 
-class Crowded(DesignError):
-    """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
-    need, and how many more such pairs there are; remedy: instead of the keys that make them slimmer, where half as thick
-    would do, or move them."""
+class Unlaid(DesignError):
+    """No levels are free of collisions."""
 
-    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int, remedy: str = "") -> None:
+
+class Crowded(Unlaid):
+    """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
+    need, and how many more such pairs there are. The remedy names keys that make them slimmer, where half as thick would do, or
+    move them."""
+
+    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int) -> None:
         self.a, self.b, self.distance, self.needed, self.theta, self.more = a, b, distance, needed, theta, more
         others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
         said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
@@ -133,12 +137,8 @@ class Crowded(DesignError):
         mends = list(dict.fromkeys(filter(None, keys)))
         super().__init__(
             "distance of what cannot pass on any level", distance, needed, "mm", said,
-            remedy or f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
+            f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
         )  # fmt: skip
-
-    def mended(self, remedy: str) -> Crowded:
-        """The same with another remedy."""
-        return Crowded(self.a, self.b, self.distance, self.needed, self.theta, self.more, remedy)
 
 
 @dataclass(frozen=True)
@@ -178,14 +178,14 @@ def _way(thing: Thing) -> _Way:
 def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
     a, b = one.thing, other.thing
-    if isinstance(a, Opening) or isinstance(b, Opening):
-        if not (isinstance(a, Opening) and isinstance(b, Opening)) or a.axis == b.axis:
-            return None  # the axes pass by whatever else stands on the ground, or moves
-        if min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0]):
+    if isinstance(a, Opening) and isinstance(b, Opening):
+        if a.axis == b.axis or (min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0])):
             return None
-    if isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
+    elif isinstance(a, Opening) or isinstance(b, Opening):
+        return None  # its axis passes by whatever else stands on the ground, or moves
+    elif isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
         return None
-    if isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
+    elif isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
         return None
     needed, steps = a.radius + b.radius + gap, one.step + other.step
     if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
@@ -339,9 +339,11 @@ def _kept(rule: _Rule, level: Mapping[str, int], ends: Mapping[str, int | None])
     return a1 < b0 or b1 < a0
 
 
-def _no_levels() -> DesignError:
-    remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return DesignError("levels found", 0, 1, "", "[layers]", remedy, "no order of levels is free of collisions")
+def _no_levels(given: Mapping[str, int]) -> Unlaid:
+    if not given:
+        return Unlaid("levels found", 0, 1, "", "", "", "no order of levels has all that must lie over others over them")
+    remedy = "set what the shaft drives highest on its pivot, and a slot over the link with its pin"
+    return Unlaid("levels found", 0, 1, "", "[layers]", remedy, "no order of levels with those of [layers] is free of collisions")
 
 
 def _least(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
@@ -530,6 +532,6 @@ def _program(
     if found.x is None and strict:
         return None
     if found.x is None:
-        raise _no_levels()
+        raise _no_levels(given)
     chosen = {name: round(found.x[k]) for name, k in level.items()}
     return _Solution(chosen, {pair for pair, k in uppers.items() if round(found.x[k])})

@@ -93,8 +93,7 @@ def test_what_passes_right_over_a_shaft_is_told_to_be_elsewhere() -> None:
     error = refusal(DRAGGED)
     assert error.where.startswith("link rocker and shaft O") and error.value < 0.1
     assert "points.O elsewhere" in error.remedy and "lengths of link rocker" in error.remedy
-    assert error.remedy.startswith("mended by parts.plates = 2; else") and "smaller parts." not in error.remedy
-    assert "tried: all orders of the levels, heads over and under the plate, bows" in error.remedy
+    assert error.remedy.startswith("mended by parts.plates = 2; else a guess: make room") and "smaller parts." not in error.remedy
 
 
 def test_a_cams_disc_in_the_way_is_named_with_what_makes_it_smaller() -> None:
@@ -103,7 +102,7 @@ def test_a_cams_disc_in_the_way_is_named_with_what_makes_it_smaller() -> None:
     out = hinge + (tip - hinge) * complex(math.cos(math.radians(15)), -math.sin(math.radians(15)))
     assert error.where.startswith("cam crank on rocker and pin G")
     assert error.value == pytest.approx(45) and error.limit == pytest.approx(abs(out) - 6 + 4 + 0.2, abs=1e-3)
-    assert error.remedy.startswith("mended by leaving [layers] out; else make room for 2.4")
+    assert error.remedy.startswith("mended by leaving [layers] out") and "; else a guess: make room for 2.4" in error.remedy
     keys = "points.T nearer to its shaft", "smaller parts.pin_diameter or parts.head", "points.O elsewhere", "points.G elsewhere"
     assert all(said in error.remedy for said in keys)
     assert "parts.wall" not in error.remedy and "hub_diameter" not in error.remedy

@@ -162,7 +162,7 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
         ({"pin": "bearing", "coupler": {"thickness": 2}}, DesignError, "thickness is 2 mm.*limit 3.5 mm.*MR85.*lip of 0.8"),
         ({"pin": "bearing", "pin_diameter": 4.5}, DesignError, "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8"),
         ({"pin": "shoulder", "pin_diameter": 14}, SpecError, "parts.pin_diameter.*at most 13"),
-        ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError, "shoulder screw.*parts.pins"),
+        ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError, 'shoulder screw.*mended by parts.pin = "printed"'),
         ({"hand_crank": 5}, SpecError, "parts.hand_crank.*at least 15 mm"),
         ({"hand_crank": 40, "shaft_length": 8}, SpecError, "parts.shaft_length.*at least 10 mm.*hand crank"),
         ({"hand_crank": 40, "motor": "nema-17", "shaft_diameter": 5}, SpecError, "parts.hand_crank.*nema-17 drives"),

@@ -40,7 +40,8 @@ class Stretched:
 @dataclass(frozen=True)
 class Second:
     """The plate over all links. cuts: by the point of each pin and shaft that does not go through from plate to plate, the
-    highest level of its stub on the lower one, 0 where all hangs from this one; columns: places of the posts; highest: level that is taken."""
+    highest level of its stub on the lower one, 0 where all hangs from this one; columns: places of the posts; highest: level
+    that is taken."""
 
     cuts: Mapping[str, int]
     columns: tuple[complex, ...]

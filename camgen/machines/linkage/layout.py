@@ -233,17 +233,21 @@ class Layout(Joined):
 
     @property
     def motor_holes(self) -> list[tuple[complex, float]]:
-        """Holes of the plate for the motor's boss and for the heads of its screws, none without a motor: centre and radius, mm."""
+        """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
         face, point = self.sizes.face, self.shaft_of(self.driven)
         if face is None:
             return []
         at, wide = self.at(GROUND, point), (face.screw.head + HEAD_ROOM) / 2
         return [(at, self.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
 
+    def slot_width(self, point: str) -> float:
+        """Of the slot in which a point's pin runs, mm."""
+        return self.turning(point) + self.fits.slide_clearance
+
     def slot_holes(self, link: str, points: Collection[str]) -> dict[str, Contour]:
         """Holes of a link's slots for the pins of these points."""
         ways = {point: ends for point, ends in self.slots_of(link).items() if point in points}
-        slots = (Slotted(*ends, (self.turning(point) + self.fits.slide_clearance) / 2, point) for point, ends in ways.items())
+        slots = (Slotted(*ends, self.slot_width(point) / 2, point) for point, ends in ways.items())
         return {f"slot {slot.name}": slot.contour for slot in one_by_one(slots, self.min_wall)}
 
     def round_hubs(self, link: str) -> list[tuple[complex, float]]:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
-from camgen.errors import DesignError, Fault, listed
+from camgen.errors import DesignError, Fault, SpecError, listed
 from camgen.findings import Finding, NotJudged, at_least
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
@@ -36,6 +36,8 @@ from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.bodies import Bodies
+from camgen.machines.linkage.changes import Change, Unmade
+from camgen.machines.linkage.cures import mended
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.joints import pivot_of
@@ -43,7 +45,7 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
-from camgen.machines.linkage.stacking import lacking, laid
+from camgen.machines.linkage.stacking import lacking, laid, lies, stroked, tried
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -54,9 +56,10 @@ from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
+from camgen.parts.levels import Crowded, Unlaid
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Output, unknown
+from camgen.spec import Output, unknown, validate
 from camgen.study import Sketch, Study, Table, together
 
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
@@ -298,7 +301,43 @@ class Linkage(Mechanism):
 
     @cached_property
     def _balanced(self) -> tuple[Bodies, complex]:
-        """The bodies, and the moment that all that turns with a balanced crank is to have, complex g mm."""
+        """The bodies, and the moment that all that turns with a balanced crank is to have, complex g mm; DesignError with what
+        mends it, where a change is found that does."""
+        try:
+            made = self._laid
+        except (Unlaid, Unmade) as refused:
+            raise self._mended(refused) from None
+        try:
+            assert made[0].parts
+        except DesignError as refused:
+            raise self._mended(refused) from None
+        return made
+
+    def _mended(self, refused: DesignError) -> DesignError:
+        """The same with what mends it, as far as that is found."""
+        run = self.run(self.course(_SAMPLES), 0)
+        layout = stroked(self._layout, run)
+
+        def makes(change: Change) -> bool:
+            return lies(change.of(layout), run) and self._refusal(change) is None
+
+        return mended(layout, refused, makes, self._refusal, tried(layout) if isinstance(refused, Crowded) else ())
+
+    def _refusal(self, change: Change) -> DesignError | None:
+        """Why the spec so changed has not all its parts; None where it has."""
+        try:
+            other = validate(type(self), change.tables(self._whole_spec()))
+            vars(other)["chain"] = self.chain
+            vars(other)["_balanced"] = other._laid  # which looks for no further cures
+            other.parts()
+        except DesignError as error:
+            return error
+        except SpecError as error:
+            return DesignError("faults of the spec", len(error.faults), 0, "")
+        return None
+
+    @cached_property
+    def _laid(self) -> tuple[Bodies, complex]:
         run = self.run(self.course(_SAMPLES), 0)
         if self.counterweight is None:
             return Bodies(laid(self._layout, run)), 0j
@@ -344,7 +383,7 @@ class Linkage(Mechanism):
         """The same with its levels, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
-        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "modules", "sprung"}
+        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "_laid", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 

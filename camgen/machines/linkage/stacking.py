@@ -13,7 +13,7 @@ from camgen.errors import DesignError
 from camgen.geometry.convex import hull_corners
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.cures import bent, cured, slimmer, slimmer_pin
+from camgen.machines.linkage.cures import bent, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
@@ -29,12 +29,7 @@ def laid(layout: Layout, run: Run) -> Layout:
     under the plate where that saves a level. Where none can be laid, a link is bent; else DesignError of the first layout.
     """
     refuse(layout)
-    ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
-    strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
-    tries = [
-        replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
-        for stems in product(*map(layout.stems_of, layout.slides))
-    ]
+    tries = _with_stems(layout, run)
     for explain in (False, True):
         refused: DesignError | None = None
         for tried in tries:
@@ -53,9 +48,36 @@ def laid(layout: Layout, run: Run) -> Layout:
             best = _lowest(tried, run, False)
             if best is not None:
                 return covered(best, run)
-    ways_tried = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
-    ways_tried += [f"rails {', '.join(STEMS)}"] if len(tries) > 1 else []
-    raise refused.mended(cured(tries[0], run, refused, found_levels, ways_tried))
+    raise refused
+
+
+def _with_stems(layout: Layout, run: Run) -> list[Layout]:
+    """The layout with the strokes of its slots and slides, by all choices of their stems."""
+    ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
+    strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
+    return [
+        replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
+        for stems in product(*map(layout.stems_of, layout.slides))
+    ]
+
+
+def tried(layout: Layout) -> list[str]:
+    """What `laid` has tried where it refuses, in words."""
+    found = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
+    return [*found, *([f"rails {', '.join(STEMS)}"] if layout.slides else []), "bows"]
+
+
+def lies(layout: Layout, run: Run) -> bool:
+    """Whether levels are found soon, by any choice of stems and heads."""
+    with suppress(DesignError):
+        refuse(layout)
+        return any(_lowest(each, run, False) is not None for each in _with_stems(layout, run))
+    return False
+
+
+def stroked(layout: Layout, run: Run) -> Layout:
+    """The layout with the strokes of its slots and slides, and the first of its stems."""
+    return _with_stems(layout, run)[0]
 
 
 def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
@@ -179,15 +201,6 @@ def things(layout: Layout, run: Run) -> Things:
         runs = layout.slotted_link(point) == GROUND
         axes.append(Axis(name, held, place, wide, links[0] == GROUND or runs, *layout.beyond(point), *slimmer_pin(layout, point),
                          layout.between_plates(point), low_ends, hanging, runs))  # fmt: skip
-    openings = []
-    for point, ends in layout.slots_of(GROUND).items():
-        half = (layout.turning(point) + layout.fits.slide_clearance + layout.min_wall) / 2
-        move = f"another line of the slot of points.{point}"
-        openings.append(Opening(f"slot of pin {point}", ways(GROUND, ends), half, f"pin {point}", move=move))
-    for z, radius in layout.motor_holes:
-        point = layout.shaft_of(layout.driven)
-        half, move = radius + layout.min_wall / 2, f"points.{point} elsewhere"
-        openings.append(Opening("hole for the motor", ways(GROUND, [z]), half, f"shaft {point}", move=move))
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body
@@ -203,7 +216,21 @@ def things(layout: Layout, run: Run) -> Things:
             walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
         over += [(link, on)] if on != GROUND else []
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
-    return Things(bands, axes, walls, over, openings)
+    return Things(bands, axes, walls, over, _openings(layout, run.theta.size))
+
+
+def _openings(layout: Layout, count: int) -> list[Opening]:
+    """Slots and other wide holes of the ground, at so many samples."""
+    found = []
+    for point, ends in layout.slots_of(GROUND).items():
+        corners, half = np.repeat(np.array(ends)[:, None], count, axis=1), layout.slot_width(point) / 2 + layout.min_wall / 2
+        move = f"another line of the slot of points.{point}"
+        found.append(Opening(f"slot of pin {point}", corners, half, f"pin {point}", move=move))
+    motor = layout.shaft_of(layout.driven)
+    for z, radius in layout.motor_holes:
+        centre, half = np.full((1, count), z), radius + layout.min_wall / 2
+        found.append(Opening("hole for the motor", centre, half, f"shaft {motor}", move=f"points.{motor} elsewhere"))
+    return found
 
 
 def lacking(layout: Layout) -> DesignError | None:
