@@ -17,7 +17,7 @@ from camgen.machines.linkage.changes import Change, Unmade
 from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.parts.catalogue import CORE_HOLES, HEAD_ROOM, SCREWS, Bought, Screw
 from camgen.parts.hardware import plate
-from camgen.parts.part import Layer, Part, hull
+from camgen.parts.part import Held, Layer, Part, hull
 from camgen.spec import Print
 
 _THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold
@@ -68,7 +68,7 @@ class Cover:
         return Part(
             "cover", "Cover of a guide", (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
             centres=tuple(own), min_wall=min_wall,
-            notes=(f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk",),
+            notes=(Held(f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk"),),
         )  # fmt: skip
 
     def bought(self, covers: int) -> list[Bought]:

@@ -45,7 +45,7 @@ from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
-from camgen.machines.linkage.stacking import lacking, laid, lies, stroked, tried
+from camgen.machines.linkage.stacking import lacking, laid, lies, stroked, tried, unlaid
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -319,22 +319,22 @@ class Linkage(Mechanism):
         layout = stroked(self._layout, run)
 
         def makes(change: Change) -> bool:
-            return lies(change.of(layout), run) and self._refusal(change) is None
+            return lies(change.of(layout), run) and self._made_with(change)
 
-        return mended(layout, refused, makes, self._refusal, tried(layout) if isinstance(refused, Crowded) else ())
+        def refusal(change: Change) -> DesignError | None:
+            return unlaid(change.of(layout), run)
 
-    def _refusal(self, change: Change) -> DesignError | None:
-        """Why the spec so changed has not all its parts; None where it has."""
+        return mended(layout, refused, makes, refusal, tried(layout) if isinstance(refused, Crowded) else ())
+
+    def _made_with(self, change: Change) -> bool:
+        """Whether the spec so changed has all its parts."""
         try:
             other = validate(type(self), change.tables(self._whole_spec()))
             vars(other)["chain"] = self.chain
             vars(other)["_balanced"] = other._laid  # which looks for no further cures
-            other.parts()
-        except DesignError as error:
-            return error
-        except SpecError as error:
-            return DesignError("faults of the spec", len(error.faults), 0, "")
-        return None
+            return bool(other.parts())
+        except (DesignError, SpecError):
+            return False
 
     @cached_property
     def _laid(self) -> tuple[Bodies, complex]:

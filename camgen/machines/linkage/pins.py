@@ -27,7 +27,7 @@ from camgen.machines.linkage.stubs import Stub
 from camgen.machines.linkage.webs import keyed_pin
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel, next_dowel
 from camgen.parts.hardware import headed, plate, spacer
-from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.part import Held, Layer, Part, d_bore, hull, rod
 
 _HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
 KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
@@ -227,8 +227,8 @@ def bearing_name(bearing: Bearing) -> str:
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
     title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
-        said = "pressed in so that, seen from above, the ring can only turn counter-clockwise on its shaft"
-        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", said]
+        said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
+        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said]
     ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
     return replace(ring, notes=tuple(notes), made="bought")
 

@@ -14,7 +14,7 @@ from itertools import count, pairwise, product
 
 import numpy as np
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, listed
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, Points, circle
 from camgen.machine.features import Mount
@@ -25,7 +25,7 @@ from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.levels import Axis, Thing, ways
-from camgen.parts.part import Layer, Part, d_bore, hull
+from camgen.parts.part import Held, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
 _STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points at first
@@ -172,7 +172,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
         SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
-        notes=(f"screwed on {len(posts)} posts, over all", *notes), points=tuple(points.items()),
+        notes=(Held(f"screwed on {len(posts)} posts, over all"), *notes), points=tuple(points.items()),
     )  # fmt: skip
     yield part, Mount(SECOND, GROUND, z=ceiling)
     post = spacer("post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall)
@@ -240,9 +240,17 @@ def steps(layout: Layout) -> list[str]:
     if layout.second is not None:
         points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
         hanging = [point for point in points if layout.cut(point) is not None and point not in layout.shafts]
-        first = f"First press its pins {', '.join(hanging)} through the links that turn on them. " if hanging else ""
-        found.append(f"The second plate goes on last: {first}Then lay it on the posts, so that {', '.join(points)} find their "
-                     "holes, and draw the screws tight crosswise.")  # fmt: skip
+        told = []
+        if hanging:
+            one = len(hanging) == 1
+            told.append(f"Its {listed('pin', hanging)} {'stands' if one else 'stand'} head down, under what turns on "
+                        f"{'it: hold its head' if one else 'them: hold their heads'} from below while the plate is pressed "
+                        f"and glued on {'it' if one else 'them'}.")  # fmt: skip
+        places = [*([f"{', '.join(points)} find their holes"] if points else []),
+                  *(f"pin {point} its slot" for point in layout.channels_in(True))]  # fmt: skip
+        so = f", so that {' and '.join(places)}," if places else ""
+        told.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
+        found.append(" ".join(["The second plate goes on last.", *told]))
     return found
 
 

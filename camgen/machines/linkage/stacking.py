@@ -67,17 +67,27 @@ def tried(layout: Layout) -> list[str]:
     return [*found, *([f"rails {', '.join(STEMS)}"] if layout.slides else []), "bows"]
 
 
+def stroked(layout: Layout, run: Run) -> Layout:
+    """The layout with the strokes of its slots and slides, and the first choice of their stems."""
+    return _with_stems(layout, run)[0]
+
+
 def lies(layout: Layout, run: Run) -> bool:
-    """Whether levels are found soon, by any choice of stems and heads."""
+    """Whether levels are found soon for a layout as `stroked` gives it."""
     with suppress(DesignError):
         refuse(layout)
-        return any(_lowest(each, run, False) is not None for each in _with_stems(layout, run))
+        return _lowest(layout, run, False) is not None
     return False
 
 
-def stroked(layout: Layout, run: Run) -> Layout:
-    """The layout with the strokes of its slots and slides, and the first of its stems."""
-    return _with_stems(layout, run)[0]
+def unlaid(layout: Layout, run: Run) -> DesignError | None:
+    """Why no levels are found for such a layout; None where they are."""
+    try:
+        refuse(layout)
+        _lowest(layout, run, True)
+    except DesignError as error:
+        return error
+    return None
 
 
 def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
