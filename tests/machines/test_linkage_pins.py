@@ -104,7 +104,7 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
 
 def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
     machine = with_parts(root, pin="bearing")
-    steps = [(row[1], str(row[2])) for row in machine.steps().rows]
+    steps = [(row[1], str(row[3])) for row in machine.steps().rows]
     names = [name for name, _ in steps]
     assert names.count("bearing-mr85") >= 1
     poses = machine.poses(np.zeros(1))
@@ -112,7 +112,8 @@ def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
         under = [(poses[name][0].z, name) for name in ("crank", "coupler", "rocker")]
         link = max(each for each in under if each[0] < float(row[5]))[1]
         assert names.index(link) >= int(row[0]), link
-    assert all("pressed and glued in" in what for name, what in steps if name.startswith("pin-"))
+    assert all("pressed and glued into" in where for name, where in steps if name.startswith("pin-"))
+    assert all("pressed on bearing-mr85" in where for name, where in steps if name == "coupler")
     rows = {str(row[1]): row for row in parts_table(machine).rows}
     assert "5 x 8 x 2.5" in str(rows["bearing-mr85"][2]) and rows["bearing-mr85"][4] == ""
     assert "glue" in rows and str(rows["screw of the plate, from behind"][2]).startswith("M3, for a core hole of 2.5")

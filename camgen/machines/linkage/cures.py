@@ -20,7 +20,7 @@ from camgen.errors import DesignError
 from camgen.machines.linkage.changes import Change, Unmade
 from camgen.machines.linkage.joined import GROUND
 from camgen.machines.linkage.layout import Layout
-from camgen.parts.levels import Axis, Band, Crowded, Unlaid
+from camgen.parts.level_rules import Axis, Band, Crowded, Unlaid
 
 BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths
 _BOWS = (1.1, 2.0, 4.0)  # of the room that is lacking

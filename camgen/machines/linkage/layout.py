@@ -21,7 +21,7 @@ from camgen.machines.linkage.joined import GROUND, Joined, Stretched
 from camgen.machines.linkage.slotted import Slotted, one_by_one
 from camgen.machines.linkage.wheels import NOSE, Tip, pivot
 from camgen.parts.bands import ArmBand
-from camgen.parts.catalogue import HEAD_ROOM, Bearing, narrowest
+from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.part import d_bore, hull, with_bar
 
 __all__ = ["GROUND", "Layout", "Stretched"]
@@ -230,15 +230,6 @@ class Layout(Joined):
                 way, (low, high) = cmath.exp(1j * joint.angle), self.strokes[joint.name]
                 found[point] = (joint.guide.at + (low - _ROOM) * way, joint.guide.at + (high + _ROOM) * way)
         return found
-
-    @property
-    def motor_holes(self) -> list[tuple[complex, float]]:
-        """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
-        face, point = self.sizes.face, self.shaft_of(self.driven)
-        if face is None:
-            return []
-        at, wide = self.at(GROUND, point), (face.screw.head + HEAD_ROOM) / 2
-        return [(at, self.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
 
     def slot_width(self, point: str) -> float:
         """Of the slot in which a point's pin runs, mm."""

@@ -24,7 +24,7 @@ from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.levels import Axis, Thing, ways
+from camgen.parts.level_rules import Axis, Thing, ways
 from camgen.parts.part import Held, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
@@ -252,6 +252,15 @@ def steps(layout: Layout) -> list[str]:
         told.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
         found.append(" ".join(["The second plate goes on last.", *told]))
     return found
+
+
+def motor_holes(layout: Layout) -> list[tuple[complex, float]]:
+    """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
+    face, point = layout.sizes.face, layout.shaft_of(layout.driven)
+    if face is None:
+        return []
+    at, wide = layout.at(GROUND, point), (face.screw.head + HEAD_ROOM) / 2
+    return [(at, layout.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
 
 
 def _depth(sizes: Parts) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.outlines import Contour
-from camgen.parts.levels import in_line
+from camgen.parts.level_rules import in_line
 from camgen.parts.part import hull
 from camgen.tolerances import SAME_POINT
 

@@ -18,8 +18,9 @@ from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse, tall
-from camgen.machines.linkage.plates import columns, post_radius
-from camgen.parts.levels import Axis, Band, Crowded, Opening, Thing, Wall, cuts, levels, span
+from camgen.machines.linkage.plates import columns, motor_holes, post_radius
+from camgen.parts.level_rules import Axis, Band, Crowded, Opening, Thing, Wall, span
+from camgen.parts.levels import cuts, levels
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -237,7 +238,7 @@ def _openings(layout: Layout, count: int) -> list[Opening]:
         move = f"another line of the slot of points.{point}"
         found.append(Opening(f"slot of pin {point}", corners, half, f"pin {point}", move=move))
     motor = layout.shaft_of(layout.driven)
-    for z, radius in layout.motor_holes:
+    for z, radius in motor_holes(layout):
         centre, half = np.full((1, count), z), radius + layout.min_wall / 2
         found.append(Opening("hole for the motor", centre, half, f"shaft {motor}", move=f"points.{motor} elsewhere"))
     return found
