@@ -33,7 +33,7 @@ _WIDEST = 1e5  # mm, bow that is worth a try
 class Kind:
     """Changes of one kind, from slight to great, of which the first that mends is told.
 
-    name: what is said to have been tried; frame: whether it is another frame, in which links may be short of room again.
+    name: what is said to have been tried; frame: whether links may be short of room again, elsewhere.
     """
 
     name: str
@@ -68,11 +68,9 @@ def mended(
     kinds = list(_kinds(layout, refused))
     mends = _first(kinds, makes)
     for change in (change for kind in kinds if kind.frame and not mends for change in kind.changes):
-        again = refusal(change)
-        if isinstance(again, Crowded):
-            room = [replace(kind, changes=[change.also(each) for each in kind.changes])
-                    for kind in _of_room(change.of(layout), again)]  # fmt: skip
-            mends += _first(room, makes)
+        again, other = refusal(change), change.of(layout)
+        more = () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
+        mends += _first([replace(kind, changes=[change.also(each) for each in kind.changes]) for kind in more], makes)
     if not isinstance(refused, Unlaid | Unmade):  # what it asks for is no guess
         return refused.mended(f"mended by {', or by '.join(mends)}; else {refused.remedy}") if mends else refused
     remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
@@ -112,9 +110,8 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     """Kinds of changes that may mend it."""
     s = layout.sizes
     if layout.given:
-        yield Kind("other levels", [Change("leaving [layers] out", free=True)])
-    if isinstance(refused, Crowded):
-        yield from _of_room(layout, refused)
+        yield Kind("other levels", [Change("leaving [layers] out", free=True)], True)
+    yield from _of_room(layout, refused)
     if isinstance(refused, Unmade):
         yield Kind(refused.kind, [refused.change])
     if s.of_sheet:
@@ -137,8 +134,10 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
         yield Kind("an interrupted shaft", [Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})], True)
 
 
-def _of_room(layout: Layout, refused: Crowded) -> Iterator[Kind]:
-    """What makes room for two things that cannot pass."""
+def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
+    """What makes room for two things, where they cannot pass."""
+    if not isinstance(refused, Crowded):
+        return
     s, short = layout.sizes, refused.needed - refused.distance
     for link in _bendable(layout, refused):
         if s.shape(link).bow is not None:
