@@ -118,6 +118,9 @@ MORE = {
     "interrupted": started("linkage", plates=2, shaft="interrupted"), "hand crank": started("linkage", hand_crank=40),
     "steel": started("walking-leg", shaft_made="steel"), "motor": started("linkage", motor="nema-17", base_thickness=6),
     "two plates on a quick return": started("quick-return", plates=2),
+    "laser": {**started("four-bar", make="laser"), "laser": {"thickness": 3}},
+    "cam on a bench": started("disc-cam", make="machine"), "groove on a bench": started("groove", make="machine"),
+    "indexing cams on a bench": started("indexing-cam", make="machine"),
 }  # fmt: skip
 SPECS = sorted(path for part in (".", "gallery") for path in (starters.folder() / part).glob("*.toml") if path.stem != "coupon")
 MACHINES = [*(path.stem for path in SPECS), *MORE]
