@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a spec, in words; sizes: keys of [parts] that it sets, of a link or of pins some, None takes a key away; free:
-    whether it leaves [layers] out."""
+    """A change of a spec, in words; sizes: keys of [parts] that it sets, of a link or of pins some; free: whether it leaves
+    [layers] out."""
 
     words: str
     sizes: Mapping[str, Any] = field(default_factory=dict)
@@ -47,10 +47,6 @@ class Unmade(DesignError):
 
 
 def _set(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    found = dict(table)
-    for key, value in changes.items():
-        if value is None:
-            found.pop(key, None)
-        else:
-            found[key] = _set(found.get(key, {}), value) if isinstance(value, Mapping) else value
-    return found
+    """The table with these keys, those of tables in it one by one."""
+    tables = {key: _set(table.get(key, {}), value) for key, value in changes.items() if isinstance(value, Mapping)}
+    return {**table, **changes, **tables}

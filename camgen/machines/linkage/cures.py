@@ -57,18 +57,18 @@ def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     return f"a smaller parts.{'shaft' if point in layout.shafts else 'pin'}_diameter or parts.head", move
 
 
-def mended(
-    layout: Layout, refused: DesignError, makes: Callable[[Change], bool], refusal: Callable[[Change], DesignError | None],
-    tried: Iterable[str],
+def with_cures(
+    layout: Layout, refused: DesignError, makes: Callable[[Change], bool], why_not: Callable[[Change], DesignError | None],
+    attempts: Iterable[str],
 ) -> DesignError:  # fmt: skip
     """The error with what mends it, as `makes` finds; its own remedy as a guess after that, or what was tried in vain.
 
-    refusal: why a change does not mend it; tried: what was tried before.
+    why_not: why a change does not mend it; attempts: what was tried before.
     """
     kinds = list(_kinds(layout, refused))
     mends = _first(kinds, makes)
     for change in (change for kind in kinds if kind.frame and not mends for change in kind.changes):
-        again, other = refusal(change), change.of(layout)
+        again, other = why_not(change), change.of(layout)
         more = () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
         mends += _first([replace(kind, changes=[change.also(each) for each in kind.changes]) for kind in more], makes)
     if not isinstance(refused, Unlaid | Unmade):  # what it asks for is no guess
@@ -77,7 +77,7 @@ def mended(
     guess = f"a guess: {remedy}" if remedy else ""
     if mends:
         return refused.mended(f"mended by {', or by '.join(mends)}{f'; else {guess}' if guess else ''}")
-    vain = f"tried in vain: {', '.join([*tried, *dict.fromkeys(kind.name for kind in kinds)])}"
+    vain = f"tried in vain: {', '.join([*attempts, *dict.fromkeys(kind.name for kind in kinds)])}"
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
 

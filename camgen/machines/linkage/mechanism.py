@@ -44,7 +44,7 @@ from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
-from camgen.machines.linkage.trials import mended
+from camgen.machines.linkage.trials import with_cures
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -297,7 +297,7 @@ class Linkage(Mechanism):
         try:
             assert self._laid[0].parts
         except DesignError as refused:
-            raise mended(refused, self._layout, self.run(self.course(_SAMPLES), 0), self._parts_with) from None
+            raise with_cures(refused, self._layout, self.run(self.course(_SAMPLES), 0), self._parts_with) from None
         return self._laid
 
     def _parts_with(self, change: Change) -> Sequence[Part]:

@@ -33,9 +33,9 @@ def laid(layout: Layout, run: Run) -> Layout:
     tries = _with_stems(layout, run)
     for explain in (False, True):
         refused: DesignError | None = None
-        for tried in tries:
+        for choice in tries:
             try:
-                best = _lowest(tried, run, explain)
+                best = _lowest(choice, run, explain)
             except DesignError as error:
                 refused = refused or error
                 continue
@@ -44,9 +44,9 @@ def laid(layout: Layout, run: Run) -> Layout:
     assert refused is not None
     if not isinstance(refused, Crowded):
         raise refused
-    for tried in bent(tries[0], refused):
+    for choice in bent(tries[0], refused):
         with suppress(DesignError):
-            best = _lowest(tried, run, False)
+            best = _lowest(choice, run, False)
             if best is not None:
                 return covered(best, run)
     raise refused
@@ -62,26 +62,26 @@ def _with_stems(layout: Layout, run: Run) -> list[Layout]:
     ]
 
 
-def tried(layout: Layout) -> list[str]:
+def attempts(layout: Layout) -> list[str]:
     """What `laid` has tried where it refuses, in words."""
     found = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
     return [*found, *([f"rails {', '.join(STEMS)}"] if layout.slides else []), "bows"]
 
 
-def stroked(layout: Layout, run: Run) -> Layout:
+def first_choice(layout: Layout, run: Run) -> Layout:
     """The layout with the strokes of its slots and slides, and the first choice of their stems."""
     return _with_stems(layout, run)[0]
 
 
-def lies(layout: Layout, run: Run) -> bool:
-    """Whether levels are found soon for a layout as `stroked` gives it."""
+def has_levels(layout: Layout, run: Run) -> bool:
+    """Whether levels are found soon for a layout as `first_choice` gives it."""
     with suppress(DesignError):
         refuse(layout)
         return _lowest(layout, run, False) is not None
     return False
 
 
-def unlaid(layout: Layout, run: Run) -> DesignError | None:
+def refusal(layout: Layout, run: Run) -> DesignError | None:
     """Why no levels are found for such a layout; None where they are."""
     try:
         refuse(layout)

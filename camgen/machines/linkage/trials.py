@@ -9,25 +9,25 @@ from camgen.machine.run import Run
 from camgen.machines.linkage import cures
 from camgen.machines.linkage.changes import Change
 from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.stacking import lies, stroked, tried, unlaid
+from camgen.machines.linkage.stacking import attempts, first_choice, has_levels, refusal
 from camgen.parts.level_rules import Crowded
 from camgen.parts.part import Part
 
 
-def mended(refused: DesignError, layout: Layout, run: Run, parts: Callable[[Change], Sequence[Part]]) -> DesignError:
+def with_cures(refused: DesignError, layout: Layout, run: Run, parts: Callable[[Change], Sequence[Part]]) -> DesignError:
     """The error with what mends it, as far as that is found.
 
     run: samples over the whole motion; parts: those of the spec with a change, DesignError or SpecError where it has none.
     """
-    first = stroked(layout, run)
+    first = first_choice(layout, run)
 
     def makes(change: Change) -> bool:
         try:
-            return lies(change.of(first), run) and bool(parts(change))
+            return has_levels(change.of(first), run) and bool(parts(change))
         except (DesignError, SpecError):
             return False
 
-    def refusal(change: Change) -> DesignError | None:
-        return unlaid(change.of(first), run)
+    def why_not(change: Change) -> DesignError | None:
+        return refusal(change.of(first), run)
 
-    return cures.mended(first, refused, makes, refusal, tried(first) if isinstance(refused, Crowded) else ())
+    return cures.with_cures(first, refused, makes, why_not, attempts(first) if isinstance(refused, Crowded) else ())
