@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.findings import Finding
+from camgen.errors import listed
+from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import four_bar
+from camgen.machine.features import Asked
 from camgen.machine.landmarks import double_points
-from camgen.machine.reach import four_bar_lengths, transmission
+from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import Course, Through, Trace, time_ratio
+from camgen.machines.free_play import accepted
 from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
@@ -185,6 +188,27 @@ def targets(linkage: Linkage) -> list[Finding]:
         for wanted, course in zip(linkage.wanted, courses(linkage), strict=True)
         for target in wanted.targets
     ]
+
+
+def asked(linkage: Linkage) -> tuple[Asked, ...]:
+    """What is asked of each output: its targets, and the play that is borne."""
+    found = []
+    for wanted, course in zip(linkage.wanted, courses(linkage), strict=True):
+        lash, of = accepted(course, linkage.allowed.lash, linkage.allowed.lash_deg)
+        found.append(Asked(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
+    return tuple(found)
+
+
+def transmission_angles(linkage: Linkage) -> list[Finding]:
+    """How near each loop comes to a fold, on the model as designed."""
+    return [
+        at_least(
+            "TRANSMISSION_ANGLE", math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
+            linkage.allowed.transmission_angle_deg, "deg", f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+            "least over the motion; at 0 the chain folds and may go on either way",
+        )
+        for fold in folds(linkage.chain, *linkage.range)
+    ]  # fmt: skip
 
 
 def _forces(linkage: Linkage, theta: Floats) -> Study:

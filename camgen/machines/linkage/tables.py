@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio, Trace
@@ -68,6 +68,16 @@ class Drive(Record):
         except SpecError as error:
             return list(error.faults)
         return []
+
+
+def _one_drive(value: object) -> object:
+    """A list of drives is told for what it is."""
+    if isinstance(value, list | tuple):
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
+    return value
+
+
+OneDrive = Annotated[Drive, BeforeValidator(_one_drive)]
 
 
 class Slide(Record):
