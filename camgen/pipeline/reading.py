@@ -65,7 +65,7 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
         findings += judged.findings
         if kind == "dxf":
             findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), meant))
-        if judged.shape is not None:
+        if judged.sections:
             read[kind] = judged.sections
     return Outcome(findings, not_judged=refused), read
 
