@@ -78,7 +78,11 @@ class Journal:
             row = json.loads(text)
         except (ValueError, RecursionError):
             return None
-        return row if isinstance(row, dict) and row.get("variant") in range(len(self.places)) and _whole(row) else None
+        return row if isinstance(row, dict) and self._has(row.get("variant")) and _whole(row) else None
+
+    def _has(self, variant: object) -> bool:
+        """Whether this is the number of a variant: 1.0 and true are none."""
+        return type(variant) is int and 0 <= variant < len(self.places)
 
     def _digest(self, text: bytes) -> bytes:
         """Of a row and the sweep that it is of."""

@@ -357,6 +357,7 @@ def begun(table: Path, work: Task, number: int) -> Path:
 
 LINES = ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', "[" * 100_000]
 LINES.append('{"variant": 0, "verdict": [], "fails": "", "reason": ""}')
+LINES += [f'{{"variant": {number}, "verdict": "holds", "fails": "", "reason": ""}}' for number in ("true", "1.0", "-1", "0e999")]
 
 
 @pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
