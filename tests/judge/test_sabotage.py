@@ -466,11 +466,21 @@ def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:
     assert ("MOTION_ERROR", "dxf") in failing(folder, "dxf")
 
 
-@pytest.mark.parametrize("name", ["motion.csv", "report.json", "cam-cam-drawing.pdf", "cam-cam-drawing.dxf"])
+@pytest.mark.parametrize("name", ["motion.csv", "report.json", "cam-cam-drawing.pdf"])
 def test_a_side_file_that_was_changed_is_told(folder: Path, name: str) -> None:
     path = folder / name
     path.write_bytes(path.read_bytes()[:-9])
     assert failing(folder) == {("MANIFEST", "json")}
+
+
+def test_a_dimensioned_drawing_is_read_too(folder: Path) -> None:
+    path = folder / "cam-cam-drawing.dxf"
+    data = path.read_bytes()
+    path.write_bytes(b"999\nby another\n" + data)
+    assert failing(folder) == {("MANIFEST", "json")}
+    path.write_bytes(data[:-9])
+    with pytest.raises(FileError, match=r"cam-cam-drawing\.dxf.* cut short"):
+        failing(folder)
 
 
 def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:
