@@ -19,7 +19,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.pipeline.summary import write_drawing
+from camgen.pipeline.summary import draw_part
 from camgen.study import Table
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         with suppress(DesignError) if kind in EXACT else nullcontext():  # a part that has none is told as files are judged
             write_part(case.file(name, kind), job)
     if "dxf" in only:
-        write_drawing(case, name, case.folder)
+        draw_part(case, name, case.folder)
     return None if mesh is None or sent is None else (mesh, sent)
 
 

@@ -31,7 +31,7 @@ from camgen.pipeline.jobs import Case, Workers
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
-from camgen.pipeline.summary import Summary, seen, write_drawing, write_report, write_texts
+from camgen.pipeline.summary import Summary, draw_part, seen, write_report, write_texts
 from camgen.report.report import Report
 
 ANY_KIND = (*FORMATS, "report")  # that can be asked for
@@ -119,7 +119,7 @@ class Rebuild:
         """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""
         case, kinds, anew = self.case, self.kinds, Case(self.case.mechanism, folder)
         drawings = list(case.parts) if "dxf" in kinds else []
-        drawn = workers.map(write_drawing, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings)))
+        drawn = workers.map(draw_part, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings)))
         scene = seen(case, kinds)
         if scene is not None:
             anew.file("assembly", "glb").write_bytes(scene.glb)

@@ -32,7 +32,7 @@ def seen(case: Case, kinds: Collection[str]) -> Scene | None:
     return scene(case.mechanism, laid)
 
 
-def write_drawing(case: Case, name: str, folder: Path) -> None:
+def draw_part(case: Case, name: str, folder: Path) -> None:
     """Write the dimensioned drawing of a part."""
     from camgen.files import drawing
     from camgen.pipeline.drawings import facts_of
