@@ -20,6 +20,7 @@ import numpy as np
 
 from camgen.findings import Finding, at_least
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
 from camgen.machine.forces import Forces
@@ -140,39 +141,60 @@ def cam_machine(
     )
 
 
+def cam_meant(cam: DiscCam[Any], limits: CamLimits, outer: bool = False) -> CamMeant:
+    """What a cam's exact outline gives, and what of it is accepted; outer: of the outer wall of its groove."""
+    match cam.follower:
+        case SwingingArm(_, arm):
+            lever = abs(arm) * math.cos(math.radians(cam.steepest))
+        case SwingingFace():
+            lever = min(map(abs, cam.face_contact))
+        case _:
+            lever = math.cos(math.radians(cam.steepest))
+    given = cam.reachable if cam.undercuts and not outer else None
+    return CamMeant(given, lever, limits.ripple, limits.undercut)
+
+
 def cam_outline(
-    cam: DiscCam[Any], part: str, bore: float | None, pressure_angle: float, ripple: float, undercut: float,
-    face: tuple[float, float] = (0.0, 0.0), width: float | None = None, free: float | None = None, copy: int = 0,
+    cam: DiscCam[Any],
+    part: str,
+    limits: CamLimits,
+    bore: float | None = None,
+    width: float | None = None,
+    free: float | None = None,
     own: OwnTip | None = None,
-) -> CamOutline:  # fmt: skip
+) -> CamOutline:
     """What of a part is measured for "contact" in a machine made by `cam_machine`.
 
-    bore: diameter of the part's own hole on the shaft, mm. pressure_angle: the largest, deg. ripple, undercut: as in CamMeant.
-    face: between which places a flat one on an arm is touched, mm from the pivot's foot; width: its own, None without an end.
-    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm; else the cam's own air.
-    copy: which of the part's mounts it is.
+    bore: diameter of the part's own hole on the shaft, mm. width: of a flat face, mm, None without an end. free: the part's
+    largest hole is the outer wall of a groove that is so much wider than the tip, mm; None: the part is the cam itself.
     """
-    follower, cosine, middle = cam.follower, math.cos(math.radians(pressure_angle)), (face[0] + face[1]) / 2
+    follower = cam.follower
     tip: Eye | Flat
     swings: str | None = None
     match follower:
         case SwingingArm():
-            tip, swings, lever = Eye(None, follower.arm, 2 * follower.tip_radius), "pivot", abs(follower.arm) * cosine
+            tip, swings = Eye(None, follower.arm, 2 * follower.tip_radius), "pivot"
         case SwingingFace():
-            at = follower.facing * complex(follower.ahead, middle)
+            at = follower.facing * complex(follower.ahead, sum(cam.face_contact) / 2)
             tip, swings = Flat(None, at, cmath.phase(-follower.facing), width or math.inf), "pivot"
-            lever = min(map(abs, face))
         case SlidingTip():
-            tip, lever = Eye(None, follower.start, 2 * follower.tip_radius), cosine
+            tip = Eye(None, follower.start, 2 * follower.tip_radius)
         case _:
             tip = Flat(None, follower.start, cmath.phase(-follower.leaves * follower.along), width or math.inf)
-            lever = cosine
-    given = cam.reachable if cam.undercuts and free is None else None
+    outer = free is not None
     return CamOutline(
-        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None,
-        free=cam.air if free is None else free, copy=copy,
-        bore=None if bore is None else Eye(part, 0j, bore), own=own, meant=CamMeant(given, lever, ripple, undercut),
-    )  # fmt: skip
+        "contact",
+        part,
+        "shaft",
+        swings,
+        tip,
+        leaves=follower.leaves,
+        inside=outer,
+        free=cam.air if free is None else free,
+        bore=None if bore is None else Eye(part, 0j, bore),
+        own=own,
+        meant=cam_meant(cam, limits, outer),
+    )
 
 
 def _turn(cam: DiscCam[Any]) -> Floats:

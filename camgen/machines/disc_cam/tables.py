@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.loads.tables import CamBears, Drives, Weight
 from camgen.machines.pairs import Air
 from camgen.spec import Length, Record, Rpm, turning
 
@@ -39,18 +39,11 @@ class Motor(Drives):
     speed_rpm: Annotated[Rpm, turning()] = 60.0
 
 
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
+class Limits(CamBears):
+    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower."""
 
-    least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
-    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
     undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     lash: Annotated[float, Field(ge=0, le=1e6)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
     min_wall: Length = 0.8
 
 

@@ -56,6 +56,7 @@ from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.springs import Mounted
 from camgen.spec import Output, unknown
 from camgen.study import Sketch, Study, Table, together
 
@@ -222,6 +223,21 @@ class Linkage(Mechanism):
             return ()
         return tuple(posts(self.bodies, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
 
+    def mounted_springs(self) -> Mapping[str, Mounted]:
+        """Its own, and those of what is included."""
+        pressed = {cam.follower for cam in by_force(self.chain)}
+        own = {
+            each.figure.replace("_", " "): each.mounted(
+                self.making.pin_diameter, any(body in pressed for body, _ in each.ends)
+            )
+            for each in self.sprung
+        }
+        return own | {
+            f"{name} of {each.module.prefix}": spring
+            for each in self.modules
+            for name, spring in each.mechanism.mounted_springs().items()
+        }
+
     def bears(self, joint: str) -> Bears:
         """As this spec, or that of the included machine whose joint it is, says."""
         own = self._owner(joint)
@@ -320,13 +336,19 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = {Drawing.cam_name(c): wheels.Ridden(c.shape, c.radius, c.closure, c.at, c.tip_clearance) for c in self.cams}
+        cams = {Drawing.cam_name(cam): self._ridden(cam) for cam in self.cams}
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
             springs={each.name: each.stretched for each in self.sprung},
             kept=inc.kept(self.includes, self._whole_spec, self.drive.speed_rpm),
         )  # fmt: skip
+
+    def _ridden(self, cam: t.Cam) -> wheels.Ridden:
+        """What touches a cam, and what of it is accepted."""
+        slides = self._drawing.slide_of(cam.follower) is not None
+        accepted = self.allowed.of_cams(self.allowed.undercut if slides else math.radians(self.allowed.undercut_deg))
+        return wheels.Ridden(cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted)
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
@@ -408,7 +430,7 @@ class Linkage(Mechanism):
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
                 "least over the motion; at 0 the chain folds and may go on either way",
             ))  # fmt: skip
-        found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
+        found += wheels.limits(self._layout.tips)
         return [*found, *self._pressed.findings, *(finding for each in self.modules for finding in each.limits())]
 
     def unpressed(self) -> Sequence[NotJudged]:

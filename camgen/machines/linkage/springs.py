@@ -19,7 +19,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
-from camgen.parts.springs import EYE, ExtensionSpring, extension_spring
+from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
 from camgen.spec import unknown
 
 
@@ -49,9 +49,13 @@ class Sprung:
         least, most = (self.pull.rate * (length - self.pull.free) for length in (self.shortest, self.longest))
         return least, most
 
+    def mounted(self, pin: float, on_cam: bool) -> Mounted:
+        """Where it works; pin: diameter, mm; on_cam: whether it keeps a follower on its cam."""
+        return Mounted(self.spring, self.shortest + pin, self.longest + pin, on_cam=on_cam)
+
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
-        return replace(self.spring.bought(self.shortest + pin, self.longest + pin), name=f"extension spring, {self.name}")
+        return replace(self.mounted(pin, False).bought, name=f"extension spring, {self.name}")
 
 
 def names(springs: Sequence[t.Spring]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -118,25 +119,30 @@ def _laws(cam: Cam, model: Elastic, speed: float) -> list[Table]:
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
 
 
-def sprung(mounted: Mounted | None, speed: float) -> Borne:
-    """SPRING_STRESS and SURGE of the spring that holds a follower on its cam; speed: rad/s."""
+def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
+    """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
     borne = Borne()
-    if mounted is None:
-        return borne
-    spring, turns = mounted.spring, abs(speed) / math.tau
-    where = "return spring" if mounted.made else "return spring, to be wound"
-    stress, surge = spring.stress(mounted.longest), spring.surge
-    size = f"wire {spring.wire:g}, outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils, free length {spring.free:.4g}"
-    borne.findings += [
-        at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, f"{size} mm, stretched to {mounted.longest:.4g} mm"),
-        at_least("SURGE", surge, _SURGE * turns, "Hz", where,
-                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
-                 "it; a thicker wire on fewer coils is faster"),
-    ]  # fmt: skip
-    borne.numbers |= {
-        "spring_rate_n_mm": spring.rate, "spring_stress_mpa": stress, "spring_surge_hz": surge,
-        "spring_force_least_n": spring.force(mounted.shortest), "spring_force_greatest_n": spring.force(mounted.longest),
-    }  # fmt: skip
+    for where, mounted in springs.items():
+        spring, turns = mounted.spring, abs(speed) / math.tau
+        stress, surge = spring.stress(mounted.longest), spring.surge
+        coils = f"outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils"
+        size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {mounted.longest:.4g} mm"
+        borne.findings.append(at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, size))
+        if mounted.on_cam:
+            said = (
+                f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
+                "it; a thicker wire on fewer coils is faster"
+            )
+            borne.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, said))
+        key = "spring" if where.startswith("return spring") else re.sub("[^a-z0-9]+", "_", where.lower())
+        numbers = {
+            f"{key}_rate_n_mm": spring.rate,
+            f"{key}_stress_mpa": stress,
+            f"{key}_surge_hz": surge,
+            f"{key}_force_least_n": spring.force(mounted.shortest),
+            f"{key}_force_greatest_n": spring.force(mounted.longest),
+        }
+        borne.numbers |= {name: value for name, value in numbers.items() if name not in borne.numbers}
     return borne
 
 
