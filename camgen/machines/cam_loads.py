@@ -80,8 +80,8 @@ def lift_off(
     that spring."""
     preload, rate = found.spring_needed(load)
     units = ("N", "N/mm") if slides else ("N m", "N m/rad")
-    stiffer = f" or a spring.rate of {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
-    kept = f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
+    stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
+    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
     return found.keeps_contact(jumps if found.kick else kept)
 
 

@@ -22,7 +22,7 @@ ALL = frozenset(KINDS)
 # The stitch whose needles slide along the spreaders.
 BARE = ("geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34", "geometry.p6_setback=0",
         "limits.clearance=0")  # fmt: skip
-UNTOLD = {"DRIVE_TORQUE", "SHAFT_REACH"}  # by specs that say nothing of their motor
+UNTOLD = {"DRIVE_TORQUE", "SHAFT_REACH", "LIFT_OFF"}  # by specs that say nothing of their motor, or of what presses a follower
 Make = Callable[..., Report]
 
 
@@ -171,6 +171,7 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
         ("stl", "print.profile_compensation=0.1", ""),
         ("stl", "output.curves='lines'", "acts on DXF alone"),
         ("dxf,stl", "output.curves='lines'", ""),
+        ("dxf", "output.engrave=true", "output.engrave = true: no part has anything engraved"),
     ],
 )
 def test_key_that_cannot_act_on_a_file_is_told(

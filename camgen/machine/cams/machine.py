@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
@@ -220,23 +220,24 @@ class Loaded:
     forces: Forces
 
     def spring_needed(self, load: FollowerLoad) -> tuple[float, float]:
-        """Least preload, or else rate, not below 0, with which the effort is nowhere below 0, the other one as loaded.
+        """Preload, or else rate, beyond which the effort is above 0 all over the turn, the other one as loaded; not below 0.
 
         inf where none keeps contact.
         """
         if self.kick:
             return math.inf, math.inf
         missing = load.rate * self.lift - self.effort
-        short = missing > 0
+        rounding = ROUNDING * float(np.max(np.abs(self.effort)))
+        short = missing >= -rounding
         least = load.preload - float(np.min(self.effort))
-        least = least if least > ROUNDING * float(np.max(np.abs(self.effort))) else 0.0
+        least = least if least > rounding else 0.0
         if not np.any(short):
             return least, 0.0
         low = self.lift[short]
-        return least, float(np.max(missing[short] / low)) if np.all(low > 0) else math.inf
+        return least, max(0.0, float(np.max(missing[short] / low))) if np.all(low > 0) else math.inf
 
     def keeps_contact(self, remedy: str) -> Finding:
-        """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; a kick throws the follower off."""
+        """Finding LIFT_OFF: whether the least contact force, N, stays above 0; a kick throws the follower off."""
         return keeps_contact(self.theta, self.force, bool(self.kick), "cam angle", remedy)
 
 
@@ -245,10 +246,29 @@ def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: str, remedy
     force = np.where(np.isnan(force), math.inf, force)
     if kicked:
         force[len(force) // 2] = -math.inf
-    k = int(np.argmin(force))
-    leaves = f"the follower leaves the cam; {remedy[:1].lower()}{remedy[1:]}"
-    message = "the follower stays on the cam" if force[k] >= 0 else leaves
-    return at_least("LIFT_OFF", float(force[k]), 0.0, "N", f"{where} {math.degrees(float(theta[k])):.1f} deg", message)
+    said = f"{remedy[:1].lower()}{remedy[1:]}"
+    return lift_off(theta, force, "N", where, "the follower stays on the cam", said)
+
+
+def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, remedy: str) -> Finding:
+    """Finding LIFT_OFF: what presses a follower on its cam, (n,) in its unit, must stay above 0; at 0 nothing presses.
+
+    kept: what is said where it stays there.
+    """
+    k = int(np.argmin(push))
+    least = float(push[k])
+    rounding = ROUNDING * float(np.max(np.abs(push), where=np.isfinite(push), initial=0.0))
+    message = kept
+    if least < -rounding:
+        message = f"the follower leaves the cam; {remedy}"
+    elif least <= rounding:
+        loaded_at = np.flatnonzero(np.abs(push) > rounding)
+        begin, end = np.degrees(theta[[np.max(loaded_at[loaded_at < k], initial=-1) + 1,
+                                       np.min(loaded_at[loaded_at > k], initial=len(theta)) - 1]])  # fmt: skip
+        there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
+        message = f"nothing presses the follower on the cam {there}; {remedy}"
+    place = f"{where} {math.degrees(float(theta[k])):.1f} deg"
+    return Finding("LIFT_OFF", least > rounding, least, 0.0, unit, place, message, True)
 
 
 def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Floats) -> Loaded:

@@ -315,7 +315,7 @@ class DiscCamDrive(StandingCams):
         if self._loaded or self.geometry.closure != "force":
             return ()
         why = "no spring, weight or load acts on the follower"
-        return (NotJudged("LIFT_OFF", why, "[load] and [spring]: what presses the follower on its cam"),)
+        return (NotJudged("LIFT_OFF", why, "[load] and [spring]"),)
 
     def forecast(self) -> Sequence[Finding]:
         """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
