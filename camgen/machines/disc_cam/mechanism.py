@@ -102,7 +102,7 @@ class DiscCamDrive(StandingCams):
         found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0)
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
-            found += polydyne_faults(self.load, self._given)
+            found += polydyne_faults(self.load, self.spring, self._given, self.standing and g.closure == "force")
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -123,7 +123,7 @@ class DiscCamDrive(StandingCams):
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
         made = self._given
         if self.load is not None and self.load.polydyne:
-            made = polydyne(made, self.load.stretch(self.speed))
+            made = polydyne(made, self.load.lag(self.speed, self.spring.rate if self.spring else 0.0))
         return made if self.sense > 0 else made.backwards()
 
     @cached_property
