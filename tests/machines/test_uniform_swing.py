@@ -202,7 +202,7 @@ def test_faults_come_all_at_once() -> None:
 @pytest.mark.parametrize("rho", [0.0, 3.0, 11.0])
 def test_findings_and_study(blend_deg: float, rho: float) -> None:
     geometry = {"geometry__reversal_blend_deg": blend_deg, "geometry__tip_radius": rho}
-    m = design(**geometry, parts__bore=4.0, parts__pin_diameter=0.0)
+    m = design(**geometry, parts__bore=4.0, parts__pin_diameter=0.0, limits__undercut_deg=0.1)
     pressure, undercut, curvature, room, jumps = m.limits()
     assert (curvature.code, jumps.code) == ("CURVATURE", "MOTION_JUMP")
     assert room.ok
