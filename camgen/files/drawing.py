@@ -31,7 +31,7 @@ from camgen.files.dimensions import (
     standing_of,
     zero_of,
 )  # fmt: skip
-from camgen.files.labels import Named, Taken, along, box, placed
+from camgen.files.labels import Named, along, led, placed
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import SIZE, Facts, position_frame, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -51,8 +51,6 @@ _NOTES = _SIZES["A4"][0] - _FILING - _MARGIN - SIZE[0] - 6  # width of the notes
 _LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
 _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
-_TURNS = (0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9)  # rad, by which a leader is turned until its text is on free paper
-_AIR = 0.5  # mm of paper round a text
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _COLUMNS = 3  # pairs of angle and radius beside each other
@@ -271,22 +269,13 @@ class _Layout:
             aside = cmath.phase(direction / size)
             if abs(aside) < _ASIDE:
                 direction = size * cmath.rect(1, math.copysign(_ASIDE, aside))
-        tip, taken = self.paper(point), Taken.of(self.sheet)
-        tries = [self._led(point, direction * cmath.rect(1, turn), text) for turn in _TURNS]
-        free = taken.free([box(label, _AIR) for label, _ in tries])
-        label, end = tries[int(np.argmax(free))]
-        self.sheet.line(end, tip, layer="DIM")
-        self.sheet.arrow(tip, (tip - end) / abs(tip - end))
-        self.sheet.things.append(label)
 
-    def _led(self, point: complex, direction: complex, text: str) -> tuple[Text, complex]:
-        """A leader's text onto a point of the outline, and where the leader begins."""
-        tip, reading = self.paper(point), direction if direction.real > -1e-9 else -direction
-        label = Text(0j, text, 2.5, "centre", reading, "DIM")
-        beyond = (along(self.above) - point if self.above else np.zeros(1)) * direction.conjugate()
-        clear = self.scale * max(0.0, float(np.max(beyond.real)))  # past what a flange shows
-        middle = tip + (clear + label.room / 2 + 4) * direction + 0.8j * reading
-        return replace(label, at=middle), tip + (clear + label.room + 4) * direction
+        def clear(way: complex) -> float:
+            """Past what a flange shows, mm of paper."""
+            beyond = (along(self.above) - point if self.above else np.zeros(1)) * way.conjugate()
+            return self.scale * max(0.0, float(np.max(beyond.real)))
+
+        self.sheet.things += led(self.sheet, self.paper(point), direction, clear, text)
 
     def _turning(self, taken: Sequence[float]) -> None:
         """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""

@@ -10,9 +10,10 @@ is no other place. Lengths are mm of paper.
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ _HIGH = 1.2  # from an edge to a label beside it
 _NEAR = (0.0, 1.2, 2.5)  # further than that, without a leader
 _FAR = tuple(np.arange(5.0, 60.0, 2.0))  # with one: so much that its arrow has room
 _TURNS = np.radians([45, 135, 315, 225, 65, 115, 295, 245, 25, 155, 335, 205, 90, 270, 0, 180])
+_ASIDE = (0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9)  # rad
 _HARD = ("CUT", "VIEW", "DIM", "TEXT")  # layers of lines on which no text lies
 
 
@@ -114,6 +116,24 @@ def _touching(others: Sequence[Any], shapes: Sequence[Any]) -> Any:
 def _clear(others: Sequence[Any], shapes: Any) -> Any:
     """Which of some shapes touch none of the others, (n,)."""
     return _touching(others, shapes) == 0
+
+
+def led(
+    sheet: Sheet, tip: complex, direction: complex, clear: Callable[[complex], float], text: str
+) -> list[Stroke | Fill | Text]:
+    """Arrow onto a point from a direction with the text along it, turned aside until that lies on free paper.
+
+    clear: by its direction, how far from the point on there may be text.
+    """
+    taken, tries = Taken.of(sheet), list[tuple[Text, complex]]()
+    for turn in _ASIDE:
+        way = direction * cmath.rect(1, turn)
+        reading, away = way if way.real > -1e-9 else -way, clear(way)
+        label = Text(0j, text, HEIGHT, "centre", reading, "DIM")
+        middle = tip + (away + label.room / 2 + 4) * way + 0.8j * reading
+        tries.append((replace(label, at=middle), tip + (away + label.room + 4) * way))
+    label, start = tries[int(np.argmax(taken.free([box(label, _AIR) for label, _ in tries])))]
+    return Placed(label, start, tip).things
 
 
 @dataclass(frozen=True)

@@ -189,11 +189,11 @@ def test_key_that_cannot_act_on_a_file_is_told(
 @pytest.mark.parametrize(
     "name, settings, found",
     [
-        ("disc-cam", (), {"geometry.base_radius", "material.density"}),
-        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, "
-                      "pivot_distance=70, arm=60}",), {"geometry.base_radius", "material.density"}),
+        ("disc-cam", (), {"geometry.base_radius", "limits.pressure_angle_deg", "material.density"}),
+        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=70, arm=60}",), {
+            "geometry.base_radius", "limits.pressure_angle_deg", "material.density"}),
         ("indexing-cam", ("motor.speed_rpm=45", "unloader={torque='law'}"), {
-            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "material.density"}),
+            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "limits.pressure_angle_deg", "material.density"}),
         ("thread-take-up", (), {
             "masses.coupler_centre", "masses.output_crank_centre", "material.density"}),
         ("chain-stitch-looper", (), {"timing.needle_stroke", "material.density"}),

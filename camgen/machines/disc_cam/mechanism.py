@@ -181,7 +181,8 @@ class DiscCamDrive(StandingCams):
 
     def found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""
-        return {**super().found(), "geometry.base_radius": self.base_radius}
+        steepest = self.cam_limits.steepest(self.cam)
+        return {**super().found(), "geometry.base_radius": self.base_radius, "limits.pressure_angle_deg": steepest}
 
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:

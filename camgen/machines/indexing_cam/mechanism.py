@@ -191,7 +191,8 @@ class IndexingCam(StandingCams):
 
     def found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
-        found = {**super().found(), "geometry.return_deg": self.return_deg}
+        steepest = self.allowed.cam_limits.steepest(self.cams["cam"])
+        found = {**super().found(), "geometry.return_deg": self.return_deg, "limits.pressure_angle_deg": steepest}
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
         elif isinstance(self.unloading, CrankSpring):

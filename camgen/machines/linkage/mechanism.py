@@ -56,13 +56,10 @@ from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
-from camgen.parts.springs import Mounted
 from camgen.spec import Output, unknown
 from camgen.study import Sketch, Study, Table, together
 
 _LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
-_OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
-_LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
@@ -223,20 +220,10 @@ class Linkage(Mechanism):
             return ()
         return tuple(posts(self.bodies, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
 
-    def mounted_springs(self) -> Mapping[str, Mounted]:
+    def mounted_springs(self) -> Mapping[str, coils.Mounted]:
         """Its own, and those of what is included."""
-        pressed = {cam.follower for cam in by_force(self.chain)}
-        own = {
-            each.figure.replace("_", " "): each.mounted(
-                self.making.pin_diameter, any(body in pressed for body, _ in each.ends)
-            )
-            for each in self.sprung
-        }
-        return own | {
-            f"{name} of {each.module.prefix}": spring
-            for each in self.modules
-            for name, spring in each.mechanism.mounted_springs().items()
-        }
+        included = {each.module.prefix: each.mechanism.mounted_springs() for each in self.modules}
+        return coils.mounted(self.sprung, by_force(self.chain), self.making.pin_diameter, included)
 
     def bears(self, joint: str) -> Bears:
         """As this spec, or that of the included machine whose joint it is, says."""
@@ -336,19 +323,13 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = {Drawing.cam_name(cam): self._ridden(cam) for cam in self.cams}
+        cams = wheels.ridden(self._drawing, self.allowed)
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
             springs={each.name: each.stretched for each in self.sprung},
             kept=inc.kept(self.includes, self._whole_spec, self.drive.speed_rpm),
         )  # fmt: skip
-
-    def _ridden(self, cam: t.Cam) -> wheels.Ridden:
-        """What touches a cam, and what of it is accepted."""
-        slides = self._drawing.slide_of(cam.follower) is not None
-        accepted = self.allowed.of_cams(self.allowed.undercut if slides else math.radians(self.allowed.undercut_deg))
-        return wheels.Ridden(cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted)
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
@@ -443,9 +424,7 @@ class Linkage(Mechanism):
         cams = by_force(self.chain)
         if not cams or self.lacking() is not None:
             return Borne()
-        programs = {Drawing.cam_name(cam): self._drawing.program_of(cam) for cam in self.cams}
-        kicked = [name for name, program in programs.items() if any(jump.order == 1 for jump in program.discontinuities(1))]
-        return pressed(pulled(self), cams, kicked, np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
+        return pressed(pulled(self), cams, self._drawing.kicked(), np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """With its own springs and those of what is included."""
@@ -459,8 +438,7 @@ class Linkage(Mechanism):
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
-        seconds = kinds * (_OF_A_KIND + _OF_THREE * len(self.links) ** 3)
-        return f"{len(self.links)} links: to make and judge it takes about {seconds:.0f} s" if seconds > _LONG else ""
+        return figures.beforehand(len(self.links), kinds)
 
     def texts(self) -> Mapping[str, str]:
         """The chain as drawn, as a picture and as PMKS lines."""

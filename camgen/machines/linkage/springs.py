@@ -19,7 +19,8 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
-from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
+from camgen.parts.springs import EYE, ExtensionSpring, extension_spring
+from camgen.parts.springs import Mounted as Mounted
 from camgen.spec import unknown
 
 
@@ -56,6 +57,18 @@ class Sprung:
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
         return replace(self.mounted(pin, False).bought, name=f"extension spring, {self.name}")
+
+
+def mounted(
+    sprung: Sequence[Sprung], cams: Sequence[m.Cam], pin: float, included: Mapping[str, Mapping[str, Mounted]]
+) -> dict[str, Mounted]:
+    """Where they work, by their names in findings.
+
+    cams: that only a force keeps closed; pin: diameter, mm; included: the same of other machines, by their names.
+    """
+    followers = {cam.follower for cam in cams}
+    found = {each.figure.replace("_", " "): each.mounted(pin, any(end[0] in followers for end in each.ends)) for each in sprung}
+    return found | {f"{name} of {of}": spring for of, springs in included.items() for name, spring in springs.items()}
 
 
 def names(springs: Sequence[t.Spring]) -> list[str]:

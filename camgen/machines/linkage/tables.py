@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
+from camgen.machine.cams.limits import CamLimits
 from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio
 from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import CamBears
@@ -206,6 +207,10 @@ class Limits(CamBears):
     )
     lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(None, description="deg, the same of an angle")
     min_wall: Length = Field(0.8, description="mm")
+
+    def of_follower(self, slides: bool) -> CamLimits:
+        """What is accepted of a cam, by whether its follower slides or swings."""
+        return self.of_cams(self.undercut if slides else math.radians(self.undercut_deg))
 
 
 Points = dict[Name, Place]

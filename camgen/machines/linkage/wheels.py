@@ -26,9 +26,9 @@ from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
-from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
+from camgen.machines.linkage.drawing import SECOND, Drawing, Scaled, level_of
 from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.tables import Gear
+from camgen.machines.linkage.tables import Gear, Limits
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
@@ -49,6 +49,16 @@ class Ridden:
     tip_clearance: float = 0.0  # of a pair, mm at each tip
     face_width: float | None = None  # of a flat face, mm; None: as wide as it is touched
     limits: CamLimits = CamLimits()
+
+
+def ridden(drawing: Drawing, limits: Limits) -> dict[str, Ridden]:
+    """What touches each cam, by its joint."""
+    found = {}
+    for cam in drawing.cams:
+        accepted = limits.of_follower(drawing.slide_of(cam.follower) is not None)
+        touching = Ridden(cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted)
+        found[drawing.cam_name(cam)] = touching
+    return found
 
 
 @dataclass(frozen=True)

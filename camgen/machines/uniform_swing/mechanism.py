@@ -112,6 +112,10 @@ class UniformSwing(Mechanism):
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
         return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1), g.tip_clearance)
 
+    def found(self) -> Mapping[str, object]:
+        """The pressure angle that is accepted, and what every mechanism fills in."""
+        return {**super().found(), "limits.pressure_angle_deg": self.allowed.cam_limits.steepest(self.cam)}
+
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
