@@ -19,8 +19,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
-from camgen.parts.springs import EYE, ExtensionSpring, extension_spring
-from camgen.parts.springs import Mounted as Mounted
+from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
 from camgen.spec import unknown
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machine.cams.limits import CamLimits
-from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio
+from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio, Trace
 from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import CamBears
 from camgen.machines.pairs import Air
@@ -69,6 +69,16 @@ class Drive(Record):
         except SpecError as error:
             return list(error.faults)
         return []
+
+
+def _one_drive(value: object) -> object:
+    """A list of drives is told for what it is."""
+    if isinstance(value, list | tuple):
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
+    return value
+
+
+OneDrive = Annotated[Drive, BeforeValidator(_one_drive)]
 
 
 class Slide(Record):
@@ -146,6 +156,7 @@ class Wanted(Record):
     link: Name | None = Field(None, description="a link: its angle, or its place along its slide")
     stroke: Stroke | None = None
     points: Through | None = None
+    path: Trace | None = None
     straightness: Straight | None = None
     dwell: Dwell | None = None
     time_ratio: TimeRatio | None = None
@@ -154,7 +165,7 @@ class Wanted(Record):
     @property
     def targets(self) -> tuple[Target, ...]:
         """What is wanted of it by value."""
-        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio, self.function)
+        every = (self.stroke, self.points, self.path, self.straightness, self.dwell, self.time_ratio, self.function)
         return tuple(target for target in every if target is not None)
 
 
@@ -203,7 +214,9 @@ class Limits(CamBears):
     undercut: Annotated[float, Field(ge=0, le=1e6)] = Field(0.0, description="mm, motion that a follower that slides may lose")
     undercut_deg: Annotated[float, Field(ge=0, le=180)] = Field(0.0, description="deg, the same of one that swings")
     lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
-        None, description="mm, free play of an output by all joints' play; a quarter of its stroke unless given"
+        None,
+        description="mm, free play of an output by all joints' play; a quarter of its stroke, or of a path's smaller side, "
+        "unless given",
     )
     lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(None, description="deg, the same of an angle")
     min_wall: Length = Field(0.8, description="mm")
