@@ -268,7 +268,7 @@ def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, reme
         there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
         message = f"nothing presses the follower on the cam {there}; {remedy}"
     place = f"{where} {math.degrees(float(theta[k])):.1f} deg"
-    return Finding("LIFT_OFF", least > rounding, least, 0.0, unit, place, message, True)
+    return Finding("LIFT_OFF", least > rounding, least, 0.0, unit, place, message, floor=True, strict=True)
 
 
 def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Floats) -> Loaded:
