@@ -262,9 +262,10 @@ def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, reme
     if least < -rounding:
         message = f"the follower leaves the cam; {remedy}"
     elif least <= rounding:
-        loaded_at = np.flatnonzero(np.abs(push) > rounding)
-        begin, end = np.degrees(theta[[np.max(loaded_at[loaded_at < k], initial=-1) + 1,
-                                       np.min(loaded_at[loaded_at > k], initial=len(theta)) - 1]])  # fmt: skip
+        idle = np.flatnonzero(push <= rounding)
+        stretches = np.split(idle, np.flatnonzero(np.diff(idle) > 1) + 1)
+        k, last = max(((each[0], each[-1]) for each in stretches), key=lambda ends: theta[ends[1]] - theta[ends[0]])
+        begin, end = np.degrees(theta[[k, last]])
         there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
         message = f"nothing presses the follower on the cam {there}; {remedy}"
     place = f"{where} {math.degrees(float(theta[k])):.1f} deg"
