@@ -59,8 +59,9 @@ class Staged:
         try:
             missing = [folder for folder in (parent, *parent.parents) if not folder.exists()]
             for folder in reversed(missing):
-                folder.mkdir()
-                self._made.append(folder)
+                if not folder.exists():  # x/.. of a missing x is there as soon as x is
+                    folder.mkdir()
+                    self._made.append(folder)
             self._staging = Path(tempfile.mkdtemp(prefix=f".{self.target.name}-", dir=parent))
             self._guard = _guarded(self._staging)
             self._new = self._staging / "new"

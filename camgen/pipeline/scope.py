@@ -121,6 +121,10 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             found.append(f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
+    if mechanism.output.engrave and not any(part.engraved for part in mechanism.parts()):
+        found.append("output.engrave = true: no part has anything engraved")
+    elif mechanism.output.engrave and not any(kind in kinds for kind in DRAWN):
+        found.append(f"output.engrave = true acts on {drawn} alone, and no {drawn} is made")
     idle = mechanism.idle()
     if idle:
         found.append(f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]')
