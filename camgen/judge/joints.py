@@ -244,11 +244,11 @@ class _Builder:
     ) -> None:  # fmt: skip
         """Write down a joint's fit, from what its two sides measure, mm; shaft: the first of them is in the second."""
 
-        def play(sizes: tuple[float, float], through: float) -> float:
+        def play(sizes: tuple[float, float], through: float | None) -> float:
             a, b = sizes
-            return a + b - 2 * through if pin is not None else (b - a) * (1 if shaft else -1)
+            return (b - a) * (1 if shaft else -1) if through is None else a + b - 2 * through
 
-        now, was = (play(made, self._size(pin)), play(meant, pin.diameter)) if pin else (play(made, 0.0), play(meant, 0.0))
+        now, was = play(made, self._size(pin) if pin else None), play(meant, pin.diameter if pin else None)
         misfit = abs(now - was) / (1 if pin is None else 2)  # a pin is in two holes, so their play counts by the half
         for eye in eyes:  # each hole's own size, and its centres at several heights
             found = self.found.eyes[eye]

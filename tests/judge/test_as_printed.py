@@ -150,6 +150,27 @@ def test_where_a_ring_begins_says_nothing() -> None:
             np.testing.assert_allclose(np.roll(made.points, -shift), wanted.points, atol=1e-12)
 
 
+@pytest.mark.parametrize("step", [1e-1, 1e-4])
+@pytest.mark.parametrize("distance", [-0.3, 0.3])
+def test_a_step_between_two_walls_keeps_its_height(step: float, distance: float) -> None:
+    """One of its corners is hollow, so that what either gains the other loses, however small it is."""
+    walls = np.array([0, 10, 10 + 10j, 5 + 10j, 5 + 1j * (10 + step), 1j * (10 + step)])
+    made = grown(polygon(walls), distance).points
+    outward = np.array([-1 - 1j, 1 - 1j, 1 + 1j, 1 + 1j, 1 + 1j, -1 + 1j])
+    np.testing.assert_allclose(made, walls + distance * outward, atol=1e-12)
+
+
+@pytest.mark.parametrize("distance", [0.1, 0.8])
+def test_a_lens_of_facets_keeps_its_tips(distance: float) -> None:
+    """Two arcs of radius 4 that meet at right angles: the tips go to where circles larger by the distance meet."""
+    half = 4 * math.sqrt(0.5)
+    right = -half + 4 * np.exp(1j * np.linspace(-math.pi / 4, math.pi / 4, 401))
+    made = grown(polygon(np.append(right[:-1], -right[:-1])), distance).points
+    tip = math.sqrt((4 + distance) ** 2 - half**2)
+    for wanted in (tip * 1j, -tip * 1j):
+        assert np.min(np.abs(made - wanted)) < 1e-6 * distance
+
+
 def test_what_print_closes_is_refused() -> None:
     """A strip 1 mm wide from either side of which 0.6 mm are lost; a disc smaller than what it loses."""
     strip = polygon(np.array([0, 9, 9 + 1j, 1j]))

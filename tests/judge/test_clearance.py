@@ -43,13 +43,13 @@ def circling(radius: float, centre: complex) -> Callable[[np.ndarray], np.ndarra
     return lambda theta: centre + radius * np.exp(1j * np.asarray(theta))
 
 
-def test_least_distance_lies_between_all_samples() -> None:
-    # the point 10 + 5i of a small triangle circles; nearest to the square's side x = 2 at theta = pi + 0.1
+@pytest.mark.parametrize("at", [0.05, 0.8, math.pi + 0.1, 6.2])
+def test_least_distance_lies_between_all_samples(at: float) -> None:
+    # the point of a small triangle circles about 10 + i; nearest to the square's side x = 2 at one angle of the turn
     tip = np.array([0, 1 + 0.2j, 1 - 0.2j], complex)
-    turn = np.exp(-0.1j)
-    found = least_distance(meeting([SQUARE], [tip]), lambda t: 10 + 1j + 5 * np.exp(1j * np.asarray(t)) * turn)
+    found = least_distance(meeting([SQUARE], [tip]), lambda t: 10 + 1j - 5 * np.exp(1j * (np.asarray(t) - at)))
     assert found.distance == pytest.approx(3.0, abs=2e-9)
-    assert found.theta == pytest.approx(math.pi + 0.1, abs=1e-3)
+    assert found.theta == pytest.approx(at, abs=1e-3)
     assert found.overlaps == ()
 
 

@@ -367,6 +367,38 @@ def test_a_swinging_face_on_noisy_polygons(seed: int, noise: float, ahead: float
     assert np.max(np.abs(np.angle(normal / (1j * leaves * (at - pivot))) - touch.pressure_angle)) < 1e-9
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    count=st.integers(3, 5),
+    radius=st.floats(0.2, 8),
+    far=st.floats(8, 40),
+    ahead=st.floats(-15, 20),
+    leaves=st.sampled_from([1, -1]),
+)
+@example(seed=4, count=4, radius=2.0, far=12.0, ahead=14.0, leaves=1)
+@example(seed=5, count=3, radius=1.0, far=10.0, ahead=12.0, leaves=-1)
+def test_a_face_comes_down_on_a_part_that_reaches_past_its_pivot(
+    seed: int, count: int, radius: float, far: float, ahead: float, leaves: int
+) -> None:
+    """The first angle at which a face, turned down from where it faces away from the origin, lies as deep as the part is high
+    in its direction; none where the part is higher from the start."""
+    rng = np.random.default_rng(seed)
+    turns = (np.arange(count) + rng.uniform(0, 0.9, count)) * (2 * np.pi / count)
+    corners = hull(rng.uniform(2, 20, count) * np.exp(1j * turns))
+    theta, down = rng.uniform(-9, 9, 60), np.linspace(0, np.pi, 4001)
+    found = contact(rounded(corners, radius), ArmFace(far + 0j, complex(np.exp(-1.2j * leaves)), ahead, leaves)).angle(theta)
+    ways = theta[:, None, None] + leaves * down[:, None]  # of corners against the face's normal
+    room = far * np.cos(down) + ahead - np.max(np.real(corners * np.exp(1j * ways)), axis=2) - radius
+    met = np.argmax(room <= 0, axis=1)
+    none = (room[:, 0] <= 0) | np.all(room > 0, axis=1)
+    assert np.array_equal(np.isnan(found), none)
+    k = np.flatnonzero(~none)
+    before, after = room[k, met[k] - 1], room[k, met[k]]
+    wanted = down[met[k]] + (down[1] - down[0]) * after / (before - after)
+    assert np.max(np.abs(leaves * found[k] - (1.2 - wanted)), initial=0) < 2e-3  # on a grid: less where it does not graze
+
+
 def hull(points: np.ndarray) -> np.ndarray:
     """The convex hull of points, counter-clockwise, that are not all on one line."""
     return points[ConvexHull(np.column_stack([points.real, points.imag])).vertices]

@@ -31,7 +31,7 @@ def test_a_slide_goes_out_along_its_direction(bearing: float, offset: float, at:
     out = cmath.exp(1j * math.radians(bearing))
     place = out * at - 1j * out * offset
     tip = table(motion="translating", radius=4, direction_deg=bearing, offset=offset, at=at, inside=inside)
-    assert (tip.sense, tip.unit, tip.anchored) == (1, ("mm", 1.0), True)
+    assert (tip.sense, tip.unit, tip.anchored, tip.axle) == (1, ("mm", 1.0), True, 0j)
     assert isinstance(tip.form, SlideTip) and (tip.form.tip_radius, tip.form.leaves, tip.form.inside) == (4, 1, inside)
     assert (tip.form.start, tip.form.along) == (pytest.approx(place), pytest.approx(out))
     knife = table(motion="translating", shape="knife", direction_deg=bearing)

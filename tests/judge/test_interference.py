@@ -242,12 +242,16 @@ def test_far_ends_do_not_slow_down_a_bearing() -> None:
     assert 0.08 <= c.proven <= 0.1 and c.evaluations < 1000
 
 
-def test_jumps_and_false_names_are_refused() -> None:
-    """A course that jumps aside between the angles of the grid, wherever it is looked at there."""
+@pytest.mark.parametrize("size, often", [(3.0, 5), (0.5, 1)])
+def test_a_course_that_jumps_is_refused(size: float, often: int) -> None:
+    """Aside between the angles of the grid, wherever it is looked at there: there it is faster, up to 1 + size * often times."""
     grid = math.tau / 3600
-    jumpy = about(lambda t: t + 3 * np.sin(5 * t) * (np.abs(t / grid - np.round(t / grid)) > 1e-6))
+    jumpy = about(lambda t: t + size * np.sin(often * t) * (np.abs(t / grid - np.round(t / grid)) > 1e-6))
     with pytest.raises(ValueError, match="faster than its course"):
         swept([Body("cam", slabs(disc(5, 20)), jumpy), Body("post", slabs(disc(26, 0.5, 8)))], {})
+
+
+def test_false_names_are_refused() -> None:
     with pytest.raises(ValueError, match="unknown bodies"):
         swept([Body("cam", slabs(disc(5, 20)))], {frozenset(("cam", "post")): 0.01})
     with pytest.raises(ValueError, match="twice"):
@@ -287,6 +291,15 @@ def test_plate(tmp_path: Path, shift: complex, lift: float, verdict: list[bool])
     findings = judge_plate(plate(tmp_path / "x-plate.3mf", shift, lift), (100.0, 60.0), 2.0)
     assert [f.ok for f in findings] == verdict
     assert {f.code for f in findings} == {"BED_FIT"}
+    assert findings[0].message.startswith("how far 2 bodies stand out over the bed of 100 x 60 mm")
+
+
+def test_a_plate_of_one_body(tmp_path: Path) -> None:
+    block = solid(Part("block", "", (Layer(Region(polygon([0, 10, 10 + 10j, 10j])), 0, 3),)), 0.01)
+    write_3mf(tmp_path / "x.3mf", {"block": block}, [Placed("block", "block 1", placing(0, 95 + 5j, 0, 3))], "key")
+    out, lift = judge_plate(tmp_path / "x.3mf", (100.0, 60.0), 2.0)
+    assert out.measured == pytest.approx(5, abs=1e-5) and not out.ok and lift.ok
+    assert out.message.startswith("how far 1 body stands out over")
 
 
 @pytest.mark.parametrize("nose", [0.0, 0.05, 0.09])

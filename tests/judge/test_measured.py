@@ -234,6 +234,13 @@ def test_a_rounded_end_is_a_circle_through_its_own_points(
     assert measure_end(Eye("x", at + 3 * radius, 2 * radius, shaft=True), heights[:1]) is None
 
 
+def test_five_points_show_a_rounded_end() -> None:
+    """Of a drawing of straight edges alone: its circle goes through them."""
+    tip = 3 + 2j + 4 * np.exp(1j * np.linspace(-0.9, 0.9, 5))
+    found = measure_end(Eye("x", 3 + 2j, 8.0, shaft=True), [[Shape(polygon(np.append(tip, -40 + 2j)), ())]])
+    assert found is not None and (found.centre, found.diameter) == (pytest.approx(3 + 2j, abs=1e-9), pytest.approx(8, abs=1e-9))
+
+
 def test_a_bore_with_a_keyway_is_its_round_part() -> None:
     """Of the lowest height alone, whatever the part has else; where it has no hole it counts as meant."""
     notch = [0.9 + 2.5j, 0.9 + 3.4j, -0.9 + 3.4j, -0.9 + 2.5j]

@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapes import polygon
 
 from camgen.judge import proof as module
-from camgen.judge.joints import Closable
+from camgen.judge.contact import contact
+from camgen.judge.contact_tips import ArmTip
+from camgen.judge.joints import Closable, Rolled
 from camgen.judge.motion import _stroke
 from camgen.judge.proof import Proof, _Meant, with_laws
 from camgen.judge.targets import judge_targets
@@ -55,7 +58,7 @@ def test_where_a_body_stands_at_an_angle(rate: float, start: float) -> None:
         wanted = [(a + math.tau * k - share * start) / (share * rate) for a in angles for k in range(-20, 20)]
         wanted = sorted(t for t in wanted if 0 <= t <= math.tau)
         assert sorted(meant.when(body, angles)) == pytest.approx(wanted, abs=1e-9)
-    assert len(meant.when("arm", angles)) == 0
+    assert len(meant.when("arm", angles)) == len(meant.when(GROUND, angles)) == 0
     ends = _Meant(machine(rate, start), 0.0, 1.0).when("crank", np.array([start, start + rate]))
     assert sorted(ends) == pytest.approx([0.0, 1.0], abs=1e-9)
 
@@ -101,6 +104,19 @@ def test_laws_take_the_place_of_those_of_cams_alone() -> None:
     kept = with_laws(machine(), (("lift", other),))
     assert [joint.name for joint in kept.joints] == [joint.name for joint in machine().joints]
     assert kept.joint("lift").law is other and isinstance(kept.joint("gear"), Gear)  # type: ignore[union-attr]
+
+
+def test_corners_are_where_the_tip_passes_a_vertex() -> None:
+    """A knife edge on an arm as long as its pivot is away, on a square: at a vertex, arm and line of the shafts are alike, so
+    that the vertex is seen from the shaft acos(R / 2 L) from that line. The square is mounted 0.3 rad ahead of the cam."""
+    far, corner = 60.0, 10 * math.sqrt(2)
+    square = polygon(corner * np.exp(1j * (np.arange(4) + 0.5) * math.pi / 2))
+    law = Rolled(contact(square, ArmTip(far * 1j, -far * 1j * np.exp(0.2j), 0.0, 1)), None)
+    found = proof(with_laws(machine(), (("lift", law),)), np.linspace(0, math.tau, 1001)).corners
+    seen = math.pi / 2 - math.acos(corner / (2 * far))  # to the right of the line upwards, where the arm is
+    wanted = [(seen - (k + 0.5) * math.pi / 2 + 0.3) % math.tau for k in range(4)]
+    near = np.abs(found - np.array(wanted)[:, None]) < 1e-5
+    assert np.all(np.sum(near, axis=1) == 2) and len(found) - np.sum(near) <= 2  # and where the table of touches begins
 
 
 # ---- strokes and targets ---------------------------------------------------------------------------------------------------
