@@ -58,7 +58,7 @@ def test_where_a_body_stands_at_an_angle(rate: float, start: float) -> None:
         wanted = [(a + math.tau * k - share * start) / (share * rate) for a in angles for k in range(-20, 20)]
         wanted = sorted(t for t in wanted if 0 <= t <= math.tau)
         assert sorted(meant.when(body, angles)) == pytest.approx(wanted, abs=1e-9)
-    assert len(meant.when("arm", angles)) == len(meant.when(GROUND, angles)) == 0
+    assert len(meant.when("arm", angles)) == len(meant.when(GROUND, np.zeros(1))) == 0
     ends = _Meant(machine(rate, start), 0.0, 1.0).when("crank", np.array([start, start + rate]))
     assert sorted(ends) == pytest.approx([0.0, 1.0], abs=1e-9)
 
