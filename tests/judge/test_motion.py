@@ -160,6 +160,7 @@ def test_the_sound_machine_closes_on_its_files() -> None:
 def test_the_wanted_motion_is_the_machines_own_where_none_is_given() -> None:
     found = judge_machine("dxf", "file", files(), slider_crank(), FEATURES, LINKS, THETA, 0.002)
     assert [f.code for f in found.findings] == ["PIN_GAP", "MOTION_ERROR", "LASH"] and all(f.ok for f in found.findings)
+    assert "crank angle" in found.findings[1].where  # it has no cam
 
 
 def test_a_link_that_is_turned_over_has_its_holes_mirrored() -> None:
