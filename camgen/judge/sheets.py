@@ -72,10 +72,7 @@ def judge_sheet(
     ]  # fmt: skip
     if faults:
         return findings, {}
-    try:
-        found = list(pieces_of(drawing.cut))
-    except ValueError as error:
-        return [*findings, at_most("SHEET_FIT", math.nan, 0, "mm", where, str(error))], {}
+    found = pieces_of(drawing.cut)
     findings += _fit(found, beam, len(laid), where)
     findings.append(_same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in laid]))
     judged: dict[str, Judged] = {}
@@ -162,8 +159,9 @@ def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     import shapely
 
     style = "mitre" if sharp else "round"
-    parts = shapely.get_parts(_area(ring, _FINE).buffer(distance, quad_segs=_ROUND, join_style=style, mitre_limit=10))
-    if len(parts) != 1 or parts[0].is_empty:
+    moved = _area(ring, _FINE).buffer(distance, quad_segs=_ROUND, join_style=style, mitre_limit=10)
+    parts = [part for part in shapely.get_parts(moved) if not part.is_empty]
+    if len(parts) != 1:
         raise ValueError(f"{len(parts)} pieces are left of a contour moved by {distance:g} mm")
     z: Points = shapely.get_coordinates(parts[0].exterior)[:-1] @ np.array([1, 1j])
     return Ring(z, np.zeros(len(z)))

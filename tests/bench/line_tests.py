@@ -3,8 +3,9 @@
     LINE_TESTS=map.json LINE_TESTS_OF=camgen/judge python -m pytest -p line_tests tests/judge/test_contact.py
 
 What many tests share (a fixture of a module or a session, a folder made `once`) is run by the first of them alone, and counts
-for all of them. Without LINE_TESTS no map is made. Either way examples are the same ones each time, and a failure is not
-shrunk: it is only wanted that there is one.
+for all of them. A test that fails in code without a fault is left out: it would fail in code with one as well. Without
+LINE_TESTS no map is made. Either way examples are the same ones each time, and a failure is not shrunk: it is only wanted that
+there is one.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ class LineTests:
         self.seconds: dict[str, float] = defaultdict(float)
         self._tests: set[str] = set()
         self._contexts = ["import"]
+        self._failed: set[str] = set()
         self.coverage.start()
 
     @contextmanager
@@ -70,6 +72,10 @@ class LineTests:
         with self.within(item.nodeid):
             return (yield)
 
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            self._failed.add(report.nodeid)
+
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         for item in session.items:
             for definitions in item._fixtureinfo.name2fixturedefs.values():  # type: ignore[attr-defined]
@@ -93,6 +99,7 @@ class LineTests:
 
     def pytest_sessionfinish(self) -> None:
         self.coverage.stop()
+        self._tests -= self._failed
         data = self.coverage.get_data()
         lines: dict[str, dict[int, list[str]]] = {}
         for file in self.files:
@@ -100,7 +107,7 @@ class LineTests:
             tests = {line: set().union(*map(self.tests, names)) for line, names in contexts.items()}
             lines[file] = {line: sorted(names) for line, names in sorted(tests.items()) if names}
         needs = defaultdict(list)
-        for context in self.seconds.keys() - self._tests - {"import"}:
+        for context in self.seconds.keys() - self._tests - self._failed - {"import"}:
             for test in self.tests(context):
                 needs[test].append(context)
         sources = {file: Path(file).read_text(encoding="utf-8") for file in self.files}

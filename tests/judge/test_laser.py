@@ -1,6 +1,7 @@
 """Sheets for a laser: proved as cut, in DXF and SVG; damage, a beam that is too wide and sheets that are too small are told."""
 
 import csv
+import math
 import re
 
 import ezdxf
@@ -15,7 +16,8 @@ from camgen.errors import DesignError, FileError, SpecError
 from camgen.files.cutting import Piece, read_svg, write_sheet
 from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Region, circle, polygon, rectangle
-from camgen.judge.sheets import Beam, Laid, judge_sheet
+from camgen.geometry.rings import Ring
+from camgen.judge.sheets import Beam, Laid, judge_sheet, widened
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.sheets import why_not
@@ -86,6 +88,16 @@ def test_a_notch_narrower_than_the_kerf_is_told(tmp_path):
     findings = judge_sheet(files[0], files[1], laid, meant, beam)[0]
     assert {finding.code for finding in findings if not finding.ok} >= {"KERF"}
     assert max(finding.measured for finding in findings if finding.code == "KERF") > 4  # of a notch that is 5 deep
+
+
+def test_a_contour_that_falls_apart_or_vanishes_is_told():
+    """A bar of two discs on a neck of 2 mm, moved in by more than a half of it; a disc moved in by more than its radius."""
+    neck = Ring(np.array([-10 - 1j, 10 - 1j, 10 + 1j, -10 + 1j]), np.array([0.0, 2.0, 0.0, 2.0]))
+    assert widened(neck, -0.9).area < neck.area
+    with pytest.raises(ValueError, match="2 pieces are left of a contour moved by -1.1 mm"):
+        widened(neck, -1.1)
+    with pytest.raises(ValueError, match="0 pieces are left of a contour moved by -2 mm"):
+        widened(Ring(np.array([1.5, -1.5 + 0j]), np.ones(2)), -2.0)
 
 
 def test_damage_is_told(tmp_path):
