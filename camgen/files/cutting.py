@@ -67,7 +67,7 @@ def write_sheet(path: Path, pieces: Sequence[Piece], size: tuple[float, float], 
 
 
 def _text(value: float) -> str:
-    return f"{value + 0.0:.{_DIGITS}f}".rstrip("0").rstrip(".")
+    return f"{value:z.{_DIGITS}f}".rstrip("0").rstrip(".")
 
 
 def _drawn(contour: Contour, height: float) -> str:

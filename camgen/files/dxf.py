@@ -64,7 +64,7 @@ def document(path: Path, layers: Mapping[str, tuple[int, int]], box: tuple[compl
         doc.write(text)
     finally:
         options.write_fixed_meta_data_for_testing = kept
-    path.write_bytes(text.getvalue().encode("utf-8"))
+    path.write_bytes(text.getvalue().replace("\n-0.0\n", "\n0.0\n").encode("utf-8"))
 
 
 def add_contour(space: Any, contour: Contour, layer: str) -> None:
@@ -77,7 +77,7 @@ def add_contour(space: Any, contour: Contour, layer: str) -> None:
     points, bulge = bulges(contour)
     line = space.add_lwpolyline([], close=True, dxfattribs={"layer": layer})
     # `add_lwpolyline` takes a time that grows with the square of the number of points, this does not.
-    corners = zip((points + 0).tolist(), bulge.tolist(), strict=True)
+    corners = zip(points.tolist(), bulge.tolist(), strict=True)
     line.lwpoints.set([(z.real, z.imag, 0.0, 0.0, b) for z, b in corners])
 
 

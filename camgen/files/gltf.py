@@ -54,7 +54,7 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
     pack = _Pack()
     meshes, materials = [], []
     for k, shape in enumerate(shapes):
-        vertices, faces = np.asarray(shape.mesh.vertices, "<f4"), shape.mesh.faces.ravel()
+        vertices, faces = _single(shape.mesh.vertices), shape.mesh.faces.ravel()
         wide = len(vertices) > 65535
         points = pack.add(vertices, _FLOAT, "VEC3", _VERTICES, bounds=True)
         corners = pack.add(faces.astype("<u4" if wide else "<u2"), _LONG if wide else _SHORT, "SCALAR", _INDICES)
@@ -81,7 +81,7 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
                 samplers.append({"input": time, "output": pack.add(values, _FLOAT, kind)})
         node["children"] = list(range(len(nodes), len(nodes) + len(body.copies)))
         for copy, shape_number, transform in body.copies:
-            matrix = [float(f"{value:.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel() + 0.0]
+            matrix = [float(f"{value:z.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel()]
             moved = {} if matrix == np.eye(4).ravel().tolist() else {"matrix": matrix}
             nodes.append({"name": copy, "mesh": shape_number, **moved})
     whole = {
@@ -139,7 +139,12 @@ def _course(body: Moving) -> tuple[Any, Any]:
     place = np.append(place[last], place[last[0]])
     zero = np.zeros(len(half))
     quaternions = np.column_stack([zero, zero, np.sin(half), np.cos(half)])
-    return quaternions.astype("<f4"), np.column_stack([place.real, place.imag, zero]).astype("<f4")
+    return _single(quaternions), _single(np.column_stack([place.real, place.imag, zero]))
+
+
+def _single(values: Floats) -> Any:
+    """Numbers as the binary chunk has them, float32, none of them -0."""
+    return np.asarray(values, "<f4") + np.float32(0)
 
 
 def _linear(colour: str) -> list[float]:

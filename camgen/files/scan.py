@@ -350,5 +350,5 @@ def _bore(path: Path, outline: Points, holes: Sequence[Points]) -> tuple[complex
 
 def _sizes(holes: Sequence[Points]) -> str:
     """Sizes and places of the round holes, in words."""
-    told = (f"{size:.3f} mm at {at.real + 0.0:.3f}/{at.imag + 0.0:.3f}" for at, size in _round_ones(holes)[:12])
+    told = (f"{size:.3f} mm at {at.real:z.3f}/{at.imag:z.3f}" for at, size in _round_ones(holes)[:12])
     return "round holes: " + ", ".join(told)

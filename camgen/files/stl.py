@@ -31,7 +31,9 @@ def write_stl(path: Path, mesh: Mesh, name: str) -> None:
     label = f"camgen {name}".encode("ascii", "replace")[:80]
     rows = np.zeros(len(mesh.faces), _ROW)
     rows["corners"] = mesh.vertices[mesh.faces]
-    rows["normal"] = mesh.across / np.linalg.norm(mesh.across, axis=1, keepdims=True) + 0.0
+    rows["normal"] = mesh.across / np.linalg.norm(mesh.across, axis=1, keepdims=True)
+    for column in ("corners", "normal"):
+        rows[column] += np.float32(0)  # which makes 0 of -0
     path.write_bytes(label.ljust(80, b"\0") + np.array(len(rows), "<u4").tobytes() + rows.tobytes())
 
 

@@ -83,8 +83,8 @@ def make_sheets(case: Case) -> None:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(_COLUMNS)
         for (name, copy), s in rounded:
-            angle = f"{math.degrees(s.angle):.9g}"
-            lines.writerow([s.sheet + 1, name, copy, f"{s.place.real:.6f}", f"{s.place.imag:.6f}", angle])
+            angle = f"{math.degrees(s.angle):z.9g}"
+            lines.writerow([s.sheet + 1, name, copy, f"{s.place.real:z.6f}", f"{s.place.imag:z.6f}", angle])
 
 
 def sheet_files(case: Case) -> list[Path]:

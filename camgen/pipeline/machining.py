@@ -84,7 +84,7 @@ def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]])
 
 def _text(value: float) -> str:
     """A number with nine decimals at most; blank for none."""
-    return "" if math.isnan(value) else f"{round(value, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
+    return "" if math.isnan(value) else f"{value:z.9f}".rstrip("0").rstrip(".")
 
 
 def _profile(touch: CamTouch, mount: Mount, free: float, step_deg: float) -> Iterable[Sequence[object]]:

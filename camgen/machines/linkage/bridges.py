@@ -267,7 +267,7 @@ def _turned(machine: m.Machine, place: m.Place) -> float:
 
 
 def _number(value: float) -> str:
-    return f"{value + 0.0:.12g}" if abs(value) > 1e-12 else "0"
+    return f"{value:z.12g}" if abs(value) > 1e-12 else "0"
 
 
 class _Names:
