@@ -15,6 +15,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
 from camgen.files.dxf import CUT_LAYER, ENGRAVE_LAYER, add_contour, document
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
@@ -24,6 +25,7 @@ from camgen.geometry.rings import Ring
 COLOURS = {ENGRAVE_LAYER: (5, "#0000ff"), CUT_LAYER: (1, "#ff0000")}  # in DXF, in SVG: blue is engraved, red is cut
 _HAIRLINE = 0.025  # mm: a thousandth of an inch, under which drivers of lasers cut; a browser hardly shows a thinner line
 _DIGITS = 6  # after the point, mm
+_SIZE = Bound("a sheet in SVG", 20_000_000, b"<", "elements", 200_000)
 _SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -100,7 +102,7 @@ def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, list[Ring]]]:
     FileError where it cannot be read, is not in millimetres, or holds other things than such sheets.
     """
     try:
-        root = ElementTree.fromstring(path.read_text(encoding="utf-8"))
+        root = ElementTree.fromstring(read_bytes(path, _SIZE))
         size = _size(root)
         rings: dict[str, list[Ring]] = {}
         for group in root:

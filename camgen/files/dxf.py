@@ -14,8 +14,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from camgen.bounds import read_bytes
 from camgen.errors import FileError, counted
-from camgen.files.formats import Job
+from camgen.files.formats import FORMATS, Job
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
@@ -221,7 +222,7 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     from ezdxf.lldxf.const import DXFError
 
     try:
-        text = Path(path).read_bytes()
+        text = read_bytes(Path(path), FORMATS["dxf"].size)
         if not text.rstrip().endswith(b"EOF"):
             raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
         drawing = readfile(str(path))

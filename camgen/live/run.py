@@ -12,8 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from camgen.bounds import bounded
 from camgen.errors import FileError
-from camgen.reading import read_bytes
+from camgen.reading import SPEC_FILE
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -39,7 +40,7 @@ def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
     _need()
     from camgen.live.server import Built, watcher
 
-    read_bytes(spec, 10_000_000, "a spec file")
+    bounded(spec, SPEC_FILE)
     built = Built(spec, out)
     _serve(watcher(built), port, browser, say, threading.Thread(target=rebuild, args=(built, say), daemon=True))
 

@@ -9,10 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import Fault, FileError, SpecError
-from camgen.reading import Data, read_bytes
+from camgen.reading import Data, too_large
 
-_MOST_BYTES = 50_000_000
+_MOST_LINES = 200_000  # of a table; the longest that a spec takes has 100,000 rows
 _ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}
 _FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605}
 _TORQUES = {"nm": 1.0, "ncm": 1e-2, "nmm": 1e-3, "knm": 1e3, "lbfin": 0.1129848290276167}
@@ -33,7 +34,7 @@ def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Seq
     columns: what messages call them.
     """
     try:
-        text = read_bytes(path, _MOST_BYTES, f"a table of {columns}").decode("utf-8-sig")
+        text = read_bytes(path, Bound(f"a table of {columns}", 10_000_000, most=_MOST_LINES)).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(path, f"is not text: a table of {columns} was expected") from None
     points: list[tuple[float, float]] = []
@@ -99,20 +100,24 @@ def with_tables(data: Data, folder: Path) -> Data:
 
     Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
     [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
+    SpecError where all of them hold more than a spec may, as the resolved one will.
     """
     if not any((*_laws(data), *_loads(data))):
         return data
     data = copy.deepcopy(data)
-    for table in _laws(data):
+    values = 0
+    for table, is_law in (*((each, True) for each in _laws(data)), *((each, False) for each in _loads(data))):
         name = table.pop("file")
-        table["points"] = [list(point) for point in read_points(folder / name)]
+        if is_law:
+            table["points"] = [list(point) for point in read_points(folder / name)]
+        else:
+            table["points"], unit = load_table(folder / name)
+            if unit is not None:
+                table.setdefault("unit", unit)
         table.setdefault("source", name)
-    for table in _loads(data):
-        name = table.pop("file")
-        table["points"], unit = load_table(folder / name)
-        if unit is not None:
-            table.setdefault("unit", unit)
-        table.setdefault("source", name)
+        values += 3 * len(table["points"])  # the pair, and its two numbers
+        if large := too_large(0, values):
+            raise SpecError(large, name)
     return data
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.cutting import Piece, write_sheet
 from camgen.findings import Finding, at_most
@@ -28,6 +29,7 @@ from camgen.spec import Laser
 from camgen.study import Table
 
 _PACKED = 0.02  # mm, chord tolerance of outlines that are only to be nested
+_SIZE = Bound("a list of sheets", 20_000_000, most=200_000)
 _COLUMNS = ("sheet", "part", "copy", "x_mm", "y_mm", "angle_deg")
 
 
@@ -96,6 +98,7 @@ def sheet_files(case: Case) -> list[Path]:
 def _listed(path: Path) -> dict[int, list[Laid]]:
     """The list of sheets as read: what lies on each, by its number; FileError where it is none."""
     found: dict[int, list[Laid]] = {}
+    bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.dxf import read_dxf, write_dxf
 from camgen.findings import Finding
@@ -27,6 +28,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import offset
 from camgen.pipeline.jobs import Case
 
+_SIZE = Bound("a table for a machine tool", 50_000_000, most=200_000)
 _PROFILE = ("theta_deg", "radius_mm", "angle_deg", "x_mm", "y_mm", "normal_deg", "curvature_per_mm", "pressure_angle_deg")
 _PATH = ("piece", "x0_mm", "y0_mm", "x1_mm", "y1_mm", "centre_x_mm", "centre_y_mm", "radius_mm", "sweep_deg")
 
@@ -144,6 +146,7 @@ def judge_tables(case: Case) -> list[Finding]:
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
+    bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             return list(csv.DictReader(file))
