@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self, TypeVar
+
+E = TypeVar("E", bound="CamgenError")
 
 
 def printable(text: str, keep: str = "") -> str:
@@ -26,7 +28,7 @@ class CamgenError(Exception):
         return _sent, (type(self), self.args, vars(self))
 
 
-def _sent(kind: type[CamgenError], arguments: tuple[Any, ...], facts: dict[str, Any]) -> CamgenError:
+def _sent(kind: type[E], arguments: tuple[Any, ...], facts: dict[str, Any]) -> E:
     """An error as another process raised it: with its facts, not made anew from its message."""
     error = kind.__new__(kind, *arguments)
     vars(error).update(facts)
@@ -95,7 +97,13 @@ class DesignError(CamgenError):
             told = f"{quantity}: {value}, where none may be{named}"
         else:
             told = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
+        self.sentence = told
         super().__init__(f"{told}; {remedy}" if remedy else told)
+
+    def mended(self, remedy: str) -> Self:
+        """The same with another remedy."""
+        message = f"{self.sentence}; {remedy}" if remedy else self.sentence
+        return _sent(type(self), (message,), {**vars(self), "remedy": remedy})
 
     @property
     def facts(self) -> dict[str, Any]:

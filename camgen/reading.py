@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any, Literal
 
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import Fault, SpecError
@@ -77,6 +78,72 @@ def too_large(keys: int, values: int) -> list[Fault]:
     """What is wrong with a spec of so many keys, tables counted, and values in lists."""
     found = (("keys and tables", keys, MOST_KEYS), ("values in lists", values, MOST_VALUES))
     return [Fault("spec", f"{count:,} {things}", f"at most {most:,}") for things, count, most in found if count > most]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A key of a spec that names another file."""
+
+    path: str  # of the key, dotted
+    kind: Literal["spec", "law", "load", "path"]  # what the file holds
+    table: Data  # in which the key stands
+    key: str
+
+    @property
+    def name(self) -> str:
+        """The file, as the spec names it."""
+        return str(self.table[self.key])
+
+    @property
+    def outside(self) -> bool:
+        """Whether it leaves the spec's folder."""
+        return ".." in PurePosixPath(self.name).parts
+
+    def file(self, folder: Path) -> Path:
+        """The file, seen from the folder of the spec; SpecError where that is no relative path."""
+        name = self.name
+        if PurePosixPath(name).is_absolute() or PureWindowsPath(name).drive or "\\" in name:
+            raise SpecError([Fault(self.path, shortened(name), 'a relative path with "/", so that the folder can be moved')])
+        return folder / name
+
+
+def references(data: Data, path: str = "") -> Iterator[Reference]:
+    """All files that a spec's tables name: specs that it includes, tables of laws and loads, a path that is wanted; also those of
+    an included spec whose tables stand in it. What is no such table is left for `validate` to find."""
+    for k, each in enumerate(_listed(data, "include")):
+        inner = each.get("spec") if isinstance(each, dict) else None
+        if isinstance(inner, str):
+            yield Reference(f"{path}include.{k}.spec", "spec", each, "spec")
+        elif isinstance(inner, dict):
+            yield from (one for one in references(inner, f"{path}include.{k}.spec.") if one.kind != "spec")  # it includes none
+    for k, each in enumerate(_listed(data.get("load"), "on")):
+        if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each:
+            yield Reference(f"{path}load.on.{k}.file", "load", each, "file")
+    wanted = data.get("wanted")
+    if isinstance(wanted, dict) and isinstance(wanted.get("path"), str):
+        yield Reference(f"{path}wanted.path", "path", wanted, "path")
+    rest = {key: value for key, value in data.items() if key != "include"}
+    yield from (Reference(f"{path}{at}.file", "law", law, "file") for at, law in _laws(rest, ""))
+
+
+def _laws(value: Any, path: str) -> Iterator[tuple[str, Data]]:
+    """Tables of laws that name a file in place of points, wherever a law may stand: as its name says, it is a table."""
+    if isinstance(value, dict):
+        name, file = value.get("name"), value.get("file")
+        if isinstance(name, str) and isinstance(file, str) and name == "table" and "points" not in value:
+            yield path, value
+        for key, inner in value.items():
+            if isinstance(inner, dict | list):
+                yield from _laws(inner, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list) and value and isinstance(value[0], dict):  # one of numbers may be long
+        for k, inner in enumerate(value):
+            yield from _laws(inner, f"{path}.{k}")
+
+
+def _listed(holder: Any, key: str) -> list[Any]:
+    found = holder.get(key) if isinstance(holder, dict) else None
+    return found if isinstance(found, list) else []
+
 
 
 def extent_of(value: Any) -> tuple[int, int, int]:

@@ -43,6 +43,13 @@ def turning(least: float = 0.001) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _growing(ends: tuple[int, int]) -> tuple[int, int]:
+    if ends[0] > ends[1]:
+        raise ValueError("the least first, then the greatest")
+    return ends
+
+
+Orders = Annotated[tuple[Annotated[int, Field(ge=2, le=30)], Annotated[int, Field(ge=2, le=30)]], AfterValidator(_growing)]
 Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})]  # not 0; below 0: clockwise
 
 
@@ -86,6 +93,7 @@ class Print(Record):
     size_error: Spread = None
     place_error: Spread = None
     form_error: Spread = None
+    form_orders: Orders | None = None
 
 
 class Material(Record):

@@ -1,4 +1,4 @@
-"""The pictures that the README shows. Run `python tests/gallery.py` to make them again; a test compares them."""
+"""The pictures that the README and its gallery show. Run `python tests/gallery.py` to make them again; a test compares them."""
 
 from __future__ import annotations
 
@@ -25,12 +25,15 @@ FRAMES = {
     "quick-return": 12,
     "stitch-head": 20,
     "four-leg-walker": 12,
+    "scotch-yoke": 8,
+    "elliptic-trammel": 8,
 }  # frame of the moving picture that shows most
 
 
 def picture(name: str) -> str:
-    """The still picture of a spec in specs/, as SVG."""
-    mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
+    """The still picture of a spec in specs/ or its gallery, as SVG."""
+    (spec,) = (TOP / "specs").rglob(f"{name}.toml")
+    mechanism = pipeline.read_mechanism(spec)
     return still_svg(shown(mechanism), f"{mechanism.name} ({mechanism.mechanism})", FRAMES[name])
 
 

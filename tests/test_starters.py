@@ -15,7 +15,10 @@ from camgen.schemas import step_below, tables_of
 from camgen.spec import schema, validate
 
 # Tables that stand on one line, whose keys are seen in examples; those of [bodies] are shown by the starter of a linkage.
-INLINE = {"LawChoice", "Stroke", "Through", "Straight", "Dwell", "TimeRatio", "Function", "CamSegment", "DriveSegment", "Applied"}
+INLINE = {
+    "LawChoice", "Stroke", "Through", "Trace", "Straight", "Dwell", "TimeRatio", "Function", "CamSegment", "DriveSegment",
+    "Applied",
+}  # fmt: skip
 OWN = {"source"}  # of an include: written by camgen, not by a person
 FITS = {"slide_clearance", "press_clearance"}  # each machine says what else they are
 

@@ -21,8 +21,9 @@ from typing import Any
 import numpy as np
 
 from camgen.design.wanted import FunctionWish
-from camgen.design.weighed import Weighed, rounded_up
+from camgen.design.weighed import Weighed, miss, rounded_up
 from camgen.errors import DesignError
+from camgen.machine.targets import Function
 from camgen.numerics import Floats, solve
 from camgen.reading import Data
 from camgen.report.sketches import Drawn
@@ -68,10 +69,15 @@ class Generator:
         """Its angle after turns of the crank, (m,) rad."""
         return np.asarray(_closed(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0])
 
+    @property
+    def reached(self) -> float:
+        """A tolerance that it keeps, deg: its own error and a fiftieth."""
+        return max(rounded_up(1.02 * math.degrees(self.error)), 0.01)
+
     def data(self, tolerance: float | None = None) -> Data:
-        """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, its own error and a fiftieth unless given."""
+        """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, what it keeps and no more than is borne unless given."""
         pairs = self.wish.turns
-        borne = tolerance or max(rounded_up(1.02 * math.degrees(self.error)), 0.01)
+        borne = tolerance or min(self.reached, self.wish.borne)
         links = {"ground": ["O", "C"], CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
         drive = {"link": CRANK, "range_deg": [min(x for x, _ in pairs), max(x for x, _ in pairs)], **self.tables.get("drive", {})}
         output = [{"name": "function", "link": ROCKER, "function": {"at": [list(pair) for pair in pairs], "tolerance": borne}}]
@@ -81,7 +87,8 @@ class Generator:
     @cached_property
     def weighed(self) -> Weighed:
         """Whether it can be made, and its play."""
-        return Weighed(self.data())
+        missed = miss(Function.code, math.degrees(self.error), self.wish.borne, "deg")
+        return Weighed(self.data(self.reached), missed)
 
     @cached_property
     def drawn(self) -> Drawn:

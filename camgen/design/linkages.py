@@ -11,14 +11,15 @@ import numpy as np
 
 from camgen.design.chains import Chain
 from camgen.design.paths import Found
-from camgen.design.weighed import Weighed, rounded_up
-from camgen.numerics import Floats, Points
+from camgen.design.weighed import Weighed, miss, rounded_up
+from camgen.machine.targets import Trace, apart
+from camgen.numerics import Points
 from camgen.reading import Data
 from camgen.report.sketches import Drawn
 
 TRACED, CRANK = "P", "crank"
-_STEPS = 2000  # angles at which the worst distance is looked for
-_PLACES = 24  # of the wanted path, evenly, that the finished machine is judged at, and the one that it misses most
+_STEPS = 2000  # angles of a turn, corners of the line in place of the path
+_RESOLUTION = 0.001  # of the distance that is borne, to which the worst one is found
 _DIGITS = 6  # of a coordinate, mm
 
 
@@ -27,8 +28,9 @@ class Candidate:
     """A design and the wanted path, as a machine of some spec's other tables."""
 
     found: Found
-    wanted: Points
-    tables: Data
+    wanted: Points  # corners of the wanted path, or its places where no lines join them
+    tables: Data  # of the spec, less what is found
+    borne: float  # mm, how far path and wanted one may be apart
     joined: bool = True  # whether lines join the wanted points in their order
 
     @cached_property
@@ -38,25 +40,22 @@ class Candidate:
 
     @cached_property
     def worst(self) -> float:
-        """Greatest distance from the path to the wanted one or back, mm."""
-        return float(max(np.max(each) for each in self._distances))
+        """Greatest distance from the path to the wanted one or back, mm: no place of either is farther from the other one."""
+        corners = np.append(self.path, self.path[:1])
+        bend = np.abs(np.diff(corners, 2, append=corners[1]))  # twice what a second difference says of the way between
+        return apart(corners, float(np.max(bend)) / 4, self.wanted, self.joined, _RESOLUTION * self.borne).proven
 
-    @cached_property
-    def _distances(self) -> tuple[Floats, Floats]:
-        """How far each place of the path lies from the wanted one, and each wanted place from the path, mm."""
-        from scipy.spatial import cKDTree
-
-        a, b = (np.stack([z.real, z.imag], axis=-1) for z in (self.path, self.wanted))
-        return cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]
+    @property
+    def reached(self) -> float:
+        """A tolerance that it keeps, mm: its worst distance and a fiftieth."""
+        return rounded_up(1.02 * self.worst + 1e-3)
 
     def data(self, tolerance: float | None = None) -> Data:
-        """Tables of the spec; tolerance: of PATH_ERROR, mm, its own worst distance and a fiftieth unless given."""
-        even = np.linspace(0, len(self.wanted), _PLACES, endpoint=False).astype(int)
-        places = self.wanted[sorted({*even.tolist(), int(np.argmax(self._distances[1]))})]
-        borne = tolerance or rounded_up(1.02 * self.worst + 1e-3)
-        through = {"at": [_place(z) for z in places], "tolerance": borne}
+        """Tables of the spec; tolerance: of PATH_ERROR, mm, what it keeps and no more than is borne unless given."""
+        tolerance = tolerance or min(self.reached, self.borne)
+        trace = {"at": [_place(z) for z in self.wanted], "joined": self.joined, "tolerance": tolerance}
         drive = {"link": CRANK, **self.tables.get("drive", {})}
-        output = [{"name": "path", "point": TRACED, "points": through}]
+        output = [{"name": "path", "point": TRACED, "path": trace}]
         drawn = {"points": self.points, "links": self.links, "drive": drive, "output": output}
         return {**{key: value for key, value in self.tables.items() if key not in drawn}, **drawn}
 
@@ -75,7 +74,7 @@ class Candidate:
     @cached_property
     def weighed(self) -> Weighed:
         """Whether it can be made, and its play."""
-        return Weighed(self.data())
+        return Weighed(self.data(self.reached), miss(Trace.code, self.worst, self.borne, "mm"))
 
     @cached_property
     def drawn(self) -> Drawn:

@@ -21,7 +21,7 @@ from camgen.design.linkages import Candidate
 from camgen.design.paths import Found
 from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
 from camgen.design.weighed import Weighed
-from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, file_errors
+from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, counted, file_errors
 from camgen.numerics import Points
 from camgen.pipeline.edits import edited, with_tables
 from camgen.pipeline.jobs import Source, Workers, changed, read_mechanism, read_tables
@@ -157,6 +157,12 @@ class Asked:
         """The tables less [wanted]."""
         return without(self.data)
 
+    def bearing(self, key: str, lash: float | None) -> reading.Data:
+        """The tables less [wanted], with the play that a wish bears as limits.KEY."""
+        if lash is None:
+            return self.rest
+        return {**self.rest, "limits": {key: lash, **self.rest.get("limits", {})}}
+
     def all_right(self, *looks: Callable[[], object]) -> list[Any]:
         """What each look gives; SpecError with the faults of all of them."""
         found, faults = list[Any](), dict[Fault, None]()
@@ -185,12 +191,9 @@ class Asked:
         from camgen.machines import MECHANISMS, load
 
         data = each.data(tolerance)
-        borne = self.data["wanted"].get("lash")
-        if borne is not None:
-            data["limits"] = {"lash" if asked_for(self.data) == "path" else "lash_deg": borne, **data.get("limits", {})}
         if self.text is None:
             return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
-        added = ("points", "links", "drive", "output", *(["limits"] if borne is not None else []))
+        added = ("points", "links", "drive", "output", *(["limits"] if "lash" in self.data["wanted"] else []))
         return with_tables(self.text, {key: data[key] for key in added}, ["wanted"], said).replace("\n", self.ends)
 
 
@@ -222,7 +225,7 @@ def _for_function(asked: Asked) -> str:
         return found
 
     *_, found = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), wanted)
-    front = functions.search(found, asked.rest)
+    front = functions.search(found, asked.bearing("lash_deg", found.lash))
     said = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
     summary = (f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
                "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
@@ -232,14 +235,8 @@ def _for_function(asked: Asked) -> str:
     def error(each: functions.Generator) -> float:
         return math.degrees(each.error)
 
-    best = chosen(front, found, error, lambda each: each.transmission, lambda each: -each.error, "deg")
-    if error(best) > found.borne:  # without a tolerance, where the nearest of all is far off
-        raise DesignError(
-            "error at the pairs", error(best), found.borne, "deg", "the nearest buildable design",
-            f"{found.further}, or the wanted.tolerance that will do",
-            f"the nearest buildable design is {error(best):.4g} deg off at the pairs; without wanted.tolerance a twentieth of "
-            f"the rocker's swing is borne, {found.borne:.4g} deg",
-        )  # fmt: skip
+    goal = Aim(found, found.borne, "deg", "off at the pairs", "the rocker's swing")
+    best = chosen(front, goal, error, lambda each: each.transmission, lambda each: -each.error)
     row = rows[front.index(best)]
     asked.told(f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
                f"transmission angle {row['transmission_deg']:.4g} deg and more")  # fmt: skip
@@ -254,10 +251,11 @@ def _for_path(asked: Asked) -> str:
     def path() -> tuple[PathWish, Points]:
         found = wish(asked.data, asked.source)
         assert isinstance(found, PathWish)
-        return found, found.points(asked.folder)
+        return found, found.line(asked.folder)
 
-    _, made, (wanted, points) = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), path)
-    target = Target(points)
+    _, made, (wanted, line) = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), path)
+    target = Target(wanted.points(line))
+    aim = Aim(wanted, wanted.borne(target.chord), "mm", "from the path", "the path's longest chord")
     shortest = wanted.shortest or made.pin_diameter + 2 * made.wall  # of a hub
     sine = math.sin(math.radians(max(wanted.transmission_deg, 0.1)))
     goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
@@ -267,9 +265,10 @@ def _for_path(asked: Asked) -> str:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
-    front = _weighed(found, lambda each: Candidate(each, points, asked.rest, wanted.joined), asked.told)
+    tables = asked.bearing("lash", wanted.lash)
+    front = _weighed(found, lambda each: Candidate(each, line, tables, aim.borne, wanted.joined), asked.told)
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
-    said = f"found by camgen design for the path {name}; output.points: places of that path, and how far this machine passes them"
+    said = f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it"
     summary = (f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
                "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
                "built as it stands.")  # fmt: skip
@@ -278,7 +277,7 @@ def _for_path(asked: Asked) -> str:
     def worth(each: Candidate) -> float:
         return (1 - each.found.error / goal.worst) * (1 - each.found.bars / goal.most)
 
-    best = chosen(front, wanted, lambda each: each.worst, lambda each: -each.found.bars, worth, "mm")
+    best = chosen(front, aim, lambda each: each.worst, lambda each: -each.found.bars, worth)
     row = rows[front.index(best)]
     asked.told(f"design {row['design']} of {len(front)}: at most {best.worst:.4g} mm from the path, "
                f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.found.bars:.4g} mm, "
@@ -287,23 +286,24 @@ def _for_path(asked: Asked) -> str:
 
 
 def _weighed(found: Sequence[Found], made: Callable[[Found], Candidate], told: Told) -> list[Candidate]:
-    """The front of all designs and that of those that can be built, by rising error.
+    """The front of all designs, that of those that can be made and that of those that are of use, by rising error.
 
-    What cannot be built leaves room for designs behind it: they are weighed front after front.
+    What is of no use leaves room for designs behind it: they are weighed front after front.
     """
     from camgen.design import paths
 
     left = paths.apart(paths.near(found, paths.front(found), _BEHIND))
     weighed: dict[Found, Candidate] = {}
-    can: list[Found] = []
+    useful: list[Found] = []
     while left and len(weighed) < _WEIGHED:
         layer = paths.front(left, _STEP)
         weighed |= {each: made(each) for each in layer}
-        can += [each for each in layer if not weighed[each].weighed.refused]
-        told(f"{len(weighed)} designs weighed, {len(can)} of them can be built")
+        useful += [each for each in layer if weighed[each].weighed.of_use]
+        told(f"{len(weighed)} designs weighed, {len(useful)} of them can be built and keep what is wanted")
         left = [each for each in left if each not in layer
-                and not any(one.error <= each.error and one.bars <= each.bars for one in can)]  # fmt: skip
-    shown = {*paths.front(weighed, _STEP), *paths.front(can, _STEP)}
+                and not any(one.error <= each.error and one.bars <= each.bars for one in useful)]  # fmt: skip
+    buildable = [each for each in weighed if not weighed[each].weighed.unmade]
+    shown = {*paths.front(weighed, _STEP), *paths.front(buildable, _STEP), *paths.front(useful, _STEP)}
     return [weighed[each] for each in sorted(shown, key=lambda each: (each.error, each.bars))]
 
 
@@ -323,7 +323,7 @@ def _checked(asked: Asked) -> Parts:
 
     drawn = (0j, 20 + 0j, 70 + 0j, 45 + 40j, 20 + 60j)
     own = {key: value for key, value in asked.rest.items() if key not in _FOUND} | {"mechanism": "linkage"}
-    any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), own)
+    any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), own, 1.0)
     return specs.validate(Linkage, any_one.data(1.0), asked.source).making
 
 
@@ -341,29 +341,53 @@ def _beyond(asked: Asked, key: str, ends: Sequence[float | str]) -> list[Fault]:
     return []
 
 
+@dataclass(frozen=True)
+class Aim:
+    """What a design must keep to be chosen, and how that is said."""
+
+    wish: PathWish | FunctionWish
+    borne: float  # how far it may be off
+    unit: str  # of that
+    off: str  # what an error is
+    size: str  # that of which a twentieth is borne without a tolerance
+
+
 def chosen(
-    front: Sequence[D], wanted: PathWish | FunctionWish, error: Callable[[D], float], within: Callable[[D], float],
-    best: Callable[[D], float], unit: str,
+    front: Sequence[D], aim: Aim, error: Callable[[D], float], within: Callable[[D], float], best: Callable[[D], float]
 ) -> D:  # fmt: skip
-    """Of those that can be built with no more play than is borne: the one of most `within` the tolerance, or without one the
-    `best`; DesignError."""
-    can = [each for each in front if not each.weighed.refused]
-    if not can:
+    """Of those that can be built, with no more play and error than is borne: the one of most `within` the tolerance, or without
+    one the `best`; DesignError."""
+    wanted, unit = aim.wish, aim.unit
+    made = [each for each in front if not each.weighed.unmade]
+    if not made:
         room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
         raise DesignError(
             "buildable designs", 0, 1, "", f"front of {len(front)}", f"{room}, or thinner parts",
-            f"none of {len(front)} designs can be built; the first: {front[0].weighed.refused}",
+            f"none of {len(front)} designs can be built; the first: {front[0].weighed.unmade}",
         )  # fmt: skip
     if wanted.lash is not None:
-        tight = [each for each in can if each.weighed.lash <= wanted.lash]
+        tight = [each for each in made if each.weighed.lash <= wanted.lash]
         if not tight:
-            least, remedy = min(each.weighed.lash for each in can), "a smaller print.slide_clearance, or more play"
+            least, remedy = min(each.weighed.lash for each in made), "a smaller print.slide_clearance, or more play"
             raise DesignError("wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy)
-        can = tight
-    if wanted.tolerance is None:
-        return max(can, key=best)
-    near = [each for each in can if error(each) <= wanted.tolerance]
+        made = tight
+    can = [each for each in made if not each.weighed.failing]
+    if not can:
+        nearest, many = min(made, key=error).weighed, counted(len(made), "buildable design")
+        only_play = {each.code for each in nearest.failing} == {"LASH"}
+        remedy = "a smaller print.slide_clearance, or the wanted.lash that will do" if only_play else "wider [limits]"
+        said = f"none of {many} keeps its limits; the nearest to what is wanted: {nearest.refused}"
+        raise DesignError("designs that keep their limits", 0, 1, "", many, remedy, said)
+    near = [each for each in can if error(each) <= aim.borne]
+    least = min(map(error, can))
+    if not near and wanted.tolerance is None:
+        raise DesignError(
+            f"distance {aim.off}", least, aim.borne, unit, "the nearest buildable design",
+            f"{wanted.further}, or the wanted.tolerance that will do",
+            f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance a twentieth of {aim.size} "
+            f"is borne, {aim.borne:.4g} {unit}",
+        )  # fmt: skip
     if not near:
-        least, remedy = min(map(error, can)), f"{wanted.further}, or a wider wanted.tolerance"
-        raise DesignError("wanted.tolerance", least, wanted.tolerance, unit, "the nearest buildable design", remedy)
-    return max(near, key=within)
+        remedy = f"{wanted.further}, or a wider wanted.tolerance"
+        raise DesignError("wanted.tolerance", least, aim.borne, unit, "the nearest buildable design", remedy)
+    return max(near, key=best if wanted.tolerance is None else within)

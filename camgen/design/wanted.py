@@ -14,11 +14,12 @@ from pydantic import Field
 from camgen.errors import Fault, FileError, SpecError
 from camgen.motion.tables import read_table
 from camgen.numerics import Points
-from camgen.reading import Data
+from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
 
 _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
+_OF_USE = 20  # of the size of what is wanted: a design that is off by more is of no use, unless a tolerance says so
 _TWICE = 3.0  # times the sides of its box: a line through points in order is shorter
 
 Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
@@ -33,7 +34,9 @@ class PathWish(Record):
 
     path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(description="mm, [x, y] of its points, or a CSV file")
     joined: bool = Field(True, description="whether lines join the points in their order; false: a dense cloud in any order")
-    tolerance: Length | None = Field(None, description="mm, how far path and points may be apart; none: best trade-off")
+    tolerance: Length | None = Field(
+        None, description="mm, how far path and points may be apart; best trade-off within a twentieth of the size unless given"
+    )
     lash: Length | None = Field(None, description="mm, greatest free play of the point by all joints")
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
@@ -41,29 +44,37 @@ class PathWish(Record):
     effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how long the best designs are bettered")
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
 
+    def borne(self, size: float) -> float:
+        """How far path and points may be apart, mm; size: the longest chord of the path, mm."""
+        return self.tolerance or float(f"{size / _OF_USE:.4g}")
+
     @property
     def further(self) -> str:
         """What gives the search more room."""
         return "more wanted.effort or wanted.bars, a smaller wanted.transmission_deg or wanted.shortest"
 
-    def points(self, folder: Path) -> Points:
-        """Its points, dense; SpecError or FileError where they are no path."""
-        given = _table(folder / self.path) if isinstance(self.path, str) else self.path
+    def line(self, folder: Path) -> Points:
+        """Its corners in their order, or its places where no lines join them; SpecError or FileError where they are no path."""
+        given = _table(_named(self.path, folder)) if isinstance(self.path, str) else self.path
         z = np.array([complex(*place) for place in given], complex)
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
         box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
         if z.size < 3 or box < 1e-3:
             raise SpecError([Fault("wanted.path", f"{z.size} different points", "at least 3 that are apart, mm")])
-        if not self.joined:
-            return np.asarray(z)
-        steps = np.abs(np.diff(z))
+        steps = np.abs(np.diff(z)) if self.joined else np.zeros(1)
         if steps.sum() > _TWICE * 2 * (np.ptp(z.real) + np.ptp(z.imag)):
             right = "points in the order of the path, or wanted.joined = false for a cloud of them"
             said = f"a line of {steps.sum():.6g} mm through all points in a box of {box:.6g}"
             raise SpecError([Fault("wanted.path", said, right)])
-        at = np.concatenate([[0.0], np.cumsum(steps)])
-        along = np.linspace(0.0, at[-1], max(_DENSE, 2 * z.size))
-        return np.asarray(np.interp(along, at, z.real) + 1j * np.interp(along, at, z.imag))
+        return np.asarray(z)
+
+    def points(self, line: Points) -> Points:
+        """Points on it, dense, for the search."""
+        if not self.joined:
+            return line
+        at = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
+        along = np.linspace(0.0, at[-1], max(_DENSE, 2 * line.size))
+        return np.asarray(np.interp(along, at, line.real) + 1j * np.interp(along, at, line.imag))
 
 
 Turn = Annotated[float, Field(ge=-720, le=720)]
@@ -98,7 +109,7 @@ class FunctionWish(Record):
     def borne(self) -> float:
         """How far the rocker may be off, deg."""
         rocker = [b for _, b in self.function]
-        return self.tolerance or (max(rocker) - min(rocker)) / 20
+        return self.tolerance or (max(rocker) - min(rocker)) / _OF_USE
 
     @property
     def turns(self) -> Sequence[tuple[float, float]]:
@@ -194,6 +205,12 @@ def wish(data: Mapping[str, Any], source: str) -> PathWish | FunctionWish | KeyW
 def without(data: Data) -> Data:
     """The tables less [wanted]."""
     return {key: value for key, value in data.items() if key != "wanted"}
+
+
+def _named(path: str, folder: Path) -> Path:
+    """The file that a wish names, seen from the folder of its spec."""
+    (named,) = references({"wanted": {"path": path}})
+    return named.file(folder)
 
 
 def _table(path: Path) -> Sequence[tuple[float, float]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import CamgenError
+from camgen.findings import Finding
 from camgen.machine.model import unit_of
 from camgen.reading import Data
 
@@ -22,9 +23,10 @@ _ANGLES = 361  # at which the play is looked at
 
 @dataclass(frozen=True)
 class Weighed:
-    """The tables of a design, whose first output is what was wanted."""
+    """A design as a machine."""
 
-    data: Data
+    data: Data  # tables of its spec, whose first output is what was wanted
+    miss: str  # what of the wish it does not keep; empty where it keeps it
 
     @cached_property
     def _made(self) -> Mechanism | CamgenError:
@@ -38,13 +40,20 @@ class Weighed:
             return error
         return mechanism
 
+    @property
+    def unmade(self) -> str:
+        """Why its parts cannot be made, or do not pass each other; empty where they do."""
+        return str(self._made).partition("\n")[0] if isinstance(self._made, CamgenError) else ""
+
     @cached_property
+    def failing(self) -> Sequence[Finding]:
+        """Limits that it does not keep, if its parts can be made."""
+        return [] if isinstance(self._made, CamgenError) else [each for each in self._made.forecast() if not each.ok]
+
+    @property
     def refused(self) -> str:
-        """Why its parts cannot be made, do not pass each other, or do not keep a limit; empty where they do."""
-        if isinstance(self._made, CamgenError):
-            return str(self._made).partition("\n")[0]
-        failing = [finding for finding in self._made.forecast() if not finding.ok]
-        return "; ".join(f"{each.code} {each.measured:.4g}, the limit is {each.limit:.4g} {each.unit}" for each in failing)
+        """Why it cannot be built as it stands: its parts, or the limits that it does not keep; empty where it can."""
+        return self.unmade or "; ".join(beyond(each.code, each.measured, each.limit, each.unit) for each in self.failing)
 
     @cached_property
     def lash(self) -> float:
@@ -56,10 +65,25 @@ class Weighed:
         return 2 * unit_of(output)[1] * float(np.max(play.total))
 
     @property
+    def of_use(self) -> bool:
+        """Whether it can be built and is what was wanted."""
+        return not self.refused and not self.miss
+
+    @property
     def row(self) -> Mapping[str, Any]:
         """Its columns in the table of a front."""
         lash = float(f"{self.lash:.4g}") if math.isfinite(self.lash) else None
-        return {"lash": lash, "verdict": "holds" if not self.refused else "refused", "reason": self.refused}
+        return {"lash": lash, "verdict": "holds" if self.of_use else "refused", "reason": self.refused or self.miss}
+
+
+def miss(code: str, error: float, borne: float, unit: str) -> str:
+    """What to say of an error that is more than is borne; empty of one that is not."""
+    return beyond(code, error, borne, unit) if error > borne else ""
+
+
+def beyond(code: str, measured: float, limit: float, unit: str) -> str:
+    """What to say of a limit that is not kept."""
+    return f"{code} {measured:.4g}, the limit is {limit:.4g} {unit}"
 
 
 def rounded_up(value: float) -> float:

@@ -28,7 +28,12 @@ def hull_corners(points: Sequence[complex]) -> list[int]:
             found.append(k)
         return found
 
-    return half(order)[:-1] + half(order[::-1])[:-1]
+    corners = half(order)[:-1] + half(order[::-1])[:-1]
+    if len(corners) > 2:
+        return corners
+    ends = [max(order, key=lambda k: abs(points[k] - points[order[0]]))]  # of one line: rounding may have ordered them across it
+    ends.append(max(order, key=lambda k: abs(points[k] - points[ends[0]])))
+    return sorted(ends, key=lambda k: (points[k].real, points[k].imag))
 
 
 def distance(a: Points, b: Points) -> Floats:

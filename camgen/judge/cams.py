@@ -97,7 +97,7 @@ class Followed:
             return None
         place = self.touch.place
         beyond = np.abs(place - self.outline.law.middle) - face.width / 2
-        worst = int(np.argmax(np.where(np.isnan(beyond), np.inf, beyond)))
+        worst = int(np.argmax(beyond))
         return at_most(
             "FACE_WIDTH", float(beyond[worst]), 0.0, "mm", self.place(worst),
             f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):.3f} to {np.max(place):.3f} mm",
@@ -112,7 +112,7 @@ class Followed:
         made = rolled.angle(theta + half) - rolled.angle(theta - half)
         wanted = self._given(theta + half, 0) - self._given(theta - half, 0)
         off = np.abs(made - wanted)
-        worst = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
+        worst = int(np.argmax(off))
         return at_most(
             "SPEED_RIPPLE", float(off[worst]) / float(np.max(np.abs(wanted))), self.meant.ripple, "share", self.place(worst),
             f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
@@ -135,7 +135,7 @@ def _overlap(joint: Cam, drive: Outline, other: Outline, where: str, off: float)
     elif air < 0:
         play = drive.feature.leaves * (other.law(theta) - drive.law(theta))
         beyond = f" beyond the preload, {-air:g} mm at each tip"
-    least = int(np.argmin(np.where(np.isnan(play), -np.inf, play)))
+    least = int(np.argmin(play))
     there = theta[least : least + 1]
     borne = sum(off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0]) for law in (drive.tight, other.tight))
     finding = at_most(

@@ -152,9 +152,17 @@ def least_distance(area: Any, way: Way) -> Least:
         signed, share = np.tile(signed, 2), np.tile(share, 2)
     k = int(np.argmin(signed))
     if signed[k] <= 0:
-        return Least(float(signed[k]), float(begin[k] + share[k] * (end[k] - begin[k])), _overlaps(area, way))
+        return Least(float(signed[k]), _angle_at(way, begin[k], end[k], share[k]), _overlaps(area, way))
     fine = np.linspace(begin[k], end[k], _PARTS + 1)
     return Least(float(signed[k]), float(fine[np.argmin(signed_distances(area, way(fine)))]))
+
+
+def _angle_at(way: Way, begin: float, end: float, share: float) -> float:
+    """The angle at which a way is beside the place at a share of its chord: along the chord it may be fast and slow."""
+    fine = np.linspace(begin, end, _PARTS + 1)
+    z = way(fine) - way(fine[:1])
+    gone = np.real(np.conj(z[-1]) * z)
+    return float(np.interp(share * gone[-1], np.maximum.accumulate(gone), fine))
 
 
 def _overlaps(area: Any, way: Way) -> tuple[tuple[float, float], ...]:

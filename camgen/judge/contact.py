@@ -129,7 +129,7 @@ class RollingContact:
         progress = self.form.progress(u, self.lead[place])
         row = self.first[place]
         rivals = self.first[place + 1] - row
-        where = np.flatnonzero(rivals > 1)
+        where = np.flatnonzero((rivals > 1) & ~np.isnan(progress))
         rank = 0
         while len(where):
             rank += 1

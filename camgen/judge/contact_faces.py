@@ -102,8 +102,8 @@ class ArmFace:
             centre, begin = np.conj(centre), -(begin + sweep)
         size, bearing, more = np.abs(centre), np.angle(centre), radius - self.ahead
         index, share = [], []
-        # Directions in which the contact is the pivot's foot, and in which the part is as high as the pivot.
-        for cosine in ((far**2 - size**2 - more**2, 2 * more * size), (far - more, size)):
+        # Directions in which the contact is the pivot's foot, and in which the part is as high as the pivot, or as far below.
+        for cosine in ((far**2 - size**2 - more**2, 2 * more * size), (far - more, size), (-far - more, size)):
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 opening = np.arccos(cosine[0] / cosine[1])
                 for side in (1, -1):

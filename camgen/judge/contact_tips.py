@@ -392,8 +392,7 @@ class SlideTip(OnSlide, _RoundTip):
         found = _at_distance(e, aside**2) if aside else []
         for way in (aside, -aside) if aside else (0.0,):  # 90 deg: the tangent is as far from the origin as the slide
             with np.errstate(divide="ignore", invalid="ignore"):
-                squared = (c + 2 * way) / e.curvature
-            found += _at_distance(e, np.where(squared > 0, squared, np.nan))
+                found += _at_distance(e, (c + 2 * way) / e.curvature)  # below 0 there is none
         pieces, edge, width, middle = self._pieces(e, _shares(e, found))
         kept = np.flatnonzero((width > 0) & (middle > abs(aside)))
         pieces = pieces.take(kept)

@@ -35,7 +35,7 @@ from camgen.errors import counted
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.relative_motion import AT_REST, STRAIGHT, Motion
-from camgen.judge.slabs import PLANE, ROUND, Body, Section, covered, sections_of, shadow_of, shrunk
+from camgen.judge.slabs import PLANE, Body, Section, covered, sections_of, shadow_of, shrunk
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -140,10 +140,7 @@ class _Approach:
     @property
     def divisible(self) -> bool:
         """Whether it is worth cutting the guest up."""
-        if len(self.coordinates) <= (_CORNERS if self.cut else 1):
-            return False
-        x0, y0, x1, y1 = self.guest.bounds
-        return bool(max(x1 - x0, y1 - y0) > ROUND)
+        return len(self.coordinates) > (_CORNERS if self.cut else 1)
 
     def divided(self) -> list[_Approach]:
         """The same with the guest cut up: first into rings about its calmest point, each moving less inside, then in halves."""
@@ -428,7 +425,7 @@ def interference(clearances: Sequence[Clearance], needed: float, angle: str = "c
     apart = [(c.proven - needed, c) for c in clearances if c.allowed is None]
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
-        seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {-c.gap:.4f} mm or more"
+        seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {abs(c.gap):.4f} mm or more"
         remark = f"nearest of {counted(len(apart), 'pair')} that must stay apart; {seen}; {_PROVEN}"
         findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark))
     for c in _worst(touching):

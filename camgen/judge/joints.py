@@ -178,7 +178,8 @@ class _Builder:
             case SlotFaces(), Slot():
                 new = self._slot(feature, joint)
             case CamOutline(), Cam():
-                new = self._cam(feature, joint)
+                self._cam(feature, joint)
+                new = joint
             case GearTeeth(), Gear():
                 new = self._gear(feature, joint)
             case _:
@@ -200,11 +201,16 @@ class _Builder:
         return Place(place.body, place.at + self.made[mount].place(self.found.eyes[eye].centre) - mount.place(eye.at))
 
     def _on(self, part: str | None, body: str) -> bool:
-        return any((mount.part, mount.body) == (part, body) for mount in self.mounts)
+        """Whether a part stands on a body, as what no file shows may."""
+        return part is None or any((mount.part, mount.body) == (part, body) for mount in self.mounts)
 
     def _pin(self, feature: PinEyes, joint: Pin) -> Pin:
+
+        def fits(a: Eye, b: Eye) -> bool:
+            return self._on(a.part, joint.a.body) and self._on(b.part, joint.b.body)
+
         a, b = feature.a, feature.b  # in either order
-        if self._on(a.part, joint.b.body) or self._on(b.part, joint.a.body):
+        if not fits(a, b) and fits(b, a):
             a, b = b, a
         new = replace(joint, a=self._placed(a, joint.a), b=self._placed(b, joint.b))
         shifts = (abs(new.a.at - joint.a.at), abs(new.b.at - joint.b.at))
@@ -216,8 +222,8 @@ class _Builder:
     def _steady(self, feature: Steady, joint: Pin) -> None:
         """How far the far end is off the joint's axis is a misfit of the joint, and so are sizes there."""
         eyes, ground = self.found.eyes, joint.a if joint.a.body == GROUND else joint.b
-        on = [self._mount(eye.part or "", ground, eye.at).place(eyes[eye].centre) for eye in (feature.near, feature.far)]
-        off = abs((on[1] - feature.far.at) - (on[0] - feature.near.at))
+        shifts = [self._placed(eye, ground).at - ground.at for eye in (feature.near, feature.far)]
+        off = abs(shifts[1] - shifts[0])
         if feature.webs is not None:
             body = joint.b if ground is joint.a else joint.a
             low, high = (self.made[self._mount(eye.part or "", body, eye.at)].place(eyes[eye].centre) for eye in feature.webs)
@@ -282,7 +288,8 @@ class _Builder:
         assert isinstance(joint, Pin), f"{pin} is no pin"
         return (joint.a.at, joint.b.at) if joint.a.body == body else (joint.b.at, joint.a.at)
 
-    def _cam(self, feature: CamOutline, joint: Cam) -> Cam:
+    def _cam(self, feature: CamOutline, joint: Cam) -> None:
+        """Its joint stays: which outline drives is said later."""
         try:
             tip, facing, radius = self._tip(feature, joint)
             law = tight = self._rolled(feature, joint, tip, facing, radius, feature.free)
@@ -292,7 +299,6 @@ class _Builder:
             raise ValueError(f"{joint.name}: {fault}") from None
         outlines = self.outlines.setdefault(joint.name, [])
         outlines.append(Outline(feature, law, tight, self._own(feature, joint)))
-        return replace(joint, law=law) if len(outlines) == 1 else joint
 
     def _gear(self, feature: GearTeeth, joint: Gear) -> Gear:
         """A pair whose teeth lie in each other's gaps on the line of their axes, with the play that is left there."""

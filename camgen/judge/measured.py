@@ -212,7 +212,8 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
                 pairs = []
                 both = [_facing(eye, facing, files[eye.part or ""]) for eye in (hole, other)]
                 if both[0] is None or both[1] is None:
-                    found.lost.append(f"no flat in {hole.part if both[0] is None else other.part} near {hole.at:.3f}")
+                    eye = hole if both[0] is None else other
+                    found.lost.append(f"no flat in {eye.part} near {eye.at:.3f}")
                 else:
                     found.facing[feature] = both[0], both[1]
             case _:

@@ -206,7 +206,7 @@ class _Judged:
         """The play that is borne, and why no more."""
         half = self.made * _RANGE
         if self.asked.lash < half:
-            return self.asked.lash, "limits.lash"
+            return self.asked.lash, self.asked.lash_of
         return half, "half of the stroke: with more it is no mechanism"
 
     def numbers(self, kind: str, name: str) -> dict[str, float]:

@@ -64,8 +64,8 @@ class _Meant:
         if not np.all(sense * np.diff(at) > 0):
             return np.empty(0)
         low, high = min(at[0], at[-1]), max(at[0], at[-1])
-        turns = np.arange(math.floor(low / math.tau) - 1, math.ceil(high / math.tau) + 1)
-        every = np.ravel(angles[:, None] + math.tau * turns)
+        turns = np.arange(math.floor(low / math.tau), math.floor(high / math.tau) + 1)
+        every = np.ravel(angles[:, None] % math.tau + math.tau * turns)
         every = every[(low <= every) & (every <= high)]
         return np.asarray(np.interp(sense * every, sense * at, self._known.theta))
 

@@ -19,7 +19,7 @@ from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
-from camgen.geometry.rings import Circle, Floats, Points, Ring, Shape, bore_circle, shape_of
+from camgen.geometry.rings import Floats, Points, Ring, Shape, shape_of
 from camgen.judge.as_printed import printed
 from camgen.judge.contours import contour_error
 from camgen.numerics import distinct
@@ -89,14 +89,9 @@ class Undo:
 
 @dataclass(frozen=True)
 class Judged:
-    """Findings on one file, and what was read from it; nothing where it could not be recovered.
-
-    shape: the piece that a tip rolls on, its bore at the origin; sections: the pieces at each height, as in the file.
-    """
+    """Findings on one file, and the pieces at each height as in the file; none where it could not be recovered."""
 
     findings: tuple[Finding, ...]
-    shape: Shape | None
-    bore: Circle | None = None
     sections: tuple[tuple[Shape, ...], ...] = ()
 
 
@@ -118,7 +113,7 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
         closed,
     ]  # fmt: skip
     if not closed.ok:
-        return Judged(tuple(findings), None)
+        return Judged(tuple(findings))
     return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings)
 
 
@@ -143,7 +138,7 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     """Watertightness, volume, sections and walls of the one solid in a file."""
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
-        return Judged((strange(path, remarks),), None)
+        return Judged((strange(path, remarks),))
     return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
 
 
@@ -152,18 +147,18 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     body, remarks = read_exact(path, expected.part)
     where = path.name
     if remarks:
-        return Judged((strange(path, remarks),), None)
+        return Judged((strange(path, remarks),))
     bodies = counted(body.bodies, "body", "bodies")
     said = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
     findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
     if not findings[0].ok:
-        return Judged(tuple(findings), None)
+        return Judged(tuple(findings))
     findings.append(_volume(body.volume, expected, where))
     try:
         sections = [(section, body.section(z)) for section in expected.sections for z in section.heights]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings), None)
+        return Judged(tuple(findings))
     return _judge_sections(sections, expected, where, 0.0, findings, _level_error(body.heights, expected))
 
 
@@ -183,7 +178,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
         )
     ]  # fmt: skip
     if count:
-        return Judged(tuple(findings), None)
+        return Judged(tuple(findings))
     findings.append(_volume(faults.volume, expected, where))
     rounding *= float(np.max(np.abs(mesh.vertices)))
     lifted = _level_error(mesh.vertices[:, 2], expected)
@@ -191,7 +186,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
         sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings), None)
+        return Judged(tuple(findings))
     return _judge_sections(sections, expected, where, rounding, findings, lifted)
 
 
@@ -229,7 +224,7 @@ def _judge_sections(
             sections = [(meant, shapes if meant.sent else tuple(map(undo, shapes))) for meant, shapes in sections]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings), None)
+        return Judged(tuple(findings))
     steps = 4.0
     if not expected.stacked:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
@@ -258,11 +253,7 @@ def _judge_sections(
         facets = 2 * max(tolerances.WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
-    shape = made[0][1][0]
-    bore = _bore(shape, expected.bore)
-    if bore is not None:
-        shape = shape.moved(shift=-bore.centre)
-    return Judged(tuple(findings), shape, bore, tuple(shapes for _, shapes in made))
+    return Judged(tuple(findings), tuple(shapes for _, shapes in made))
 
 
 def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
@@ -287,14 +278,6 @@ def _wall(shape: Shape) -> float:
     rings = (shape.outer, *shape.holes)
     outer, *holes = (ring.facetted(min(tolerances.WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in rings)
     return thinnest_wall(outer, holes)
-
-
-def _bore(shape: Shape, diameter: float | None) -> Circle | None:
-    """The circle of the hole nearest the datum."""
-    if diameter is None or not shape.holes:
-        return None
-    nearest = min(shape.holes, key=lambda ring: float(np.min(np.abs(ring.points))))
-    return bore_circle(nearest, diameter)
 
 
 def _is_bore(ring: Ring, expected: Expected) -> bool:

@@ -91,7 +91,7 @@ def judge_sheet(
         one = judge_cut(rings, expected, named)
         findings += one.findings
         findings.append(_kerf(own, expected, beam.kerf, named))
-        if one.shape is not None:
+        if one.sections:
             judged.setdefault(copy.part, one)
     return findings, judged
 

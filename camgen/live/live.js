@@ -132,7 +132,7 @@ function explore(numbers) {
   // comes while values move, and the whole when they rest; at first the quick one too, for its verdict and picture.
   let busy = false, again = false, whole = Infinity;
   async function answered(quick) {
-    const began = performance.now(), answer = await ask("/preview", { settings: settings(), quick }), took = performance.now() - began;
+    const began = performance.now(), answer = await ask("preview", { settings: settings(), quick }), took = performance.now() - began;
     if (!quick) whole = took;
     byId("note").hidden = false;
     if (answer.page) show(frame => { frame.srcdoc = answer.page; });
@@ -173,7 +173,7 @@ function explore(numbers) {
     }
   });
   byId("save").addEventListener("click", async () => {
-    const saved = settings(), answer = await ask("/save", { settings: saved });
+    const saved = settings(), answer = await ask("save", { settings: saved });
     if (answer.ok) {
       numbers.forEach(n => { if (n.key in saved) n.value = saved[n.key]; });
       await moved();
@@ -184,12 +184,12 @@ function explore(numbers) {
     const button = byId("build"), began = performance.now();
     button.disabled = true;
     button.textContent = "Building\u2026";
-    const answer = await ask("/build", { settings: settings() });
+    const answer = await ask("build", { settings: settings() });
     button.disabled = false;
     button.textContent = "Build files";
     tell(answer, Math.round((performance.now() - began) / 1000) + " s" + (answer.folder ? ", files in " + answer.folder : ""));
     byId("note").hidden = Boolean(answer.folder);
-    if (answer.folder) show(frame => { frame.src = "/out/report.html"; });
+    if (answer.folder) show(frame => { frame.src = "out/report.html"; });
   });
   reset();
 }
@@ -199,11 +199,11 @@ function explore(numbers) {
 async function watch() {
   let number = 0;
   for (;;) {
-    const state = await ask("/state", {});
+    const state = await ask("state", {});
     if (state.building) tell({ ok: true, verdict: "building\u2026", errors: [] }, "");
     else if (state.number !== number) {
       number = state.number;
-      if (state.folder) show(frame => { frame.src = "/out/report.html?" + number; });
+      if (state.folder) show(frame => { frame.src = "out/report.html?" + number; });
       else stage.classList.add("old");
       tell(state, state.folder ? "files in " + state.folder : "");
     } else if (state.verdict === "no answer") tell(state, "");

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+import re
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +14,10 @@ from typing import Any
 from camgen import spec as specs
 from camgen.errors import Fault, SpecError, file_errors
 from camgen.motion.laws import LAWS
-from camgen.schemas import Data, members_of, step_below
+from camgen.schemas import Data, members_of, shortened, step_below
 
 _MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points
+_PLAIN = re.compile(r"[\w+. -]{1,100}")  # a number or a word: no table, which could name a file
 _AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
 
 
@@ -85,15 +88,19 @@ def _slider(value: float, kind: Data, unit: str) -> tuple[float, float, float]:
 
 
 def overrides(settings: object, known: Sequence[Number]) -> list[str]:
-    """Settings that a page sends, {key: text}, as those of `--set`; SpecError for keys that are none of the known ones."""
-    names = {number.key for number in known}
-    if not isinstance(settings, Mapping):
-        raise SpecError([Fault("settings", type(settings).__name__, "a table of keys and values")], "page")
-    faults = [specs.unknown("settings", key, names) for key in settings if key not in names]
-    faults += [
-        Fault(key, str(text)[:60], "a value as a spec writes it") for key, text in settings.items()
-        if not (isinstance(text, str) and 0 < len(text.strip()) <= 100 and text.isprintable())
-    ]  # fmt: skip
+    """Settings that a page sends, {key: text}, as those of `--set`; SpecError for keys that are none of the known ones, and for
+    values that are no number and none of the words to choose from."""
+    names = {number.key: number.choices for number in known}
+    if not isinstance(settings, Mapping) or len(settings) > len(names):
+        raise SpecError([Fault("settings", "", f"a table of at most {len(names)} keys and values")], "page")
+    faults = list[Fault]()
+    for key, text in settings.items():
+        if key not in names:
+            faults.append(specs.unknown("settings", shortened(str(key)), names))
+        elif not (isinstance(text, str) and _PLAIN.fullmatch(text) and text.strip()):
+            faults.append(Fault(key, shortened(str(text)), "a number or a word, as a spec writes it"))
+        elif names[key] and text not in names[key]:
+            faults.append(Fault(key, shortened(text), f"one of {', '.join(names[key])}"))
     if faults:
         raise SpecError(faults, "page")
     return [f"{key}={text}" for key, text in settings.items()]
@@ -102,9 +109,13 @@ def overrides(settings: object, known: Sequence[Number]) -> list[str]:
 def write(path: Path, text: str) -> None:
     """Write a spec whole or not at all, with its rights as they were; FileError where that cannot be done."""
     path = path.resolve()
-    part = path.with_name(f".{path.name}.part")
     with file_errors():
-        with open(part, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
-        os.chmod(part, path.stat().st_mode & 0o777)
-        os.replace(part, path)
+        handle, part = tempfile.mkstemp(".part", f".{path.name}.", path.parent)  # a name that nobody has put a link at
+        try:
+            with open(handle, "w", encoding="utf-8", newline="") as file:
+                file.write(text)
+            os.chmod(part, path.stat().st_mode & 0o777)
+            os.replace(part, path)
+        except BaseException:
+            Path(part).unlink(missing_ok=True)
+            raise

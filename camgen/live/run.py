@@ -5,15 +5,19 @@ from __future__ import annotations
 import gc
 import os
 import socket
+import tempfile
 import threading
 import time
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camgen.bounds import bounded
 from camgen.errors import FileError
+from camgen.pipeline.jobs import files_of
 from camgen.reading import SPEC_FILE
 
 if TYPE_CHECKING:
@@ -22,9 +26,9 @@ if TYPE_CHECKING:
     from camgen.live.server import Built
 
     Say = Callable[[str], None]
+    App = Callable[[str], Starlette]  # of the word in its address
 
-_EVERY = 0.2  # s between two looks at the folder
-_READ = (".toml", ".csv", ".txt", ".dxf")  # endings of files that a spec may be made of
+_EVERY = 0.2  # s between two looks at the files
 
 
 def explore(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
@@ -32,7 +36,7 @@ def explore(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
     _need()
     from camgen.live.server import Explorer
 
-    _serve(Explorer(spec, out).app(), port, browser, say)
+    _serve(Explorer(spec, out).app, port, spec.parent if browser else None, say)
 
 
 def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
@@ -42,7 +46,8 @@ def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
 
     bounded(spec, SPEC_FILE)
     built = Built(spec, out)
-    _serve(watcher(built), port, browser, say, threading.Thread(target=rebuild, args=(built, say), daemon=True))
+    beside = threading.Thread(target=rebuild, args=(built, say), daemon=True)
+    _serve(lambda word: watcher(built, word), port, spec.parent if browser else None, say, beside)
 
 
 def _need() -> None:
@@ -54,26 +59,33 @@ def _need() -> None:
     assert starlette
 
 
-def seen(spec: Path) -> dict[str, tuple[int, int]]:
-    """What the spec's folder holds of files that it may be made of: name, (time of the last change, ns, bytes)."""
-    found = {}
-    for entry in os.scandir(spec.parent):
-        if entry.name == spec.name or entry.name.lower().endswith(_READ) and not entry.name.startswith("."):
-            try:
-                status = entry.stat()
-            except FileNotFoundError:  # an editor's file that went as we looked
-                continue
-            found[entry.name] = status.st_mtime_ns, status.st_size
+Seen = dict[Path, tuple[int, int, int] | None]
+
+
+def seen(files: Sequence[Path]) -> Seen:
+    """Of each file the time of its last change, ns, its bytes and its number on the disc; None where it is not there."""
+    found = Seen()
+    for file in files:
+        try:
+            status = os.stat(file)
+        except (OSError, ValueError):
+            found[file] = None
+        else:
+            found[file] = status.st_mtime_ns, status.st_size, status.st_ino
     return found
 
 
 def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> None:
-    """Build at once, then each time the folder has changed and rests; an editor that replaces the file is waited for."""
-    ended, last, before = ended or threading.Event(), None, None
+    """Build at once, then each time a file that the spec is made of has changed and rests; an editor that replaces the spec is
+    waited for."""
+    ended = ended or threading.Event()
+    files = files_of(built.spec)
+    last, before = Seen(), Seen()
     while not ended.is_set():
-        now = seen(built.spec)
-        if now != last and (last is None or now == before and built.spec.name in now):
-            last, began = now, time.perf_counter()
+        now = seen(files)
+        if now != last and (not last or now == before and now[built.spec] is not None):
+            files, began = files_of(built.spec), time.perf_counter()
+            last = now = seen(files)
             answer = built.build([])
             say(f"{time.strftime('%H:%M:%S')}  {answer['verdict']}  ({time.perf_counter() - began:.1f} s)")
             for error in answer["errors"]:
@@ -82,24 +94,52 @@ def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> Non
         ended.wait(_EVERY)
 
 
-def _serve(app: Starlette, port: int, browser: bool, say: Say, beside: threading.Thread | None = None) -> None:
+def _serve(app: App, port: int, way: Path | None, say: Say, beside: threading.Thread | None = None) -> None:
+    """Serve an app until Ctrl-C. way: where the page is put that leads a browser to it; None where none is opened."""
     import uvicorn
+
+    from camgen.live.guard import Few, word
 
     gc.enable()  # a server runs long
     with socket.socket() as place:
-        place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if os.name == "posix":  # elsewhere another program could take the port, too
+            place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             place.bind(("127.0.0.1", port))
         except OSError as error:
             raise FileError(f"127.0.0.1:{port}", f"{error.strerror}; choose another --port") from None
-        address = f"http://127.0.0.1:{place.getsockname()[1]}/"
+        known = word()
+        address = f"http://127.0.0.1:{place.getsockname()[1]}/{known}/"
         say(f"{address}  (Ctrl-C ends it)")
+        server = uvicorn.Server(uvicorn.Config(
+            app(known), http=Few, ws="none", log_level="error", access_log=False, timeout_graceful_shutdown=1,
+        ))  # fmt: skip
         if beside is not None:
             beside.start()
-        if browser:
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-        server = uvicorn.Server(uvicorn.Config(app, log_level="warning", access_log=False, timeout_graceful_shutdown=1))
-        try:
-            server.run(sockets=[place])
-        except KeyboardInterrupt:
-            say("")
+        with ExitStack() as held:
+            if way is not None:
+                page = held.enter_context(_leading_to(address, way))
+                threading.Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
+            try:
+                server.run(sockets=[place])
+            except KeyboardInterrupt:
+                say("")
+
+
+@contextmanager
+def _leading_to(address: str, folder: Path) -> Iterator[Path]:
+    """A page that leads to the address and that this user alone can read: what a browser is started with is seen by all users.
+
+    folder: where it is put if that can be; some browsers may not read the system's own folder for such files.
+    """
+    try:
+        handle, name = tempfile.mkstemp(".html", ".camgen-", folder)
+    except OSError:
+        handle, name = tempfile.mkstemp(".html", "camgen-")
+    page = Path(name).resolve()
+    try:
+        with open(handle, "w", encoding="utf-8") as file:
+            file.write(f'<!DOCTYPE html><meta http-equiv="refresh" content="0; url={escape(address)}">\n')
+        yield page
+    finally:
+        page.unlink(missing_ok=True)

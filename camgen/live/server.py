@@ -1,13 +1,9 @@
-"""Pages on 127.0.0.1: a spec with sliders, and the report of its last build; whoever is not on this machine is refused.
-
-A page of another site may send a browser's requests here, or give its own name this machine's address (DNS rebinding): so
-the Host has to be this machine, and what changes anything has to come from a page of ours.
-"""
+"""Pages on 127.0.0.1: a spec with sliders, and the report of its last build. Who is let in: see `guard`."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from functools import partial
 from hashlib import sha256
 from html import escape
@@ -19,18 +15,18 @@ from typing import Any
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
-from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from camgen import reading
 from camgen import spec as specs
 from camgen.bounds import read_bytes
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
+from camgen.live.guard import OnlyHere
 from camgen.live.numbers import Number, numbers, overrides, write
 from camgen.live.preview import preview, told
 from camgen.machines import MECHANISMS, load
@@ -39,48 +35,12 @@ from camgen.pipeline.edits import edited
 from camgen.pipeline.jobs import changed, read_tables
 from camgen.starters import described
 
-_HERE = ("127.0.0.1", "localhost")
-_MOST = 100_000  # bytes that a page may send
 _POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
     "frame-src 'self'; frame-ancestors 'self'"
 )
 
 Answer = dict[str, Any]
-
-
-class OnlyHere:
-    """Lets in what asks for this machine by name, and of what changes anything that which our own pages send."""
-
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve a request, or refuse it."""
-        if scope["type"] != "http":
-            await self.app(scope, receive, send)
-            return
-        headers = Headers(scope=scope)
-        host, origin = headers.get("host", ""), headers.get("origin")
-        refused = ""
-        if host.partition(":")[0] not in _HERE:
-            refused = "this page is for this machine alone: its address is 127.0.0.1"
-        elif scope["method"] not in ("GET", "HEAD") and origin != f"http://{host}":
-            refused = "only a page of camgen itself may ask for this"
-        elif not headers.get("content-length", "0").isdecimal() or int(headers.get("content-length", "0")) > _MOST:
-            refused = f"at most {_MOST} bytes"
-
-        async def guarded(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                sent = MutableHeaders(scope=message)
-                sent["Cross-Origin-Resource-Policy"] = "same-origin"
-                sent["X-Frame-Options"] = "SAMEORIGIN"
-                sent["X-Content-Type-Options"] = "nosniff"
-                sent["Cache-Control"] = "no-cache"
-            await send(message)
-
-        app = PlainTextResponse(refused, 403) if refused else self.app
-        await app(scope, receive, guarded)
 
 
 class Built:
@@ -111,7 +71,8 @@ class Built:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a file of the last build."""
         folder = self.folder
-        app: ASGIApp = PlainTextResponse("nothing is built yet", 404) if folder is None else StaticFiles(directory=folder)
+        there = folder is not None and folder.is_dir()
+        app: ASGIApp = StaticFiles(directory=folder) if there else PlainTextResponse("nothing is built", 404)
         await app(scope, receive, send)
 
 
@@ -173,18 +134,18 @@ class Explorer:
         listed = [vars(number) for number in self.numbers]
         return _page("explore.html", self.spec, data=json.dumps(listed, ensure_ascii=False).replace("<", "\\u003c"))
 
-    def app(self) -> Starlette:
-        """What serves it."""
-        return _app(self.page, self.built, {"/preview": self.preview, "/build": self.build, "/save": self.save})
+    def app(self, word: str) -> Starlette:
+        """What serves it, below the word."""
+        return _app(word, self.page, self.built, {"/preview": self.preview, "/build": self.build, "/save": self.save})
 
 
-def watcher(built: Built) -> Starlette:
-    """What serves the report of a spec's last build, and says when there is a new one."""
+def watcher(built: Built, word: str) -> Starlette:
+    """What serves the report of a spec's last build, below the word, and says when there is a new one."""
 
     def state(asked: Answer) -> Answer:
         return {"number": built.number, **built.said}
 
-    return _app(partial(_page, "watch.html", built.spec), built, {"/state": state})
+    return _app(word, partial(_page, "watch.html", built.spec), built, {"/state": state})
 
 
 def _page(file: str, spec: Path, **more: str) -> str:
@@ -195,7 +156,7 @@ def _asset(file: str) -> str:
     return files("camgen.live").joinpath(file).read_text(encoding="utf-8")
 
 
-def _app(page: Callable[[], str], built: Built, answers: Mapping[str, Callable[[Answer], Answer]]) -> Starlette:
+def _app(word: str, page: Callable[[], str], built: Built, answers: Mapping[str, Callable[[Answer], Answer]]) -> Starlette:
     """A page, its script and style, the files of the last build, and what the page asks for: JSON to JSON."""
 
     async def shown(request: Request) -> Response:
@@ -205,22 +166,28 @@ def _app(page: Callable[[], str], built: Built, answers: Mapping[str, Callable[[
             return PlainTextResponse(str(error), 500)
         return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
 
-    async def part(request: Request) -> Response:
-        file = request.url.path[1:]
-        return Response(_asset(file), media_type="text/css" if file.endswith("css") else "text/javascript")
+    script, style = Response(_asset("live.js"), media_type="text/javascript"), Response(_asset("live.css"), media_type="text/css")
+    routes = [Route("/", shown), Route("/live.js", script), Route("/live.css", style), Mount("/out", app=built)]
+    routes += [Route(path, _answering(reply), methods=["POST"]) for path, reply in answers.items()]
+    return Starlette(routes=routes, middleware=[Middleware(OnlyHere, word=word)])
 
+
+def _answering(reply: Callable[[Answer], Answer]) -> Callable[[Request], Awaitable[Response]]:
     async def answer(request: Request) -> Response:
         try:
             asked = await request.json()
-        except ValueError:
+        except (ValueError, RecursionError):  # no JSON, or too deep
             asked = None
         if not isinstance(asked, dict):
-            return JSONResponse(told("no valid request", [str(Fault("request", "", "a JSON object"))]), 400)
+            return _json(told("no valid request", [str(Fault("request", "", "a JSON object"))]), 400)
         try:
-            return JSONResponse(await run_in_threadpool(answers[request.url.path], asked))
+            return _json(await run_in_threadpool(reply, asked))
         except (CamgenError, OSError) as error:
-            return JSONResponse(reasons(explained(error)), 409)
+            return _json(reasons(explained(error)), 409)
 
-    routes = [Route("/", shown), Route("/live.js", part), Route("/live.css", part), Mount("/out", app=built)]
-    routes += [Route(path, answer, methods=["POST"]) for path in answers]
-    return Starlette(routes=routes, middleware=[Middleware(OnlyHere)])
+    return answer
+
+
+def _json(answer: Answer, status: int = 200) -> Response:
+    """In plain letters, for what was asked may hold what no encoding has."""
+    return Response(json.dumps(answer), status, media_type="application/json")

@@ -188,8 +188,7 @@ class Constraints:
         elif isinstance(each, Clutch):
             apart = each.apart(theta)
             held, turned = np.isnan(apart), self.angle(each.b, q)
-            together = turned - self.angle(each.a, q) - np.where(held, 0.0, apart)
-            value = np.where(held, turned - each.law(theta, 0), together)
+            value = np.where(held, turned - each.law(theta, 0), turned - self.angle(each.a, q) - apart)
             rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(held, 0.0, -1.0))), 0.0)
         else:
             self._write_law(each, q, theta, rates, rows)

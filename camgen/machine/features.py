@@ -283,14 +283,15 @@ class Asked:
 
     motion(theta, order): the wanted one, (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine with
     all joints where they are meant. stroke: whether the difference of its extremes is judged; lash: free play that the
-    designer accepts, mm or rad, never more than half of its range; targets: what is wanted of it by value. judged: False for
-    one that follows from another output by what no file shows.
+    designer accepts, mm or rad, never more than half of its range; lash_of: what sets it, as a person reads it; targets: what
+    is wanted of it by value. judged: False for one that follows from another output by what no file shows.
     """
 
     output: str
     motion: Callable[[Floats, int], Any] | None = None
     stroke: bool = False
     lash: float = math.inf
+    lash_of: str = "limits.lash"
     targets: tuple[Target | Advance, ...] = ()
     judged: bool = True
 

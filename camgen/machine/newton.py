@@ -297,7 +297,8 @@ class Block:
         return None
 
     def _closed(self, residual: Floats, known: Known) -> NDArray[np.bool_]:
-        size = self.scale + max((float(np.nanmax(np.abs(jet[0]))) for jet in known.loops), default=0.0)
+        loops = (np.abs(jet[0]) for jet in known.loops)
+        size = self.scale + max((float(np.max(far, where=np.isfinite(far), initial=0.0)) for far in loops), default=0.0)
         closed: NDArray[np.bool_] = np.abs(residual).max(axis=1) <= 10 * CLOSED * size
         return closed
 

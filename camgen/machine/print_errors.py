@@ -1,6 +1,6 @@
 """What errors of making do to a machine's outputs, to first order: modes, each an error of unit size somewhere in a part.
 
-    cam       its outline is off along its normal by o + e . n + waves of order 2 to 4 round the bore; the tip by its radius; mm
+    cam       its outline is off along its normal by o + e . n + waves of some orders round the bore; the tip by its radius; mm
     centre    the centre of a hole or pin of a Pin, Slot or Slide, or of a pen's hole, is off by so much along x or y of its
               body, mm
 
@@ -24,8 +24,8 @@ from camgen.machine.run import Run
 from camgen.numerics import Floats, Points
 from camgen.tolerances import SAME_POINT
 
+ORDERS = 2, 4  # waves a turn of an outline's form, unless a spec says others
 _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
-WAVES = (2, 3, 4)  # orders of the form error; the first is a bore off its centre
 
 
 @dataclass(frozen=True)
@@ -43,32 +43,32 @@ class Mode:
 
 @dataclass(frozen=True)
 class Sizes:
-    """Standard deviations of a printer, mm: offset of a wall along its normal, form of an outline, place of a centre along an
-    axis; hole: diameter of a hole."""
+    """Standard deviations of a printer, mm."""
 
-    offset: float
-    form: float
-    place: float
-    hole: float
+    offset: float  # of a wall along its normal
+    form: float  # of an outline's waves, all together
+    place: float  # of a centre along an axis
+    hole: float  # of the diameter of a hole
+    orders: tuple[int, int] = ORDERS  # waves a turn of an outline's form, least and greatest; one would be a bore off its centre
+
+    @property
+    def waves(self) -> range:
+        """Orders of the waves."""
+        return range(self.orders[0], self.orders[1] + 1)
 
 
-def waviness(place: Points, normal: Points) -> Floats:
+def waviness(place: Points, normal: Points, waves: Sequence[int]) -> Floats:
     """Displacement along the normal by each outline mode of unit size, (modes, n): offset, x, y, then cosine and sine of each
     wave. place: complex mm about the bore, normal: unit, outwards, both (n,)."""
     angle = np.angle(place)
-    share = 1 / np.sqrt(2 * len(WAVES))  # so that all waves together have the size that each is given
-    waves = [share * np.sqrt(2) * wave(k * angle) for k in WAVES for wave in (np.cos, np.sin)]
-    return np.stack([np.ones(len(place)), normal.real, normal.imag, *waves])
+    share = 1 / np.sqrt(len(waves))  # so that all waves together have the size that each is given
+    shapes = [share * wave(k * angle) for k in waves for wave in (np.cos, np.sin)]
+    return np.stack([np.ones(len(place)), normal.real, normal.imag, *shapes])
 
 
-def outline_kinds() -> list[str]:
-    """Kinds of the same modes."""
-    return ["offset", "bore", "bore", *["form"] * (2 * len(WAVES))]
-
-
-def outline_sizes(sizes: Sizes) -> list[float]:
-    """Standard deviations of the same modes, mm."""
-    return [sizes.offset, sizes.place, sizes.place, *[sizes.form] * (2 * len(WAVES))]
+def outline_modes(sizes: Sizes) -> list[tuple[str, float]]:
+    """Kind and standard deviation, mm, of each of the same modes."""
+    return [("offset", sizes.offset), *[("bore", sizes.place)] * 2, *[("form", sizes.form)] * (2 * len(sizes.waves))]
 
 
 @dataclass(frozen=True)
@@ -108,11 +108,11 @@ def sensitivities(
     system, q = Constraints(machine), run.poses()
     slopes = system.evaluate(q, theta)[1]
     cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
-    contacts = [_contact(cam, k, system, q) for cam in cams for k in range(min(2, len(cam.touches)))]
+    contacts = [_contact(cam, k, system, q, sizes.waves) for cam in cams for k in range(min(2, len(cam.touches)))]
     modes: list[Mode] = []
     stands: list[Floats] = []  # by how much the mode itself stands out at each contact, (contacts, n)
     for c, contact in enumerate(contacts):
-        kinds = [*zip(outline_kinds(), outline_sizes(sizes), strict=True)]
+        kinds = outline_modes(sizes)
         kinds += [] if contact.cam.name in exact else [("tip", sizes.offset)]
         for (kind, size), out in zip(kinds, [*contact.outline, np.ones(len(q))], strict=False):
             modes.append(Mode(f"{contact.cam.name}, {contact.side + 1}", kind, size))
@@ -182,11 +182,11 @@ def _centres(joint: Pin | Slot | Slide, system: Constraints, q: Floats) -> Itera
                 yield side.body, axis, shift
 
 
-def _contact(cam: Cam, side: int, system: Constraints, q: Floats) -> _Contact:
+def _contact(cam: Cam, side: int, system: Constraints, q: Floats, waves: Sequence[int]) -> _Contact:
     """One side of a cam at the poses."""
     column = system.column[cam.cam]
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     place, normal = cam.touches[side](angle - cam.phase)
     turn = np.exp(1j * angle)
     way = system.pressed(cam, q, q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn)
-    return _Contact(cam, side, way, waviness(place, normal))
+    return _Contact(cam, side, way, waviness(place, normal, waves))

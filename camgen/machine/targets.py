@@ -20,6 +20,7 @@ from pydantic import Field
 from camgen.errors import Fault
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.convex import hull_corners
+from camgen.geometry.hausdorff import Edges, stray
 from camgen.numerics import Floats, Points
 from camgen.spec import Record
 
@@ -28,6 +29,9 @@ _WINDOWS = 720  # stretches of a path, from so many places, of which the straigh
 _CLOSER = 12  # of them that are measured by the least zone
 _PARTS = np.linspace(0.0, 1.0, 9)  # of a stretch in which a nearest place is sought, again in what is left of it
 _NARROWER = 18  # times, to 4^-18 of two samples
+_CHORDS = 64  # at most, in place of the cubic between two samples
+_FINE_SHARE = 0.001  # of a path's tolerance, to which its farthest place is found
+_FINEST = 1e-6  # of a path's length, finer than which nothing is looked for
 
 Size = Annotated[float, Field(gt=0, le=1e6)]
 Value = Annotated[float, Field(ge=-1e6, le=1e6)]
@@ -55,6 +59,17 @@ class Course:
         u, a, b = (t - self.theta[k]) / h, self.value[k], self.value[k + 1]
         bend = (1 - u) * (h * self.slope[k] - (b - a)) - u * (h * self.slope[k + 1] - (b - a))
         return a + u * (b - a) + u * (1 - u) * bend + turns * (self.value[-1] - self.value[0])
+
+    def chords(self, error: float) -> tuple[Points, float]:
+        """Corners on a path, (m,), and how far it is from the line through them, mm: no more than `error` where so many chords
+        do. A chord of a cubic z lies within max |z''| / 8 of it, and z'' is greatest at an end."""
+        h = np.diff(self.theta)
+        begin, end, way = h * self.slope[:-1], h * self.slope[1:], np.diff(self.value)
+        bends = np.maximum(np.abs(6 * way - 4 * begin - 2 * end), np.abs(6 * way - 2 * begin - 4 * end))
+        bend = float(np.max(bends)) / 8
+        count = _CHORDS if bend >= _CHORDS**2 * error else max(1, math.ceil(math.sqrt(bend / error)))
+        theta = (self.theta[:-1, None] + h[:, None] * np.arange(count) / count).ravel()
+        return np.append(self.at(theta), self.value[-1]), bend / count**2
 
     def extreme(self, sign: int) -> tuple[float, float]:
         """theta and value where a real output is greatest (sign 1) or least (-1): where its slope vanishes, or at an end."""
@@ -153,6 +168,34 @@ class Through(Record):
         said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
         said += f"theta {math.degrees(met[k][0]) % 360 if course.whole else math.degrees(met[k][0]):.2f} deg"
         return at_most(self.code, met[k][1], self.tolerance, "mm", where, said)
+
+
+class Trace(Record):
+    """A path as a whole: it and the wanted one are nowhere further apart than the tolerance, either way."""
+
+    code: ClassVar[str] = "PATH_ERROR"
+
+    at: tuple[tuple[Value, Value], ...] = Field(min_length=2, max_length=20_000, description="mm, places [x, y] as drawn")
+    joined: bool = Field(True, description="whether lines join the places in their order; false: a dense cloud; no unit")
+    tolerance: Size = Field(description="mm, how far the path may lie from the places and their lines, or these from the path")
+
+    def apart(self, course: Course) -> Apart:
+        """How far the path and the wanted one are apart at most."""
+        resolution = _FINE_SHARE * self.tolerance
+        return apart(*course.chords(resolution), np.array(self.places), self.joined, resolution)
+
+    @property
+    def places(self) -> list[complex]:
+        """Corners of the wanted path, or its places, mm."""
+        return [complex(*place) for place in self.at]
+
+    def finding(self, course: Course, where: str) -> Finding:
+        """PATH_ERROR: the farthest place of either line, by a bound that holds between all places looked at."""
+        found = self.apart(course)
+        x, y = found.place.real, found.place.imag
+        said = f"path and wanted {'line' if self.joined else 'places'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
+        said += f"{'path' if found.of_path else 'wanted one'}, {found.seen:.6g} mm; proven for all of both, not only the corners"
+        return at_most(self.code, found.proven, self.tolerance, "mm", where, said)
 
 
 class Function(Record):
@@ -264,7 +307,34 @@ class Advance(Record):
         return at_most(self.code, abs(made - self.value), self.tolerance, "deg", where, said)
 
 
-Target = Stroke | Through | Function | Straight | Dwell | TimeRatio
+Target = Stroke | Through | Trace | Function | Straight | Dwell | TimeRatio
+
+
+@dataclass(frozen=True)
+class Apart:
+    """How far a path and a wanted one are apart at most."""
+
+    place: complex  # the farthest one that was seen, mm
+    foot: complex  # the nearest one to it of the other line, mm
+    of_path: bool  # whether the farthest one is of the path, not of the wanted one
+    proven: float  # mm, no place of either is farther from the other one
+
+    @property
+    def seen(self) -> float:
+        """Distance of the farthest place that was seen, mm."""
+        return abs(self.place - self.foot)
+
+
+def apart(corners: Points, sag: float, wanted: Points, joined: bool, resolution: float) -> Apart:
+    """The greatest distance between a path and a wanted one, either way, to the resolution, mm.
+
+    corners: of a line that is no farther than `sag`, mm, from the path; wanted: (n,) complex mm, joined by lines or by itself.
+    """
+    made, asked = Edges.of_line(corners), Edges.of_line(wanted) if joined else Edges.of_places(wanted)
+    fine = max(resolution, _FINEST * max(made.length, asked.length))
+    there, back = stray(made, asked, fine), stray(asked, made, fine)
+    far = there if there.seen >= back.seen else back
+    return Apart(far.place, far.foot, far is there, max(there.proven, back.proven) + sag)
 
 
 def advance(angle: Floats, lost: float) -> float:
@@ -305,14 +375,20 @@ def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> lis
 
 def strip(places: Points) -> float:
     """Width of the narrowest strip that holds all places, mm: one side of it lies along an edge of their convex hull."""
+    return rectangle(places)[1]
+
+
+def rectangle(places: Points) -> tuple[float, float]:
+    """Longer and smaller side of the narrowest rectangle that holds all places, mm: of that strip."""
     hull = places[hull_corners(places.tolist())]
     if len(hull) < 3:
-        return 0.0
-    widths = []
+        return float(np.max(np.abs(hull - hull[0]))), 0.0
+    sides = []
     for a, b in pairwise([*hull, hull[0]]):
-        away = ((hull - a) * np.conj((b - a) / abs(b - a))).imag
-        widths.append(float(np.ptp(away)))
-    return min(widths)
+        seen = (hull - a) * np.conj((b - a) / abs(b - a))
+        sides.append((float(np.ptp(seen.imag)), float(np.ptp(seen.real))))
+    width, length = min(sides)
+    return length, width
 
 
 def straightest(course: Course, length: float) -> tuple[float, float, float]:

@@ -15,11 +15,14 @@ from camgen.findings import Finding, at_most
 from camgen.machine.cams.limits import unit_of as unit_of_lift
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.model import Cam, Output, unit_of
+from camgen.machine.targets import Course, rectangle, stroke
 from camgen.numerics import Floats
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
+_LASH = 0.25  # of an output's stroke, or of a path's smaller side: the play that is borne unless the spec says otherwise
+_LINE = 0.05  # of a path's length, below which its width is none
 _ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
 
 
@@ -37,17 +40,33 @@ def of_pins(mechanism: Mechanism) -> list[Finding]:
         play = 2 * float(np.nanmax(run.play(asked.output).total))
         unit, scale = unit_of(outputs[asked.output])
         if play > 0:
-            limit, said = borne(asked.lash, np.asarray(run[asked.output]))
+            limit, said = borne(asked.lash, np.asarray(run[asked.output]), asked.lash_of)
             said = f"by the clearance of its joints; {said}"
             found.append(at_most("LASH", scale * play, scale * limit, unit, asked.output, said))
     return found
 
 
-def borne(lash: float, value: Any) -> tuple[float, str]:
+def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tuple[float, str]:
+    """The play of an output that its limits bear, mm or rad, and what sets it; unless given by its stroke, or of a path by its
+    smaller side, so that its shape is left. A path narrower than a twentieth of its length is a line, which has one side."""
+    if course.unit == "deg":
+        given, key, scale = lash_deg, "limits.lash_deg", math.radians(1)
+    else:
+        given, key, scale = lash, "limits.lash", 1.0
+    if given is not None:
+        return scale * given, key
+    size, of = stroke(course), "stroke"
+    if np.iscomplexobj(course.value):
+        length, width = rectangle(course.value)
+        size, of = (width, "path's smaller side") if width >= _LINE * length else (length, "path's length")
+    return scale * _LASH * size, f"a quarter of the {of} ({key} sets another)"
+
+
+def borne(lash: float, value: Any, lash_of: str = "limits.lash") -> tuple[float, str]:
     """The play that is accepted of an output with these values over the motion, (n,), and why no more."""
     box = max(np.ptp(value.real), np.ptp(value.imag)) if np.iscomplexobj(value) else np.ptp(value)
     half = float(box) / 2
-    return (lash, "the limit is limits.lash") if lash < half else (half, "the limit is half of the stroke")
+    return (lash, f"the limit is {lash_of}") if lash < half else (half, "the limit is half of the stroke")
 
 
 def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Finding]:

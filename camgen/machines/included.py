@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -411,20 +411,13 @@ def opened(data: reading.Data, folder: Path) -> reading.Data:
 
     SpecError where the path is not a relative one; FileError where it cannot be read.
     """
-    includes = data.get("include")
-    if not isinstance(includes, list):
-        return data
-    found = []
-    for k, each in enumerate(includes):
-        path = each.get("spec") if isinstance(each, dict) else None
-        if isinstance(path, str):
-            if PurePosixPath(path).is_absolute() or PureWindowsPath(path).drive or "\\" in path:
-                right = 'a relative path with "/", so that the folder can be moved'
-                raise SpecError([Fault(f"include.{k}.spec", path, right)])
-            file = folder / path
-            each = {**each, "spec": with_tables(reading.read(file), file.parent), "source": path}
-        found.append(each)
-    return {**data, "include": found}
+    read = dict[int, reading.Data]()
+    for each in reading.references(data):
+        if each.kind == "spec":
+            file = each.file(folder)
+            tables = with_tables(reading.read(file), file.parent, str(file))
+            read[id(each.table)] = {**each.table, "spec": tables, "source": each.name}
+    return {**data, "include": [read.get(id(each), each) for each in data["include"]]} if read else data
 
 
 def _mechanism(each: Include, host: Mapping[str, Any], rpm: float) -> Mechanism:

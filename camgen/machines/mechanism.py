@@ -43,7 +43,7 @@ from camgen.machine.features import (
 from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, Run, solve
-from camgen.machines.assembly import order
+from camgen.machines.assembly import Fixing, order
 from camgen.machines.free_play import of_pins
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.journals import Journal, Post, journals
@@ -66,6 +66,7 @@ class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
     load: Weight | None = None
+    fixed: ClassVar[str] = "pressed and glued"  # how parts go together that do not turn on each other
     frame_part: ClassVar[str] = ""  # name of the flat part that stands still under all others
 
     @abstractmethod
@@ -345,7 +346,9 @@ class Mechanism(Spec, ABC):
 
     def steps(self) -> Table:
         """In which order it goes together, and where: unless a machine says more, by height."""
-        return self.sprung_steps(order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features()))
+        press, slide = self.print.press_clearance, self.print.slide_clearance
+        fixing = Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed)
+        return self.sprung_steps(order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features(), fixing))
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """Steps of assembly with those of its springs; module: how it stands in the machine whose steps they are."""

@@ -28,6 +28,7 @@ from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polyn
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
 from camgen.numerics import Floats, distinct
+from camgen.reading import Reference
 from camgen.spec import Length, Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
@@ -113,7 +114,7 @@ def law_of(choice: str | LawChoice) -> Law:
     if faults:
         raise SpecError(faults)
     if name == "table":
-        points = given["points"] if "points" in given else read_points(Path(given["file"]))
+        points = given["points"] if "points" in given else read_points(Reference("file", "law", given, "file").file(Path()))
         return tabulated(points, given.get("source") or given.get("file") or "points of the spec", given.get("rest", True))
     if name == "fourier":
         return fourier(given.get("sines", ()), given.get("cosines", ()))

@@ -5,19 +5,20 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import Fault, FileError, SpecError
-from camgen.reading import Data, too_large
+from camgen.reading import Data, references, too_large
 
 _MOST_LINES = 200_000  # of a table; the longest that a spec takes has 100,000 rows
 _ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}
 _FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605}
 _TORQUES = {"nm": 1.0, "ncm": 1e-2, "nmm": 1e-3, "knm": 1e3, "lbfin": 0.1129848290276167}
 _OTHERS = ("mm", "cm", "inch", "kg", "kpa", "mpa", "bar", "rpm", "hz")
+_READ = ("law", "load")  # what tables are read of
 _PARTS = 3  # of a unit's name: lbf in, N / mm
 
 
@@ -95,48 +96,34 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
     return [[x * scales[0], y * scales[1]] for x, y in points], kind
 
 
-def with_tables(data: Data, folder: Path) -> Data:
+def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
     """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
 
-    Files are seen from the folder. So the resolved spec needs no other file. Laws are those of [[segment]], of the segments of
-    [drive] and of each [[cam]], and of [geometry]; what is no such table is left for `validate` to find.
-    SpecError where all of them hold more than a spec may, as the resolved one will.
+    Files are seen from the folder. So the resolved spec needs no other file. SpecError with all that name no file so, and where
+    they hold more than a spec may.
     """
-    if not any((*_laws(data), *_loads(data))):
+    if not any(each.kind in _READ for each in references(data)):
         return data
     data = copy.deepcopy(data)
+    faults = list[Fault]()
     values = 0
-    for table, is_law in (*((each, True) for each in _laws(data)), *((each, False) for each in _loads(data))):
-        name = table.pop("file")
-        if is_law:
-            table["points"] = [list(point) for point in read_points(folder / name)]
+    for each in [each for each in references(data) if each.kind in _READ]:
+        try:
+            file = each.file(folder)
+        except SpecError as error:
+            faults += error.faults
+            continue
+        table, name = each.table, each.table.pop(each.key)
+        if each.kind == "law":
+            table["points"] = [list(point) for point in read_points(file)]
         else:
-            table["points"], unit = load_table(folder / name)
+            table["points"], unit = load_table(file)
             if unit is not None:
                 table.setdefault("unit", unit)
         table.setdefault("source", name)
         values += 3 * len(table["points"])  # the pair, and its two numbers
         if large := too_large(0, values):
-            raise SpecError(large, name)
+            raise SpecError([*faults, *large], source)
+    if faults:
+        raise SpecError(faults, source)
     return data
-
-
-def _laws(data: Data) -> list[Data]:
-    """Tables of laws that name a file in place of points."""
-    holders = [data, data.get("drive"), *_listed(data, "cam")]
-    segments = [segment for holder in holders for segment in _listed(holder, "segment")]
-    return _with_files(table.get("law") for table in (data.get("geometry"), *segments) if isinstance(table, dict))
-
-
-def _loads(data: Data) -> list[Data]:
-    """Tables of loads that do."""
-    return _with_files(_listed(data.get("load"), "on"))
-
-
-def _with_files(tables: Iterable[Any]) -> list[Data]:
-    return [each for each in tables if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each]
-
-
-def _listed(holder: Any, key: str) -> list[Any]:
-    found = holder.get(key) if isinstance(holder, dict) else None
-    return found if isinstance(found, list) else []

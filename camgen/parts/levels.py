@@ -5,7 +5,9 @@
     axis     a pin through its links: it takes all levels from its lowest link, or from the ground plate under level 1, to its
              highest, and one more for its head
     far      an axis of the ground between two plates goes through from one to the other, or leaves out the levels between two
-             of its links, where others pass: then it is two stubs, one on each plate
+             of its links, where others pass: then it is two stubs, one on each plate, or one stub on either
+    opening  a slot of the ground, in which the pin of an axis runs: in the plate on which that pin ends, which is one of them;
+             or another wide hole
     wall     stands beside a link that slides, on the link or plate that guides it, as high as the link, or its cover over it
     rules    bands that meet lie on different levels; a band that meets an axis lies under or over it; axes that meet take no
              level together
@@ -20,161 +22,19 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import combinations
 
-import numpy as np
+from camgen.geometry.outlines import Floats
+from camgen.parts.level_program import LOW, bound_axes, integer_program, least_levels, program
+from camgen.parts.level_rules import Axis, Band, Crowded, Opening, Rule, Thing, Wall, cut, kept, rules_of, span
 
-from camgen.errors import DesignError
-from camgen.geometry.convex import distance
-from camgen.geometry.outlines import Floats, Points
-
-_WAY = 1.1  # of a chord: the way between two samples
-_LEVEL, _LOW, _BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
-
-
-@dataclass(frozen=True)
-class Band:
-    """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
-
-    on: name of its level, where several bands share one; below: how many levels under it are taken too; slim, move: which keys
-    do so, for messages. Equal, as axes, walls and rules are, to what takes the same levels wherever it lies.
-    """
-
-    name: str
-    corners: Points = field(compare=False)
-    radius: float = field(compare=False)
-    on: str = ""
-    below: int = 0
-    slim: str = field(default="", compare=False)
-    move: str = field(default="", compare=False)
-
-    @property
-    def level(self) -> str:
-        """Name of its level."""
-        return self.on or self.name
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
-
-    links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
-    link; under: the same of what is under its lowest; far: whether there is a second plate over all, low, high: links that
-    must be on the lower, on the upper one of two stubs.
-    """
-
-    name: str
-    links: tuple[str, ...]
-    place: Points = field(compare=False)
-    radius: float = field(compare=False)
-    ground: bool = False
-    over: int = 1
-    under: int = 0
-    slim: str = field(default="", compare=False)
-    move: str = field(default="", compare=False)
-    far: bool = False
-    low: tuple[str, ...] = ()
-    high: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Wall:
-    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm.
-
-    over: how many levels it takes over that link too.
-    """
-
-    name: str
-    corners: Points = field(compare=False)
-    radius: float = field(compare=False)
-    link: str
-    on: str = ""
-    over: int = 0
-    slim: str = field(default="", compare=False)
-    move: str = field(default="", compare=False)
-
-
-Thing = Band | Axis | Wall
-
-
-class Crowded(DesignError):
-    """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
-    need, and how many more such pairs there are; remedy: instead of the keys that make them slimmer, where half as thick
-    would do, or move them."""
-
-    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int, remedy: str = "") -> None:
-        self.a, self.b, self.distance, self.needed, self.theta, self.more = a, b, distance, needed, theta, more
-        others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
-        said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
-        keys = [*(each.slim for each in (a, b) if distance >= needed / 2), *(each.move for each in (a, b))]
-        mends = list(dict.fromkeys(filter(None, keys)))
-        super().__init__(
-            "distance of what cannot pass on any level", distance, needed, "mm", said,
-            remedy or f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
-        )  # fmt: skip
-
-    def mended(self, remedy: str) -> Crowded:
-        """The same with another remedy."""
-        return Crowded(self.a, self.b, self.distance, self.needed, self.theta, self.more, remedy)
-
-
-@dataclass(frozen=True)
-class _Rule:
-    """Two things that meet, so that they share no level: the distance of their middles at least (mm, at sample k), the needed."""
-
-    a: Thing
-    b: Thing
-    distance: float = field(compare=False)
-    needed: float = field(compare=False)
-    k: int = field(compare=False)
-
-
-def ways(corners: Points) -> Floats:
-    """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
-    steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
-    return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
-
-
-@dataclass(frozen=True)
-class _Way:
-    """A thing over the motion: its corners, (k, n) complex mm, the disc about their mean, and half of its steps, (n,) mm."""
-
-    thing: Thing
-    corners: Points
-    centre: Points
-    reach: Floats
-    step: Floats
-
-
-def _way(thing: Thing) -> _Way:
-    corners = thing.place[None] if isinstance(thing, Axis) else thing.corners
-    centre = corners.mean(axis=0)
-    return _Way(thing, corners, centre, np.abs(corners - centre).max(axis=0), ways(corners))
-
-
-def _meets(one: _Way, other: _Way, gap: float) -> _Rule | None:
-    """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
-    a, b = one.thing, other.thing
-    if isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
-        return None
-    if isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
-        return None
-    needed, steps = a.radius + b.radius + gap, one.step + other.step
-    if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
-        return None  # not even their discs, as of most links of a long chain
-    between = distance(one.corners, other.corners) - steps
-    k = int(np.argmin(between))
-    if between[k] >= needed:
-        return None
-    return _Rule(a, b, max(0.0, float(between[k])), needed, k)
 
 
 def levels(
     bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
     walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (), explain: bool = True, searched: bool = False,
+    openings: Sequence[Opening] = (),
 ) -> dict[str, int] | None:  # fmt: skip
     """Levels by name, 1 the lowest; None where they are not found soon, or to `explain` a longer search and DesignError.
 
@@ -182,109 +42,59 @@ def levels(
     to be kept; over: pairs of levels, the first of which must lie over the second; searched: soon was not soon enough.
     """
     given = given or {}
-    things: list[Thing] = [*bands, *axes, *walls]
-    ways = [_way(thing) for thing in things]
-    rules = [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
+    rules = rules_of([*bands, *axes, *walls, *openings], gap)
+    crossed = any(isinstance(rule.a, Opening) for rule in rules)
     found: dict[str, int] | None = None
     if any(axis.far for axis in axes):
         found = integer_program(bands, axes, rules, given, over, strict=True)
-    elif not searched:
+    elif not searched and not crossed:
         soon = search(tuple(bands), tuple(axes), tuple(rules), tuple(given.items()), tuple(over))
         found = None if soon is None else dict(soon)
     if found is not None or not explain:
         return found
     found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
     assert found is not None, "rules may be broken"
-    ends = {axis.name: cut(axis, rules, found) for axis in axes if axis.far}
-    broken = [rule for rule in rules if not _kept(rule, found, ends)]
+    ends = _ends(bands, axes, rules, found)
+    broken = [rule for rule in rules if not kept(rule, found, ends)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
         raise Crowded(rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1)
     return found
 
 
-def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
-    """Lowest and highest level that a thing takes."""
-    if isinstance(thing, Band):
-        return level[thing.level] - thing.below, level[thing.level]
-    if isinstance(thing, Wall):
-        return level.get(thing.on, 0) + 1, level[thing.link] + thing.over
-    held = [level[link] for link in thing.links]
-    return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
-
-
 def cuts(
-    bands: Sequence[Band], axes: Sequence[Axis], walls: Sequence[Wall], gap: float, level: Mapping[str, int]
-) -> dict[str, int]:
-    """Of each axis between two plates that is two stubs, by its name, the highest level of the lower one: 0 where all of its
-    links are on the upper plate's."""
-    far = {axis.name: axis for axis in axes if axis.far}
-    things: list[Thing] = [*bands, *axes, *walls]
-    pairs = combinations([_way(thing) for thing in things], 2)
-    asked = ((a, b) for a, b in pairs if far.keys() & {a.thing.name, b.thing.name})
-    rules = [rule for a, b in asked if (rule := _meets(a, b, gap))]
-    found = {name: cut(axis, rules, level) for name, axis in far.items()}
-    return {name: at for name, at in found.items() if at is not None}
+    bands: Sequence[Band], axes: Sequence[Axis], walls: Sequence[Wall], gap: float, level: Mapping[str, int],
+    openings: Sequence[Opening] = (),
+) -> dict[str, int]:  # fmt: skip
+    """Of each axis between two plates that does not go through, by its name, the highest level of its lower stub: 0 where all
+    of its links are on the upper plate's, that of its highest link where all are on the lower plate's."""
+    rules = rules_of([*bands, *axes, *walls, *openings], gap)
+    return {name: at for name, at in _ends(bands, axes, rules, level).items() if at is not None}
 
 
-def cut(axis: Axis, rules: Sequence[_Rule], level: Mapping[str, int]) -> int | None:
-    """Highest level of the lower stub of an axis between two plates, such that most of its rules hold; None: it goes through."""
-    spans = [span(other, level) for rule in rules for other in _others(rule, axis)]
-    if not spans and not axis.high:
-        return None
-    held = [level[link] for link in axis.links]
-    least = max((level[link] for link in axis.low), default=0)
-    most = min((level[link] for link in axis.high), default=max(held) + 1)
-    ways = sorted(at for at in {0, *held} if least <= at < most)
-
-    def passing(at: int) -> int:
-        low, high = _gap(axis, at, level)
-        return sum(low < one and other < high for one, other in spans)
-
-    return max(ways, key=passing)
-
-
-def _others(rule: _Rule, axis: Axis) -> list[Thing]:
-    return [other for one, other in ((rule.a, rule.b), (rule.b, rule.a)) if one is axis]
-
-
-def _gap(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[float, float]:
-    """Between which levels an axis lets others pass, both taken, whose lower stub ends so high."""
-    higher = [value for link in axis.links if (value := level[link]) > at]
-    return at + axis.over * (at > 0), min(higher) - axis.over if higher else math.inf
-
-
-def _kept(rule: _Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
-    """Whether two things share no level; ends: the cuts of axes between two plates."""
-    for axis in (thing for thing in (rule.a, rule.b) if isinstance(thing, Axis) and thing.far):
-        at, (one, other) = ends[axis.name], span(_others(rule, axis)[0], level)
-        low, high = (math.inf, 0) if at is None else _gap(axis, at, level)
-        return low < one and other < high
-    (a0, a1), (b0, b1) = span(rule.a, level), span(rule.b, level)
-    return a1 < b0 or b1 < a0
-
-
-def _no_levels() -> DesignError:
-    remedy = "leave [layers] out, or set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return DesignError("levels found", 0, 1, "", "[layers]", remedy, "no order of levels is free of collisions")
-
-
-def _least(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
-    """Lowest level that each name may have."""
-    least = {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
-    for axis in (axis for axis in axes if not axis.ground):
-        least |= {link: max(least[link], 1 + axis.under) for link in axis.links}
-    return least
+def _ends(
+    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[Rule], level: Mapping[str, int]
+) -> dict[str, int | None]:
+    """The cut of each axis between two plates. What two such axes leave to each other decides the integer program: on which
+    plate a link of theirs is held; that of any other axis lets most of what meets it pass."""
+    far, bound = {axis.name: axis for axis in axes if axis.far}, bound_axes(axes, rules)
+    found = {name: cut(axis, rules, level) for name, axis in far.items() if name not in bound}
+    if bound:
+        solution = program(bands, axes, rules, level)
+        assert solution is not None, "rules may be broken"
+        upper = solution.upper
+        found |= {name: max([level[link] for link in far[name].links if (name, link) not in upper], default=0) for name in bound}
+    return found
 
 
 @lru_cache(maxsize=8)  # variants of a machine mostly meet in the same places
 def search(
-    bands: tuple[Band, ...], axes: tuple[Axis, ...], rules: tuple[_Rule, ...], kept: tuple[tuple[str, int], ...],
+    bands: tuple[Band, ...], axes: tuple[Axis, ...], rules: tuple[Rule, ...], kept: tuple[tuple[str, int], ...],
     over: tuple[tuple[str, str], ...],
 ) -> Mapping[str, int] | None:  # fmt: skip
     """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them."""
     given = dict(kept)
-    least = _least(bands, axes)
+    least = least_levels(bands, axes)
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
     touching = {name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)] for name in names}
@@ -313,7 +123,7 @@ def search(
                 return
             before = sum(_length(axis, level) for axis in pins[name])
             level[name] = value
-            more = cost + _LOW * value + sum(_length(axis, level) for axis in pins[name]) - before
+            more = cost + LOW * value + sum(_length(axis, level) for axis in pins[name]) - before
             if more < cheapest and sound(name):
                 lay(k + 1, highest, more)
             del level[name]
@@ -329,6 +139,8 @@ def _on(thing: Thing) -> tuple[str, ...]:
     """Names of the levels that say which levels a thing takes."""
     if isinstance(thing, Axis):
         return thing.links
+    if isinstance(thing, Opening):
+        return ()
     return (thing.level,) if isinstance(thing, Band) else (thing.link, *([thing.on] if thing.on else []))
 
 
@@ -345,77 +157,3 @@ def _length(axis: Axis, level: Mapping[str, int]) -> int:
     """Levels from an axis's lowest to its highest so far."""
     ends = _so_far(axis, level)
     return ends[1] - ends[0] if ends else 0
-
-
-def integer_program(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[_Rule], given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (), strict: bool = False,
-) -> dict[str, int] | None:  # fmt: skip
-    """The same by branch and bound; rules that cannot be kept are broken at a price, or `strict`: None where one cannot be."""
-    from scipy.optimize import Bounds, LinearConstraint, milp
-
-    least = _least(bands, axes)
-    most = max([2 * len(least) + 1, *given.values()])
-    cost, bounds = [_LEVEL], [(0.0, float(most))]  # the first column is the highest level
-    rows: list[tuple[dict[int, float], float]] = []  # sum >= right
-
-    def column(price: float, low: float, high: float) -> int:
-        cost.append(price)
-        bounds.append((low, high))
-        return len(cost) - 1
-
-    level = {name: column(_LOW, given.get(name, low), given.get(name, most)) for name, low in least.items()}
-    rows += [({0: 1, k: -1}, 0) for k in level.values()]
-    rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in over]
-    axis_ends: dict[str, tuple[int, int]] = {}
-    big, plate = 2.0 * most + 4, column(0, 0, 0)
-    for axis in (axis for axis in axes if axis.far):  # top of the lower stub, bottom of the upper one: others pass between
-        low, high = axis_ends[axis.name] = column(0, 0, most + 1), column(0, 0, most + 2)
-        rows.append(({high: 1, low: -1}, 0))
-        for link in axis.links:
-            upper = column(0, float(link in axis.high), float(link not in axis.low))
-            rows.append(({low: 1, level[link]: -1, upper: big}, axis.over))
-            rows.append(({high: -1, level[link]: 1, upper: -big}, axis.over - big))
-    for axis in (axis for axis in axes if not axis.far):
-        low, high = axis_ends[axis.name] = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
-        for link in axis.links:
-            rows.append(({high: 1, level[link]: -1}, axis.over))
-            rows.append(({level[link]: 1, low: -1}, axis.under))
-
-    def ends(thing: Thing) -> tuple[int, int, int, int]:
-        """Column of the lowest level and what is added to it, and the same of the highest."""
-        if isinstance(thing, Wall):
-            return level.get(thing.on, plate), 1, level[thing.link], thing.over
-        if isinstance(thing, Band):
-            return level[thing.level], -thing.below, level[thing.level], 0
-        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1], 0
-
-    for rule in rules:
-        (a0, a, a1, a_over), (b0, b, b1, b_over) = ends(rule.a), ends(rule.b)
-        short = (rule.needed - rule.distance) / rule.needed
-        broken = column(_BROKEN * (1 + max(0.0, short)), 0, 0 if strict else 1)
-        far = [axis for axis in (rule.a, rule.b) if isinstance(axis, Axis) and axis.far]
-        if len(far) == 2:
-            rows.append(({broken: 1}, 1))  # both begin on the lower plate
-            continue
-        if far:
-            if far[0] is rule.a:
-                (a0, a, a1, a_over), (b0, b, b1, b_over) = (b0, b, b1, b_over), (a0, a, a1, a_over)
-            rows.append(({a0: 1, b0: -1, broken: big}, 1 - a))  # over the lower stub, and under the upper one
-            rows.append(({b1: 1, a1: -1, broken: big}, 1 + a_over))
-            continue
-        upper = column(0, 0, 1)
-        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over))  # a over b where `upper` is 0
-        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b + a_over - big))
-    table = np.zeros((len(rows), len(cost)))
-    for k, (row, _) in enumerate(rows):
-        table[k, list(row)] = list(row.values())
-    found = milp(
-        cost, integrality=np.ones(len(cost)), bounds=Bounds(*np.array(bounds).T),
-        constraints=LinearConstraint(table, np.array([right for _, right in rows]), np.inf), options={"time_limit": 10.0},
-    )  # fmt: skip
-    if found.x is None and strict:
-        return None
-    if found.x is None:
-        raise _no_levels()
-    return {name: round(found.x[k]) for name, k in level.items()}

@@ -28,6 +28,10 @@ class Layer:
         return self.region.area * (self.z1 - self.z0)
 
 
+class Held(str):
+    """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
+
+
 @dataclass(frozen=True)
 class Part:
     """One distinct part: `layers` of material, `engraved` layers taken away, and how many are needed.

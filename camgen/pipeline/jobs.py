@@ -72,6 +72,25 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     return data, source, folder
 
 
+def files_of(spec: Path) -> list[Path]:
+    """A spec's file, those that it names, and those that included specs name, whether they are there or not; of what is no spec
+    itself alone."""
+    named = _named_in(spec)
+    included = [file for kind, file in named if kind == "spec"]  # which include none
+    theirs = [file for other in included for kind, file in _named_in(other) if kind != "spec"]
+    return [spec, *(file for _, file in named), *theirs]
+
+
+def _named_in(spec: Path) -> list[tuple[str, Path]]:
+    """What each file that a spec names holds, and where it is; nothing of what is no spec."""
+    found = list[tuple[str, Path]]()
+    with suppress(CamgenError):
+        for each in reading.references(reading.read(spec)):
+            with suppress(SpecError):
+                found.append((each.kind, each.file(spec.parent)))
+    return found
+
+
 def changed(
     data: reading.Data,
     source: str,
@@ -82,8 +101,10 @@ def changed(
     """The mechanism of some tables with some keys set anew; like: see `validate`."""
     for setting in overrides:
         data = override(data, setting)
-    data = with_tables(data, folder)
-    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, like=like)
+    left = [each for each in reading.references(data) if each.kind != "spec" and each.outside]
+    hints = tuple(f"{each.path} was read from {each.name}, outside the spec's folder" for each in left)
+    data = with_tables(data, folder, source)
+    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, hints, like)
     if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later
         with suppress(DesignError):
             made.model  # noqa: B018

@@ -143,7 +143,7 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
         if part.name not in sections and case.file(part.name, "dxf").exists():
             drawn = expected(part, tolerance, features, None, mechanism.output)
             judged = judge_drawing(case.file(part.name, "dxf"), drawn)
-            if judged.shape is not None:
+            if judged.sections:
                 sections[part.name] = judged.sections
     columns = ("sheet", "part", "count", "angles, deg", "otherwise")
     return findings, sections, [Table("Cut of sheets, and what is made otherwise", columns, rows)], numbers

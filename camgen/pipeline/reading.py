@@ -59,7 +59,7 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
         meant = expected(part, tolerance, features, sent, drawn)
         judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings
-        if judged.shape is not None:
+        if judged.sections:
             read[kind] = judged.sections
     return Outcome(findings, not_judged=refused), read
 

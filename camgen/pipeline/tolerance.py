@@ -22,7 +22,7 @@ from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
 from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Place, Slide, Slot, placed, places_of, unit_of
-from camgen.machine.print_errors import Mode, Sensitivity, Sizes, hole_at, sensitivities, waviness
+from camgen.machine.print_errors import ORDERS, Mode, Sensitivity, Sizes, hole_at, sensitivities, waviness
 from camgen.machine.run import Run, solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -30,7 +30,8 @@ from camgen.parts import materials
 from camgen.study import Study, Table
 from camgen.tolerances import SAME_POINT
 
-_ANGLES = 145  # of the turn, at which copies are looked at
+_ANGLES = 145  # of the turn, at which copies are looked at, and at least:
+_PER_WAVE = 12  # of a wave of an outline's form
 _NOTHING = 1e-9  # mm or rad, by which rounding moves what no joint moves
 _CHUNK = 2000  # copies at a time: their errors stay in the processor's cache
 
@@ -44,7 +45,7 @@ def sizes_of(mechanism: Mechanism) -> Sizes:
     size = materials.of(mechanism.material.name).spread / 3 if given.size_error is None else given.size_error
     place = size / math.sqrt(2) if given.place_error is None else given.place_error
     form = size / 4 if given.form_error is None else given.form_error
-    return Sizes(size / 2, form, place, size)
+    return Sizes(size / 2, form, place, size, given.form_orders or ORDERS)
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,8 @@ def spread_of(mechanism: Mechanism) -> Spread:
     """Modes of a mechanism's model, cams that say how they are touched among them."""
     machine, sizes = mechanism.model, sizes_of(mechanism)
     outputs = judged_outputs(machine.outputs, mechanism.asked())
-    theta, holes = np.linspace(*mechanism.range, _ANGLES), _holes(mechanism, outputs)
+    theta = np.linspace(*mechanism.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1))
+    holes = _holes(mechanism, outputs)
     if not machine.joints:
         return Spread(mechanism, theta, sizes, holes, (), outputs, {})
     run, names = solve(machine, theta, 0), [each.name for each in outputs]
@@ -253,7 +255,7 @@ def laws_of(spread: Spread, errors: Floats, shifted: Machine) -> dict[str, tuple
         places = np.array([mount.place(z) for z in points])
         turned = np.exp(1j * mount.turned) * (-normals.conjugate() if mount.flipped else normals)
         amounts = [*own["offset"], *own["bore"], *own["form"]]
-        off = np.asarray(amounts) @ waviness(places, turned)
+        off = np.asarray(amounts) @ waviness(places, turned, spread.sizes.waves)
         ring = Ring(points + off * normals, np.zeros(len(points)))
         wider = own.get("tip", [0.0])[0]
         if isinstance(outline.tip, Eye):

@@ -20,7 +20,7 @@ from camgen.pipeline.tolerance_timing import Timing, timings
 from camgen.report.report import Report
 from camgen.study import Plot, Table
 
-_SHARES = (0.5, 0.9, 0.99, 0.997)  # of copies
+_SHARES = (0.5, 0.9, 0.95, 0.99, 0.997)  # of copies
 _BARS = 60
 _Z = 1.959964  # standard deviations either way of 95 %
 _HOLD = "copies that hold, %", "interval of 95 %, %"
@@ -86,8 +86,18 @@ def tolerance(
             tables.append(_worst(spread, copies, output, seed, min(worst, samples), numbers))
     plots += [_histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
               for (name, cam), (loose, _, _) in copies.held.items()]  # fmt: skip
-    notes = (f"{samples} copies, seed {seed}.", *_NOTES)
+    notes = (f"{samples} copies, seed {seed}.", *_waves(spread), *_NOTES)
     return Report(mechanism.name, mechanism.mechanism, (), numbers, (), plots, tables, notes, summary=_summary(samples, numbers))
+
+
+def _waves(spread: Spread) -> list[str]:
+    """What is taken of the form of cams, where there are some."""
+    if not any(mode.kind == "form" and mode.size > 0 for mode in spread.modes):
+        return []
+    least, most = spread.sizes.orders
+    waves = f"{least}" if least == most else f"{least} to {most}"
+    return [f"The form of a cam: {waves} waves a turn, all of a size, together print.form_error, {spread.sizes.form:.4g} mm. "
+            "print.form_orders sets how many: more waves of the same size turn the normal more."]  # fmt: skip
 
 
 def _summary(samples: int, numbers: Mapping[str, float]) -> str:

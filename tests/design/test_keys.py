@@ -123,7 +123,7 @@ def test_tables_that_are_no_path_are_told(table: str, said: str, tmp_path: Path)
     (tmp_path / "path.csv").write_text(table, encoding="utf-8")
     asked = wish({"wanted": {"path": "path.csv"}}, "spec")
     with pytest.raises((SpecError, FileError), match=said):
-        asked.points(tmp_path)  # type: ignore[union-attr]
+        asked.line(tmp_path)  # type: ignore[union-attr]
 
 
 def test_faults_of_the_rest_of_the_spec_come_before_a_search() -> None:

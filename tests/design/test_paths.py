@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,9 @@ from camgen.design.chains import Chain, chains
 from camgen.design.linkages import Candidate
 from camgen.design.paths import Found, Task, area, front, search, solved
 from camgen.design.polish import Goal, packed, polished
+from camgen.design.run import Front, design
 from camgen.design.target import Target
+from camgen.errors import DesignError
 from camgen.machine.run import solve
 from camgen.spec import validate
 
@@ -50,11 +54,46 @@ def test_a_chain_traces_what_the_machine_of_its_spec_does(chain: Chain) -> None:
         if least[0] > 0.2:
             break
     tables = {"mechanism": "linkage", "name": "found"}
-    data = Candidate(Found(chain, tuple(drawn[0]), 0.0, 0.0), path[:, 0], tables).data()
+    data = Candidate(Found(chain, tuple(drawn[0]), 0.0, 0.0), path[:, 0], tables, 1.0).data()
     from camgen.machines.linkage.mechanism import Linkage
 
     run = solve(validate(Linkage, data).chain, 2 * np.pi * np.arange(36) / 36, 0)
     assert np.max(np.abs(run.derivatives("path")[0] - path[:, 0])) < 1e-4  # drawn to 1e-6 mm, and up to five dyads multiply it
+
+
+def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
+    """By all distances of many places; the corners are no places of an even grid along the lines."""
+    own = FOUR_BAR.trace(DRAWN, 9)[0][:, 0]
+    corners = np.append(own, own[:1]) * 1.02 + 0.3
+    design = Candidate(Found(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0), corners, {"mechanism": "linkage", "name": "found"}, 1.2)
+    path, line = FOUR_BAR.trace(DRAWN, 20_000)[0][:, 0], np.interp(np.arange(0, 9, 1e-3), range(10), corners)
+    a, b = (np.stack([z.real, z.imag], axis=-1) for z in (path, np.append(line, corners)))
+    worst = max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max())
+    assert worst - 1e-3 < design.worst < worst + 5e-3 and design.worst > 1.2
+    from camgen.machines.linkage.mechanism import Linkage
+
+    data = design.data()
+    trace = data["output"][0]["path"]
+    assert len(trace["at"]) == 10 and trace["tolerance"] == 1.2  # what is borne, though it reaches less
+    (finding,) = (each for each in validate(Linkage, data).limits() if each.code == "PATH_ERROR")
+    assert finding.measured == pytest.approx(design.worst, abs=3e-3) and not finding.ok
+    assert design.weighed.miss.startswith("PATH_ERROR") and not replace(design, borne=worst + 1).weighed.miss
+    kept = validate(Linkage, replace(design, borne=worst + 1).data()).limits()
+    assert all(each.ok for each in kept if each.code == "PATH_ERROR")
+
+
+def test_without_a_tolerance_a_useless_path_is_none() -> None:
+    """A figure eight, 100 mm long, of which a four-bar misses 14 mm: a twentieth is borne, 5 mm."""
+    turn = np.linspace(0, 2 * np.pi, 41)
+    eight = [[round(50 * np.sin(t), 3), round(50 * np.sin(t) * np.cos(t), 3)] for t in turn.tolist()]
+    tables: dict[str, Any] = {"mechanism": "linkage", "name": "eight", "parts": {"thickness": 3, "pin_diameter": 3, "wall": 1.6}}
+    kept = list[Front]()
+    with pytest.raises(DesignError, match=r"nearest buildable design is 1\d\.\d+ mm from the path; .*twentieth .*, 4\.999 mm"):
+        design({**tables, "wanted": {"path": eight, "bars": 4, "effort": 0}}, keep=kept.append)
+    (front,) = kept
+    for row, text in zip(front.rows, front.texts, strict=True):
+        assert row["verdict"] == "refused" and (row["worst_distance_mm"] > 4.999)
+        assert tomllib.loads(text)["output"][0]["path"]["tolerance"] <= 5
 
 
 @given(st.floats(-3, 3), st.floats(0.2, 5), st.complex_numbers(max_magnitude=100))

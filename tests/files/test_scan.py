@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import struct
-import zlib
 import sys
+import zlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,7 +15,23 @@ from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
-from camgen.judge.assembly import sweep
+from camgen.judge.assembly import _slabs, _touching, sweep
+from camgen.machine.features import (
+    Apart,
+    CamOutline,
+    Eye,
+    Faces,
+    Feature,
+    GearTeeth,
+    Moved,
+    OwnTip,
+    PinEyes,
+    SlideFaces,
+    StandIn,
+    Steady,
+    Teeth,
+)
+from camgen.machine.features import Ring as FeatureRing
 from camgen.machine.model import Pose
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.solids import solid
@@ -118,3 +135,103 @@ def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> 
 def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
     findings = swept(tmp_path / "x.3mf", "eccentric-drive", needle_tube_1=0.15j)
     assert any(not f.ok and "needle-tube-1" in f.where and "needle" in f.where for f in findings)
+
+
+# ---- what may touch ----------------------------------------------------------------------------------------------------
+
+GAP, SPARE = 0.1875, 0.03125  # mm: of the machine, and what facets may show of an overlap; sums of them are exact
+ARM, PLATE, PIN = Eye("arm", 5j, 4.1), Eye("plate", 0j, 4.3), Eye("pin", 0j, 4.0, shaft=True)
+TIP = Eye("arm", 30 + 0j, 6.0, shaft=True)
+CAM = CamOutline("lift", "cam", "shaft", "pivot", TIP)
+OWN = OwnTip("arm", TIP, PLATE)
+
+
+def touching(*contacts: Apart | Feature, gap: float = GAP, stand_ins: Sequence[StandIn] = ()) -> dict[str, float]:
+    """What may overlap, of one copy of each part and two of the arm."""
+    machine = Moved((), lambda theta: {}, contacts, stand_ins, gap, SPARE / 4)
+    names = ["plate-1", "arm-1", "arm-2", "pin-1", "cam-1", "roller-1", "ring-1", *(thing.name for thing in stand_ins)]
+    fits = _touching(machine, names, SPARE)
+    return {" ".join(sorted(pair)): round(overlap, 9) for pair, overlap in fits.items()}
+
+
+def arms(other: str, overlap: float) -> dict[str, float]:
+    """Both copies of the arm with another body."""
+    return {" ".join(sorted((copy, other))): overlap for copy in ("arm-1", "arm-2")}
+
+
+@pytest.mark.parametrize("air, overlap", [(0.0, 0.0), (0.125, 0.0), (GAP, 0.0), (GAP + SPARE / 2, 0.0), (-0.03125, 0.0625)])
+def test_fits_with_no_more_air_than_the_gap_may_touch(air: float, overlap: float) -> None:
+    """air: mm, on either side of what is in the other; overlap: of the diameters where it is pressed in."""
+    hole = replace(PIN, part="plate", diameter=4 + 2 * air, shaft=False)
+    expected = {"pin-1 plate-1": overlap + SPARE}
+    assert touching(PinEyes("P", hole, PIN)) == pytest.approx(expected)
+    assert touching(PinEyes("P", PIN, hole)) == pytest.approx(expected)
+    assert touching(PinEyes("P", hole, Eye(None, 0j, 4.0), PIN)) == pytest.approx(expected)
+    assert touching(Steady("P", Eye("cam", 0j, 9), hole, PIN)) == pytest.approx(expected)
+    rails = SlideFaces("guide", Faces("plate", 0j, 0.0, 8 + 2 * air), Faces("arm", 0j, 0.0, 8))
+    assert touching(rails) == arms("plate-1", SPARE)
+    assert touching(Apart("x", "arm", "plate", gap=air)) == arms("plate-1", SPARE)
+
+
+def test_fits_with_more_air_must_keep_their_distance() -> None:
+    hole = replace(PIN, part="plate", diameter=4 + 2 * 0.21, shaft=False)
+    rails = SlideFaces("guide", Faces("plate", 0j, 0.0, 8 + 2 * 0.21), Faces("arm", 0j, 0.0, 8))
+    for wide in (PinEyes("P", hole, PIN), Steady("P", PLATE, hole, PIN), rails, Apart("x", "arm", "plate", gap=0.21)):
+        assert touching(wide) == {}
+    assert touching(PinEyes("P", ARM, replace(hole, part="cam"))) == {}  # holes do not hold each other
+    assert touching(PinEyes("P", hole, replace(PIN, part=None))) == {}  # what no part has, nobody sees
+
+
+def test_a_ring_in_a_hole_holds_the_pin() -> None:
+    pin = replace(PIN, diameter=3.0)
+    found = touching(PinEyes("P", ARM, Eye(None, 0j, 4.1), pin, rings=(FeatureRing("ring", 3.0, 4.0),)))
+    assert found == {"pin-1 ring-1": SPARE}
+
+
+@pytest.mark.parametrize("free, beyond", [(0.0, 0.0), (0.3, 0.0), (-0.04, 0.04)])
+def test_tips_and_teeth_touch_as_they_roll(free: float, beyond: float) -> None:
+    """The tip that runs on a cam: a part's own, its roller, what the eye is on; else the stand-ins that roll. 0.08 mm and what
+    the pair is meant to be pressed."""
+    rolling = 0.08 + SPARE + beyond
+    disc = ((30 + 0j, 3.0, 0.0, 5.0),)
+    things = [StandIn("tip on cam", "arm", disc, rolls=True), StandIn("motor", "ground", disc)]
+    cam = replace(CAM, free=free)
+    seat = replace(cam, tip=replace(TIP, part=None))
+    assert touching(cam) == pytest.approx(arms("cam-1", rolling))
+    assert touching(replace(seat, own=OWN)) == pytest.approx(arms("cam-1", rolling))
+    assert touching(replace(cam, roller="roller")) == pytest.approx({"cam-1 roller-1": rolling})
+    assert touching(replace(seat, own=replace(OWN, radius=3.0)), stand_ins=things) == pytest.approx({"cam-1 tip on cam": rolling})
+    teeth = Teeth("plate", 9, 9.0, 3.0), Teeth("cam", 9, 9.0, 3.0)
+    assert touching(GearTeeth("mesh", *teeth, ("O", "P"))) == {"cam-1 plate-1": 0.08 + SPARE}
+
+
+def test_without_a_gap_all_may_graze() -> None:
+    """All pairs, and what is pressed by as much more."""
+    hole = replace(PIN, part="plate", diameter=3.9, shaft=False)
+    found = touching(PinEyes("P", hole, PIN), gap=0.0)
+    assert len(found) == 7 * 6 / 2
+    assert {pair: overlap for pair, overlap in found.items() if overlap != SPARE} == {"pin-1 plate-1": pytest.approx(0.1 + SPARE)}
+
+
+def test_pieces_of_one_thing_overlap_by_their_width() -> None:
+    """Ends of one spring, 3 mm and 4 mm wide; another spring must keep its distance."""
+    bar = (0j, 10 + 0j)
+    things = [
+        StandIn("spring, one end", "arm", (), bars=((*bar, 1.5, 0.0, 3.0),), whole="spring"),
+        StandIn("spring, other end", "plate", (), bars=((*bar, 2.0, 0.0, 3.0), (*bar, 0.5, 3.0, 4.0)), whole="spring"),
+        StandIn("belt", "plate", (), bars=((*bar, 9.0, 0.0, 3.0),), whole="belt"),
+    ]
+    assert touching(stand_ins=things) == {"spring, one end spring, other end": 4.0 + SPARE}
+
+
+def test_stand_ins_as_slabs_stand_as_they_are_turned() -> None:
+    """A disc and a bar with round ends: their areas and where they lie, turned with their body about its origin."""
+    thing = StandIn("x", "arm", ((20 + 0j, 3.0, 0.0, 2.0),), bars=((5 + 0j, 5 + 8j, 2.0, 2.0, 6.0),))
+    disc, bar = _slabs(thing, math.pi / 2)
+    assert [(slab.z0, slab.z1, len(slab.rings)) for slab in (disc, bar)] == [(0.0, 2.0, 1), (2.0, 6.0, 1)]
+    assert disc.rings[0].area == pytest.approx(9 * math.pi)
+    assert disc.rings[0].centroid == pytest.approx(20j)
+    assert bar.rings[0].area == pytest.approx(8 * 4 + 4 * math.pi)
+    assert bar.rings[0].box == pytest.approx((-10, 3, 2, 7))
+    flat = _slabs(StandIn("x", "arm", ((0j, 3.0, 0.0, 2.0), (9 + 0j, 1.0, 0.0, 2.0))), 0.0)
+    assert [len(slab.rings) for slab in flat] == [2]

@@ -10,17 +10,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from camgen import reading, spec
+from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
-from camgen.judge.clearance import convex_pieces, judge_clearance, least_distance, meeting, signed_distances
+from camgen.geometry.outlines import Region, polygon
+from camgen.judge.clearance import _way, convex_pieces, judge_clearance, least_distance, meeting, signed_distances
+from camgen.machine.features import Apart, PartPose
 from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
+from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -71,6 +76,91 @@ def test_depth_is_the_shortest_way_out_and_overlaps_are_placed() -> None:
     assert (first, last, again, end) == pytest.approx((touch, math.pi - touch, math.pi + touch, math.tau - touch), abs=2e-3)
 
 
+@pytest.mark.parametrize("height", [0.0, 0.5])
+def test_the_deepest_place_is_told_by_its_angle(height: float) -> None:
+    """Squares of 2 mm that lie on each other once, as 3 + 4 cos is 0; the way is a straight line, or one that bends."""
+
+    def way(theta: np.ndarray) -> np.ndarray:
+        x = 3 + 4 * np.cos(theta)
+        return x + 1j * height * x**2 * np.sin(theta)
+
+    found = least_distance(meeting([SQUARE], [SQUARE]), way)
+    assert found.distance == pytest.approx(-2, abs=1e-6)
+    assert math.cos(found.theta) == pytest.approx(-0.75, abs=1e-6)
+
+
+def still(theta: np.ndarray) -> dict[str, list[PartPose]]:
+    """Bodies that stand where they are drawn, b 30 mm to the right and 4 mm higher."""
+    none = np.zeros(theta.shape)
+    return {name: [PartPose(none + at, none, z=z)] for name, at, z in (("a", 0j, 0.0), ("b", 30 + 0j, 4.0))}
+
+
+def blocks(folder: Path, kind: str, widths: tuple[float, float]) -> None:
+    """Squares of 20 mm whose right side lies so far from their middle, 6 mm thick."""
+    for name, width in zip("ab", widths, strict=True):
+        region = Region(polygon([-10 - 10j, width - 10j, width + 10j, -10 + 10j]))
+        if kind == "dxf":
+            write_dxf(folder / f"x-{name}.dxf", region, (), 0.01)
+        else:
+            write_stl(folder / f"x-{name}.stl", solid(Part(name, name, (Layer(region, 0, 6),)), 0.01), name)
+
+
+@pytest.mark.parametrize("kind", ["dxf", "stl"])
+@pytest.mark.parametrize("width, said, ok", [
+    (19.0, "clear by 1.000 mm", True), (19.985, "grazes at", True), (20.015, "grazes at", True), (20.03, "strikes", False),
+])  # fmt: skip
+def test_what_outlines_may_be_off_is_grazing(tmp_path: Path, kind: str, width: float, said: str, ok: bool) -> None:
+    """Of both by 0.01 mm; in a solid by what float32 leaves of the larger one as well."""
+    blocks(tmp_path, kind, (width, 90.0))
+    found = judge_clearance(kind, tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0,))], still, 0.01)
+    (finding,) = found.findings
+    assert finding.ok is ok and said in finding.message and finding.measured == pytest.approx(20 - width, abs=1e-4)
+    size = math.hypot(90, 10) if kind == "stl" else 0.0
+    slack = 0.02 + 4 * 2.0**-24 * size
+    assert finding.message.endswith(f"up to {slack:.2g} mm either way is grazing")
+    assert found.numbers == {f"clearance_a_b_{kind}_mm": pytest.approx(20 - width, abs=1e-4)}
+    ((name, degrees, curve),) = found.curves
+    assert name == "A/B" and degrees[-1] == 360 and np.allclose(curve, 20 - width, atol=1e-4)
+
+
+def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
+    """No section at a height that one of both does not reach, and a drawing that is open or has nothing to cut."""
+    blocks(tmp_path, "stl", (19.0, 10.0))
+    for height, lacks in ((2.0, "b"), (8.0, "a")):
+        (finding,) = judge_clearance("stl", tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0, height))], still, 0.01).findings
+        assert math.isnan(finding.measured) and finding.message == f"no section of {lacks} at height {height:g} mm"
+    blocks(tmp_path, "dxf", (19.0, 10.0))
+    for entity, said in (("line", "is no part of a cut"), ("", "nothing is drawn to be cut")):
+        drawing = ezdxf.new()
+        if entity:
+            drawing.modelspace().add_line((0, 0), (5, 0))
+        drawing.saveas(tmp_path / "x-b.dxf")
+        (finding,) = judge_clearance("dxf", tmp_path, "x", [Apart("A/B", "a", "b")], still, 0.01).findings
+        assert math.isnan(finding.measured) and said in finding.message
+
+
+@pytest.mark.parametrize("turned, angle", [("a", 0.0), ("b", 0.0), ("a", 1e-3), ("b", 1e-3)])
+@pytest.mark.parametrize("flipped", [False, True])
+def test_only_bodies_that_shift_are_compared(turned: str, angle: float, flipped: bool) -> None:
+    """One that turns on a part of its way alone, or that lies turned over, is refused; else b's way is what a sees of it."""
+
+    def poses(theta: np.ndarray) -> dict[str, list[PartPose]]:
+        still = np.zeros(theta.shape)
+        ways = {"a": 3 * np.exp(1j * theta), "b": 5 + 1j * theta}
+        return {
+            name: [PartPose(way, angle * (theta > 3) if name == turned else still, flipped and name == turned)]
+            for name, way in ways.items()
+        }
+
+    theta = np.linspace(0, math.tau, 9)
+    way = _way(Apart("x", "a", "b"), poses)
+    if angle or flipped:
+        with pytest.raises(ValueError, match="x: only bodies that shift are compared"):
+            way(theta)
+    else:
+        np.testing.assert_allclose(way(theta), 5 + 1j * theta - 3 * np.exp(1j * theta))
+
+
 def test_pieces_fill_what_is_not_convex() -> None:
     assert len(convex_pieces(SQUARE)) == 1 and len(convex_pieces(SQUARE[::-1])) == 1
     parts = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in convex_pieces(DART)]
@@ -93,6 +183,7 @@ def hull(points: list[complex]) -> np.ndarray | None:
 
 
 @settings(max_examples=40)
+@example([0j, -2 + 1.125j, 2 - 1j], [0j, -2 + 1.125j, 2 - 1j], 4.0, 0.0, 0.0)  # along a straight line, not evenly
 @given(CORNERS, CORNERS, st.floats(0.5, 8), st.floats(0, 8), st.floats(0, 6.2))
 def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase):  # type: ignore[no-untyped-def]
     first, second = hull(a), hull(b)

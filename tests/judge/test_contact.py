@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scipy.spatial import ConvexHull
+from shapes import polygon, rounded
 
 from camgen.geometry.rings import Ring
 from camgen.judge.contact import RollingContact, Touch, contact, rolling_contact
@@ -14,11 +16,6 @@ from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.machine.closed_form import slider_travel
 
 EXACT = 1e-9  # mm, what the contact claims
-
-
-def polygon(points: np.ndarray) -> Ring:
-    """Straight ring through the points."""
-    return Ring(np.asarray(points, complex), np.zeros(len(points)))
 
 
 def disc(centre: complex, radius: float) -> Ring:
@@ -306,11 +303,12 @@ def test_in_line_tip_on_an_off_centre_disc_is_a_slider_crank(
 
 def marched(z: np.ndarray, start: complex, ahead: complex, rho: float, theta: np.ndarray) -> np.ndarray:
     """Way of a tip along `ahead` from `start` at first touch, by steps that can never pass through, from 80 mm off."""
-    x = np.full(len(theta), 80.0)
+    x, todo = np.full(len(theta), 80.0), np.arange(len(theta))
     for _ in range(6000):
-        gap = distance(z, (start + ahead * x) * np.exp(-1j * theta)) - rho
-        x -= np.maximum(gap, 0)
-        if np.max(gap) < 1e-12:
+        gap = distance(z, (start + ahead * x[todo]) * np.exp(-1j * theta[todo])) - rho
+        x[todo] -= np.maximum(gap, 0)
+        todo = todo[(gap > 1e-12) & (x[todo] > -80)]  # some never meet it
+        if not len(todo):
             break
     return x
 
@@ -369,6 +367,121 @@ def test_a_swinging_face_on_noisy_polygons(seed: int, noise: float, ahead: float
     assert np.max(np.abs(np.angle(normal / (1j * leaves * (at - pivot))) - touch.pressure_angle)) < 1e-9
 
 
+def hull(points: np.ndarray) -> np.ndarray:
+    """The convex hull of points, counter-clockwise, that are not all on one line."""
+    return points[ConvexHull(np.column_stack([points.real, points.imag])).vertices]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    count=st.integers(3, 5),
+    radius=st.sampled_from([1.0, 6.0, 12.0]),
+    rho=st.sampled_from([0.0, 4.0]),
+    far=st.floats(45, 70),
+    leaves=st.sampled_from([1, -1]),
+)
+def test_noses_that_a_tip_grazes(seed: int, count: int, radius: float, rho: float, far: float, leaves: int) -> None:
+    """Discs round slim polygons, met by tips on an arm and on a slide until they pass by: as if the tip were larger by them."""
+    rng = np.random.default_rng(seed)
+    corners = hull(rng.uniform(4, 22, count) * np.exp(1j * (np.arange(count) + rng.uniform(0, 0.9, count)) * 2 * np.pi / count))
+    ring = rounded(corners, radius)
+    if distance(corners, np.zeros(1, complex))[0] > 0:
+        ring, corners = ring.moved(shift=-ring.centroid), corners - ring.centroid
+    theta = rng.uniform(-9, 9, 60)
+    pivot = far * np.exp(1j * rng.uniform(-3, 3))
+    arm = pivot * np.exp(1j * (np.pi + leaves * rng.uniform(0.3, 1.2))) * rng.uniform(0.7, 1.05)
+    agree(rolling_contact(ring, complex(pivot), complex(arm), rho, leaves), corners, radius + rho, theta)
+    along = np.exp(1j * rng.uniform(-3, 3))
+    start, ahead = along * complex(2, rng.uniform(-12, 12)), leaves * along
+    touch = contact(ring, SlideTip(complex(start), complex(along), rho, leaves)).touch(theta)
+    x = marched(corners, start, ahead, radius + rho, theta)
+    before = np.real((start + ahead * x) * np.conj(ahead)) > 0
+    off = np.abs(leaves * x - touch.angle)[before] * np.cos(touch.pressure_angle[before])
+    assert np.max(off, initial=0) < EXACT
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    radius=st.sampled_from([0.5, 2.0]),
+    far=st.floats(15, 45),
+    reach=st.floats(0.4, 1.3),
+    start=st.integers(0, 99),
+    leaves=st.sampled_from([1, -1]),
+)
+def test_the_vertex_with_which_a_ring_begins_says_nothing(
+    seed: int, radius: float, far: float, reach: float, start: int, leaves: int
+) -> None:
+    """Of outlines that reach further than the arm, too: these block it, whichever element comes first."""
+    ring = rounded(hull(star(seed, 12, 4.0) * 1.5), radius)
+    start %= len(ring.points)
+    rolled = Ring(np.roll(ring.points, -start), np.roll(ring.bulges, -start))
+    tip = far * (1 - reach * np.exp(0.7j * leaves))
+    theta = np.random.default_rng(seed).uniform(-9, 9, 60)
+    forms: list[Form] = [
+        ArmTip(complex(far), complex(tip - far), radius, leaves),
+        ArmFace(complex(far), complex(np.exp(-1.2j * leaves)), far / 9, leaves),
+        SlideTip(complex(far / 4), 1j, radius, 1),
+        SlideFace(1j, 1j, 1),
+    ]
+    for form in forms:
+        np.testing.assert_allclose(contact(rolled, form).angle(theta), contact(ring, form).angle(theta), atol=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    count=st.integers(3, 7),
+    radius=st.sampled_from([0.5, 4.0, 12.0]),
+    far=st.floats(14, 60),
+    ahead=st.floats(-20, 20),
+    bearing=st.floats(-3.1, 3.1),
+    leaves=st.sampled_from([1, -1]),
+)
+@example(seed=285, count=3, radius=0.5, far=14, ahead=0, bearing=0, leaves=1)  # a corner that is farther off than the pivot
+@example(seed=0, count=3, radius=0.5, far=14, ahead=18, bearing=1, leaves=1)  # a face that would meet it after half a turn
+def test_a_swinging_face_comes_down_on_what_is_beside_its_pivot(
+    seed: int, count: int, radius: float, far: float, ahead: float, bearing: float, leaves: int
+) -> None:
+    """Turned in from where it faces straight away, by small steps: it stops where the part's height is its own. A part that
+    reaches over it there holds it off for good."""
+    rng = np.random.default_rng(seed)
+    corners = hull(rng.uniform(-12, 12, count) + 1j * rng.uniform(-12, 12, count))
+    ring, pivot = rounded(corners, radius), far * np.exp(1j * bearing)
+    if ring.centroid and not ring.encloses(0):  # a shaft through it
+        ring, corners = ring.moved(shift=-ring.centroid), corners - ring.centroid
+    facing = np.exp(1j * (bearing - 1.2 * leaves))
+    if abs((np.conj(facing) * pivot).imag) < 1e-3:
+        return
+    theta = rng.uniform(-9, 9, 40)
+    touch = contact(ring, ArmFace(complex(pivot), complex(facing), ahead, leaves)).touch(theta)
+
+    def over(nu: np.ndarray, k: np.ndarray) -> np.ndarray:
+        """How far the part reaches over the face, which faces nu from the pivot's direction; (steps, angles)."""
+        normal = np.exp(1j * (bearing + leaves * nu))
+        reach = np.real(corners[:, None, None] * np.exp(1j * theta[k]) * np.conj(normal)).max(axis=0) + radius
+        return np.asarray(reach - ahead - far * np.cos(nu))
+
+    nu = np.linspace(0, -np.pi, 2001)[:, None] + np.zeros(len(theta))
+    gaps = over(nu, np.arange(len(theta)))
+    blocked, meets = gaps[0] >= 0, (gaps >= 0).any(axis=0)
+    first = np.argmax(gaps >= 0, axis=0)
+    grazes = np.array([np.sort(-gaps[: max(first[k], 1), k])[0] < 1e-2 and first[k] > 3 and
+                       np.max(gaps[: first[k] - 2, k]) > -1e-2 for k in range(len(theta))])  # fmt: skip
+    assert np.isnan(touch.angle[(blocked | ~meets) & ~grazes]).all()
+    sure = np.flatnonzero(~blocked & meets & ~grazes)
+    low, high = nu[first[sure] - 1, sure], nu[first[sure], sure]
+    for _ in range(50):
+        middle = (low + high) / 2
+        low, high = np.where(over(middle, sure) < 0, middle, low), np.where(over(middle, sure) < 0, high, middle)
+    met = np.exp(1j * (bearing + leaves * low))
+    assert np.max(np.abs(np.angle(met / (facing * np.exp(1j * touch.angle[sure])))), initial=0) < 1e-9
+    ground = corners[:, None] * np.exp(1j * theta[sure])
+    at = ground[np.argmax(np.real(ground * np.conj(met)), axis=0), np.arange(len(sure))] + radius * met
+    assert np.max(np.abs(np.imag(np.conj(met) * (at - pivot)) - touch.place[sure]), initial=0) < 1e-6
+
+
 def test_arcs_under_a_face_are_discs() -> None:
     """An off-centre disc: on a slide e cos t + a; on an arm the tangent from the pivot."""
     theta = np.random.default_rng(2).uniform(-9, 9, 1000)
@@ -414,6 +527,18 @@ def test_the_wall_of_a_groove_from_within(rho: float, seed: int, leaves: int) ->
     rest = float(np.angle(-pivot / arm))
     x = outwards(lambda x: pivot + arm * np.exp(1j * (rest + leaves * x)), abs(arm))
     assert np.max(np.abs(rest + leaves * x - touch.angle) * np.cos(touch.pressure_angle)) * abs(arm) < 1e-8
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.1])
+def test_small_outlines_run_their_own_way_too(size: float) -> None:
+    """Discs and holes far smaller than 1 mm^2: met at their radius, refused where they are run the other way."""
+    ring = disc(0, 3 * size)
+    within = SlideTip(0j, 1j, size, 1, True)
+    assert contact(ring, SlideTip(0j, 1j, size, 1)).angle(0.3) == pytest.approx(4 * size)
+    assert contact(ring.reversed(), within).angle(0.3) == pytest.approx(2 * size)
+    for wrong, form in ((ring.reversed(), SlideFace(0j, 1j, 1)), (ring, within)):
+        with pytest.raises(ValueError, match="the outline does not run"):
+            contact(wrong, form)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapes import polygon as polygon_ring
 
 from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
@@ -22,6 +25,7 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, polygon
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
+from camgen.judge.contours import contour_error
 from camgen.judge.motion import judge_machine
 from camgen.judge.round_trip import judge_drawing, judge_mesh
 from camgen.machine.features import CamOutline
@@ -293,3 +297,44 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
         ).findings
         assert (not findings[0].ok) is told and findings[0].code == "MOTION_ERROR"
     assert findings[0].measured == pytest.approx(1.0, abs=0.01)
+
+
+# ---- how far a contour is from another one -------------------------------------------------------------------------------
+
+
+@settings(max_examples=30)
+@given(
+    steps=st.lists(st.floats(0.3, 1.2), min_size=4, max_size=9), by=st.complex_numbers(max_magnitude=0.3),
+    dent=st.complex_numbers(max_magnitude=3), start=st.integers(0, 9),
+)  # fmt: skip
+def test_contours_are_apart_by_the_largest_distance(steps: list[float], by: complex, dent: complex, start: int) -> None:
+    """A polygon shifted, one corner dented, and begun elsewhere: as far as shapely's Hausdorff distance tells, from points a
+    quarter of a millimetre apart."""
+    phi = 2 * math.pi * np.cumsum(steps) / sum(steps)
+    meant = polygon_ring(20 * np.exp(1j * phi))
+    z = meant.points + by
+    z[1] += dent
+    z = np.roll(z, start % len(z))
+    apart = float(shapely.hausdorff_distance(*(shapely.LinearRing(corners(np.append(p, p[0]))) for p in (z, meant.points)), 0.01))
+    found = contour_error(polygon_ring(z), meant, 1e-3)
+    assert apart - 0.15 <= found <= apart + 1e-9
+
+
+@pytest.mark.parametrize("size, off", [(1e-9, 1e-9), (1e-3, 1e-3)])
+def test_contours_of_the_same_vertices_are_apart_by_them(size: float, off: float) -> None:
+    """Arcs too: a disc that is larger by a hair, and one whose area alone tells."""
+    arcs = Ring(np.array([9, -9 + 0j]), np.ones(2))
+    assert contour_error(Ring(arcs.points * (1 + size / 9), arcs.bulges), arcs, 1e-3) == pytest.approx(off, rel=0.01)
+    wider = Ring(arcs.points, arcs.bulges * (1 + size))
+    grown = abs(wider.area - arcs.area) / arcs.length
+    assert contour_error(wider, arcs, 1e-3) >= grown * (1 - 1e-9) > 0
+
+
+def test_a_slit_between_vertices_is_found() -> None:
+    """0.3 mm wide and 8 mm deep, in the middle of a side of 400 mm that has no other vertex: one way only its ends tell."""
+    meant = polygon_ring(np.array([0, 400, 400 + 60j, 60j]))
+    slit = np.array([0, 200 - 0.15, 200 - 0.15 + 8j, 200 + 0.15 + 8j, 200 + 0.15, 400, 400 + 60j, 60j])
+    for one, other in ((polygon_ring(slit), meant), (meant, polygon_ring(slit))):
+        assert contour_error(one, other, 1e-3) == pytest.approx(8.0, abs=0.02)
+    thin = np.array([0, 400, 400 + 60j, 300 + 60j, 300 + 60.2j, 100 + 60.2j, 100 + 60j, 60j])  # a step of 0.2 mm along a side
+    assert contour_error(polygon_ring(thin), meant, 1e-3) == pytest.approx(0.2, abs=1e-9)

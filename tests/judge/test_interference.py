@@ -106,6 +106,31 @@ def test_body_shifted_into_another_by_a_twentieth_of_a_millimetre() -> None:
     assert min(failed.theta, math.tau - failed.theta) < math.radians(1)
 
 
+@pytest.mark.parametrize("allowed", [0.05, 0.4])
+@pytest.mark.parametrize("round_", [True, False])
+def test_an_overlap_may_be_as_deep_as_is_allowed(allowed: float, round_: bool) -> None:
+    """An eccentric that reaches into a wall by a share of that, or into a post; what is deeper is told, and never as less."""
+    cam = Body("cam", slabs(disc(5, 20)), SPIN)
+    for share in (0.5, 0.9, 1.1, 1.5):
+        depth = share * allowed
+        other = slabs(disc(27 - depth, 2) if round_ else box(25 - depth - 50j, 40 + 50j))
+        c = only(swept([cam, Body("wall", other)], {frozenset(("cam", "wall")): allowed}))
+        assert interference([c], 0.0)[0].ok is (share < 1)
+        if share > 1:
+            assert -c.gap == pytest.approx(depth, abs=0.006) and -c.proven >= depth - 1e-9
+
+
+@pytest.mark.parametrize("thin", ["home", "guest", "both", "disc"])
+def test_what_is_thinner_than_it_may_overlap_says_nothing(thin: str) -> None:
+    """A foil of 0.1 mm, or a needle, that goes right through what it may overlap by 0.3 mm; thicker, it is seen."""
+    for width, holds in ((0.1, True), (1.0, False)):
+        wide = {"home": (width, 8.0), "guest": (8.0, width), "both": (width, width), "disc": (8.0, width)}[thin]
+        home = box(complex(20, -wide[0] / 2), complex(30, wide[0] / 2))
+        guest = disc(25, wide[1] / 2, 720) if thin == "disc" else box(complex(20, -wide[1] / 2), complex(30, wide[1] / 2))
+        c = only(swept([Body("a", slabs(home)), Body("b", slabs(guest), SPIN)], {frozenset("ab"): 0.3}))
+        assert interference([c], 0.0)[0].ok is holds
+
+
 def test_spikes_that_meet_between_two_samples() -> None:
     """Two spikes 0.05 mm wide at radius 40 meet for under 0.15 deg; off every grid of whole degrees."""
     at = np.exp(1j * math.radians(123.4567))
@@ -281,3 +306,74 @@ def test_what_slides_on_a_straight_line_is_looked_at_as_a_whole(nose: float) -> 
     assert c.evaluations < 10_000
     if nose:
         assert 20 * math.sin(c.theta) == pytest.approx(7, abs=0.2)
+
+
+# ---- what is said --------------------------------------------------------------------------------------------------------
+
+
+def clearance(a: str, gap: float, proven: float, allowed: float | None = None, theta: float = 1.0) -> Clearance:
+    return Clearance(a, "frame", gap, proven, theta, allowed, 9)
+
+
+def test_of_pairs_that_stay_apart_the_nearest_is_said_or_all_that_fail() -> None:
+    """By what is proven against what is needed; what was seen stands beside it, and where."""
+    apart = [clearance("rod", 0.9, 0.8), clearance("arm", 0.5, 0.4, theta=math.pi / 3), clearance("cam", 2.0, 1.9)]
+    (finding,) = interference(apart, 0.3, "crank angle")
+    assert (finding.ok, finding.measured, finding.limit) == (True, 0.4, 0.3)
+    assert finding.where == "arm and frame: gap, crank angle 60.000 deg"
+    assert finding.message.startswith("nearest of 3 pairs that must stay apart; smallest gap seen 0.5000 mm; proven")
+    failed = interference([*apart, clearance("pin", -0.2, -0.25), clearance("belt", 0.0, -0.1)], 0.6)
+    assert [f.where.partition(" ")[0] for f in failed] == ["pin", "belt", "arm"] and not any(f.ok for f in failed)
+    assert "they overlap by 0.2000 mm or more" in failed[0].message and "overlap by 0.0000 mm" in failed[1].message
+    assert interference([clearance("rod", 0.4, 0.3)], 0.3)[0].ok  # just as much
+    assert interference([], 0.3) == []
+
+
+def test_of_pairs_that_touch_the_deepest_is_said_or_all_that_overlap_by_more() -> None:
+    """Each against its own allowance: 0.09 of 0.1 mm is nearer to it than 0.3 of 0.5."""
+    touching = [clearance("rod", -0.3, -0.3, 0.5), clearance("arm", -0.08, -0.09, 0.1), clearance("cam", 0.2, 0.1, 0.05)]
+    (finding,) = interference(touching, 0.3)
+    assert (finding.ok, finding.measured, finding.limit) == (True, 0.09, 0.1)
+    assert finding.where.startswith("arm and frame: overlap, cam angle 57.29") and "overlap seen 0.0800 mm" in finding.message
+    assert "deepest of 3 pairs that touch by intent" in finding.message
+    failed = interference([*touching, clearance("pin", -0.7, -0.8, 0.6), clearance("x", -0.1, -0.1, 0.1)], 0.3)
+    assert [(f.where.partition(" ")[0], f.measured) for f in failed] == [("pin", 0.8)]
+    both = interference([clearance("a", 5, 5), clearance("b", 1, 1, 0.1)], 0.3)
+    assert [(f.ok, f.measured, f.limit) for f in both] == [(True, 5, 0.3), (True, 0.0, 0.1)]
+
+
+@pytest.mark.parametrize("layers", [4, 5, 15])
+@pytest.mark.parametrize("deep", [0, 1])
+def test_of_stacks_of_many_sections_the_nearest_pair_counts(layers: int, deep: int) -> None:
+    """A tower whose k-th section stands out most towards the wall, and the wall whose own does: where both meet counts."""
+    out = (layers - 1) * deep
+    tower = [Slab(k, k + 1.0, (disc(5, 20 - 0.05 * abs(k - out), 200),)) for k in range(layers)]
+    wall = [Slab(k, k + 1.0, (box(complex(26 + 0.05 * abs(k - out), -50), 40 + 50j),)) for k in range(layers)]
+    c = only(swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 0.9))
+    assert c.proven <= 1.0 + 1e-9 and c.gap == pytest.approx(1.0, abs=0.03)
+    shaft = [Slab(k, k + 1.0, (disc(0, 2 + (k == out), 90),)) for k in range(layers)]
+    pushed = only(swept([Body("tower", tuple(tower), SPIN), Body("shaft", tuple(shaft))], {}))
+    assert pushed.gap == pytest.approx(-6.0, abs=0.01)  # the shaft's whole width
+    assert interference(swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 1.1), 1.1)[0].ok is False
+
+
+@pytest.mark.parametrize("depth", [0.003, 0.2, 3.0])
+def test_the_depth_of_an_overlap_is_the_largest_circle_in_it(depth: float) -> None:
+    """A bar that lies on a stud, or turns through it: a strip, or the bar's width."""
+    touch = {frozenset(("bar", "stud")): 1e-3}
+    bar, stud = box(-30 - 2j, 30 + 2j), Body("stud", slabs(box(complex(-8, 2 - depth), 8 + 20j)))
+    turning = only(swept([Body("bar", slabs(bar), SPIN), stud], touch))
+    assert turning.gap == pytest.approx(-4.0, abs=0.006) and turning.proven <= turning.gap  # somewhere across its whole width
+    still = only(swept([Body("bar", slabs(bar)), stud], touch))
+    assert still.gap == pytest.approx(-depth, abs=0.006) and still.at_rest
+
+
+def test_a_part_of_the_turn_is_judged_alone() -> None:
+    """An eccentric that meets a post at a quarter of a turn: before that it does not."""
+    cam, post = Body("cam", slabs(disc(5, 20)), SPIN), Body("post", slabs(disc(26j, 2)))
+    for turn, meets in (((0.0, math.tau), True), ((0.0, 0.5), False), ((-1.0, 1.3), True), ((2.8, 6.0), False)):
+        c = only(swept([cam, post], {}, 0.05, turn=turn))
+        assert (c.gap <= 0) is meets and turn[0] <= c.theta <= turn[1]
+        theta = np.linspace(*turn, 20_001)
+        true = float(np.min(np.abs(5 * np.exp(1j * theta) - 26j))) - 22
+        assert meets or (c.proven <= true + 1e-9 and c.gap == pytest.approx(true, rel=0.3, abs=0.02))

@@ -297,6 +297,7 @@ def test_a_follower_that_misses_its_cam_is_told(kind: str, tmp_path: Path) -> No
     verdict = rocking_cam().judged(kind, tmp_path, disc=5.6)
     (wrong,) = (finding for finding in verdict.findings if not finding.ok)
     assert wrong.code == "MOTION_ERROR" and math.isinf(wrong.measured) and "it does not close at" in wrong.message
+    assert not [f for f in rocking_cam().judged(kind, tmp_path).findings if "does not close" in f.message]
     assert verdict.proof is None
 
 
@@ -430,4 +431,7 @@ def test_a_follower_between_two_faces(kind: str, tmp_path: Path) -> None:
     sound = case.judged(kind, tmp_path)
     assert failing(sound) == set() and "INTERFERENCE" in {f.code for f in sound.findings}
     assert sound.numbers[f"clearance_band_{kind}_mm"] == pytest.approx(0.05, abs=0.003)  # the stem's own is across
-    assert failing(case.judged(kind, tmp_path, gap=-0.01)) == {"INTERFERENCE"}
+    assert sound.numbers[f"lash_{kind}_mm"] == pytest.approx(0.1, abs=0.003)
+    tight = case.judged(kind, tmp_path, gap=-0.01)
+    assert failing(tight) == {"INTERFERENCE"} and tight.numbers[f"preload_{kind}_mm"] == pytest.approx(0.01, abs=0.003)
+    assert not [name for name in sound.numbers if "tip_on" in name]  # both faces touch one part

@@ -10,11 +10,27 @@ from functools import partial
 import numpy as np
 import pytest
 
+from camgen import tolerances
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.measured import measure, measure_faces
-from camgen.judge.motion import Verdict, judge_machine
-from camgen.machine.features import Asked, Eye, Faces, Feature, Mount, PinEyes, SlideFaces
-from camgen.machine.model import GROUND, Along, Body, Drive, Machine, Output, Path, Pin, Place, Pose, Slide
+from camgen.judge.motion import Verdict, _nominal, judge_machine
+from camgen.machine.features import Asked, CamOutline, Eye, Faces, Feature, Mount, OwnTip, PinEyes, SlideFaces
+from camgen.machine.model import (
+    GROUND,
+    Along,
+    Body,
+    Cam,
+    Clutch,
+    Drive,
+    Gear,
+    Machine,
+    Output,
+    Path,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+)
 
 THETA = np.linspace(0.1, 6.3, 97)
 
@@ -174,6 +190,43 @@ def test_a_point_that_is_a_pin_s_hole_goes_with_that_hole() -> None:
     found = judge_machine("dxf", "file", files(eye=48.1 + 0j), machine, FEATURES, LINKS, THETA, 0.002)
     assert found.proof is not None
     np.testing.assert_allclose(found.proof.moved("pen", THETA).value, place(THETA, rod=48.1), atol=1e-11)
+
+
+@pytest.mark.parametrize("kind, rounding", [("dxf", 0.0), ("stl", 2.0**-24)])
+def test_the_limit_of_the_motion_is_what_one_joint_and_all_roundings_do(kind: str, rounding: float) -> None:
+    """One joint's centre off by the chord tolerance; of a format that rounds, all of them by two steps of the largest place.
+    Along the rod 1 mm is 1 / cos of its tilt at the slider, across the guide its tangent."""
+    found = judge_machine(kind, "file", files(), slider_crank(), FEATURES, LINKS, THETA, 0.002)
+    tilt = np.max(np.abs(np.arcsin(1.5 * np.sin(THETA) / 48)))
+    pin, guide = 1 / math.cos(tilt), math.tan(tilt)
+    limit = next(f.limit for f in found.findings if f.code == "MOTION_ERROR")
+    wanted = 0.002 * (1 + tolerances.BOUND_SPARE) * pin + 2 * rounding * 90 * abs(1 + 0.1j) * (3 * pin + guide)
+    assert limit == pytest.approx(wanted, rel=1e-4)
+    gap = next(f.limit for f in found.findings if f.code == "PIN_GAP")
+    assert gap == pytest.approx(2 * 0.002 + 4 * rounding * 90 * abs(1 + 0.1j), rel=1e-4)
+
+
+def test_what_no_file_shows_counts_as_meant() -> None:
+    """Joints of parts that are made, no clutches; the bore of a cam shows its shaft, a tip of its own the axle."""
+    turning = Machine(
+        (Body("cam"), Body("arm"), Body("wheel"), Body("bare"), Body("other")),
+        (Pin("shaft", Place(GROUND), Place("cam")), Pin("axle", Place(GROUND, 9j), Place("arm")),
+         Cam("lift", "cam", "arm", lambda theta, order=0: theta, closure="force"), Gear("mesh", "cam", "wheel", -1.0),
+         Pin("hub", Place(GROUND, 5), Place("wheel")), Pin("loose", Place(GROUND, 6), Place("bare")),
+         Clutch("clutch", "wheel", "other", lambda theta, order=0: theta, lambda theta: theta)),
+        (), {name: Pose(0j, 0.0) for name in ("cam", "arm", "wheel", "bare", "other")},
+    )  # fmt: skip
+    tip, bore = Eye(None, 5j, 4.0), Eye("cam", 0j, 5.0)
+    plain = CamOutline("lift", "cam", "shaft", "axle", tip)
+    mounts = [Mount(name, name) for name in ("cam", "arm", "wheel")]
+    for cam, shown in (
+        (plain, {"axle", "shaft"}), (replace(plain, bore=bore), {"axle"}),
+        (replace(plain, own=OwnTip("arm", tip, bore)), {"shaft"}),
+    ):  # fmt: skip
+        left = _nominal(turning, [cam], mounts)
+        assert {each.why.partition(" counts")[0] for each in left} == shown | {"mesh", "hub"}
+    eyes = [PinEyes(name, tip, tip) for name in ("shaft", "axle", "hub")]
+    assert [each.why.partition(" counts")[0] for each in _nominal(turning, [plain, *eyes], mounts)] == ["mesh"]
 
 
 def test_the_table_gives_each_joints_share() -> None:

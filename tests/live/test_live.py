@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from starlette.applications import Starlette
 from starlette.testclient import TestClient
 
 from camgen import reading
@@ -23,11 +24,11 @@ from camgen.live.numbers import numbers, overrides
 from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
 from camgen.pipeline.edits import edited
+from camgen.pipeline.jobs import files_of
 from camgen.settings import override
 from camgen.starters import described, examples, folder
 
-HOME = "http://127.0.0.1:8000"
-ORIGIN = {"origin": HOME}
+HOME, WORD = "http://127.0.0.1:8000", "a-word-of-chance"
 
 
 @pytest.fixture
@@ -35,9 +36,13 @@ def spec(root: Path, tmp_path: Path) -> Path:
     return Path(shutil.copy(root / "specs" / "disc-cam.toml", tmp_path / "cam.toml"))
 
 
+def client(app: Starlette, home: str = HOME, origin: str | None = HOME) -> TestClient:
+    return TestClient(app, base_url=f"{home}/{WORD}/", headers={} if origin is None else {"origin": origin})
+
+
 @pytest.fixture
 def page(spec: Path, tmp_path: Path) -> TestClient:
-    return TestClient(Explorer(spec, tmp_path / "out").app(), base_url=HOME, headers=ORIGIN)
+    return client(Explorer(spec, tmp_path / "out").app(WORD))
 
 
 def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
@@ -173,14 +178,19 @@ def test_a_spec_changed_by_someone_else_is_not_overwritten(page: TestClient, spe
     assert asked(page, "/save", geometry__base_radius="24")["ok"] and spec.read_text(encoding="utf-8").endswith("# mine\n")
 
 
-def test_a_full_build_is_made_and_served(page: TestClient, tmp_path: Path) -> None:
+def test_a_full_build_is_made_and_served(page: TestClient, spec: Path, tmp_path: Path) -> None:
     assert page.get("/out/report.html").status_code == 404
     built = asked(page, "/build", geometry__base_radius="26")
     assert built["folder"] == str(tmp_path / "out" / "disc-cam") and built["errors"] == []
     assert "MOTION_ERROR" in page.get("/out/report.html").text
     assert page.get("/out/disc-cam-cam.dxf").content == (tmp_path / "out" / "disc-cam" / "disc-cam-cam.dxf").read_bytes()
-    for path in ("/out/../../cam.toml", "/out/%2e%2e/%2e%2e/cam.toml", "/out//etc/passwd"):
+    for path in ("/out/%2e%2e/%2e%2e/cam.toml", "/out/..%2f..%2fcam.toml", "/out//etc/passwd", "/out/%00", "/out/a" + "b" * 5000):
         assert page.get(path).status_code == 404, path
+    assert page.get("/out/../../cam.toml").status_code == 403  # as a browser asks it: without the word
+    (tmp_path / "out" / "disc-cam" / "way-out.txt").symlink_to(spec)
+    assert page.get("/out/way-out.txt").status_code == 404
+    shutil.rmtree(tmp_path / "out")
+    assert page.get("/out/report.html").status_code == 404
 
 
 def test_script_and_style_are_served(page: TestClient) -> None:
@@ -208,7 +218,7 @@ ELSEWHERE = ["null", "http://evil.example", "http://127.0.0.1:9000", "http://loc
 @pytest.mark.parametrize("origin", [None, *ELSEWHERE])
 def test_a_post_of_another_page_is_refused(spec: Path, tmp_path: Path, origin: str | None) -> None:
     before = spec.read_bytes()
-    page = TestClient(Explorer(spec, tmp_path / "out").app(), base_url=HOME, headers={} if origin is None else {"origin": origin})
+    page = client(Explorer(spec, tmp_path / "out").app(WORD), origin=origin)
     for path in ("/preview", "/build", "/save"):
         assert page.post(path, json={"settings": {"geometry.base_radius": "24"}}).status_code == 403, path
     assert spec.read_bytes() == before and not (tmp_path / "out").exists()
@@ -216,9 +226,9 @@ def test_a_post_of_another_page_is_refused(spec: Path, tmp_path: Path, origin: s
 
 def test_localhost_is_this_machine_and_a_long_request_is_refused(spec: Path, tmp_path: Path) -> None:
     near = "http://localhost:8000"
-    page = TestClient(Explorer(spec, tmp_path / "out").app(), base_url=near, headers={"origin": near})
+    page = client(Explorer(spec, tmp_path / "out").app(WORD), near, near)
     assert asked(page, "/preview")["ok"]
-    assert page.post("/preview", content=b" " * 200_000).status_code == 403
+    assert page.post("/preview", content=b" " * 200_000).status_code == 413
 
 
 # ---- watch -----------------------------------------------------------------------------------------------------------
@@ -226,7 +236,7 @@ def test_localhost_is_this_machine_and_a_long_request_is_refused(spec: Path, tmp
 
 def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) -> None:
     built, ended, said = Built(spec, tmp_path / "out"), threading.Event(), list[str]()
-    page = TestClient(watcher(built), base_url=HOME, headers=ORIGIN)
+    page = client(watcher(built, WORD))
     thread = threading.Thread(target=live.rebuild, args=(built, said.append, ended))
 
     def after(number: int) -> dict[str, Any]:
@@ -262,12 +272,49 @@ def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) ->
 
 
 def test_files_that_are_none_of_a_spec_are_not_looked_at(spec: Path) -> None:
-    before = live.seen(spec)
-    for name in (".cam.toml.swp", ".x.toml", "cam.toml~", "picture.png"):
+    before = live.seen(files_of(spec))
+    for name in (".cam.toml.swp", "other.toml", "cam.toml~", "picture.png", "rise.csv"):
         spec.with_name(name).write_text("x", encoding="utf-8")
-    assert live.seen(spec) == before and set(before) == {"cam.toml"}
-    spec.with_name("rise.csv").write_text("0,0", encoding="utf-8")
-    assert set(live.seen(spec)) == {"cam.toml", "rise.csv"}
+    assert live.seen(files_of(spec)) == before and set(before) == {spec}
+
+
+def test_a_file_that_the_spec_names_sets_off_a_build_and_no_other_one(tmp_path: Path) -> None:
+    """The table of an included spec's law, which comes later, and a file beside it that nothing names."""
+    (spec := tmp_path / "whole.toml").write_text('[[include]]\nspec = "other/cam.toml"\n', encoding="utf-8")
+    (inner := tmp_path / "other").mkdir()
+    (inner / "cam.toml").write_text('[[segment]]\nlaw = { name = "table", file = "rise.csv" }\n', encoding="utf-8")
+    assert files_of(spec) == [spec, inner / "cam.toml", inner / "rise.csv"]
+
+    class Counted(Built):
+        def build(self, settings: list[str]) -> dict[str, Any]:
+            self.number += 1
+            return {"verdict": str(self.number), "errors": []}
+
+    built, ended = Counted(spec, tmp_path / "out"), threading.Event()
+    thread = threading.Thread(target=live.rebuild, args=(built, lambda text: None, ended))
+
+    def after(number: int) -> bool:
+        end = time.monotonic() + 30
+        while built.number < number and time.monotonic() < end:
+            time.sleep(0.02)
+        time.sleep(4 * live._EVERY)
+        return built.number == number
+
+    thread.start()
+    try:
+        assert after(1)
+        (inner / "notes.csv").write_text("x", encoding="utf-8")
+        (tmp_path / "other.toml").write_text("x", encoding="utf-8")
+        assert after(1)
+        (inner / "rise.csv").write_text("0,0\n1,1\n", encoding="utf-8")
+        assert after(2)
+        (inner / "cam.toml").write_text("name = 'x'\n", encoding="utf-8")
+        assert after(3)
+        (inner / "rise.csv").write_text("0,0\n2,1\n", encoding="utf-8")  # named no more
+        assert after(3)
+    finally:
+        ended.set()
+        thread.join()
 
 
 @pytest.mark.parametrize("command", ["watch", "explore"])

@@ -9,14 +9,33 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
-from chains import CHAINS, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up, wedge
+from chains import CHAINS, Wave, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.machine import Cam, Gear, Machine, Pin, Place, Slide, Slot, solve
+from camgen.machine import (
+    GROUND,
+    Along,
+    Angle,
+    Body,
+    Cam,
+    Drive,
+    Function,
+    Gear,
+    Machine,
+    Output,
+    Path,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+    Slot,
+    solve,
+)
 from camgen.machine import constraints as module
-from camgen.machine.closing import close
-from camgen.machine.constraints import Constraints
+from camgen.machine.closing import _followed, close
+from camgen.machine.constraints import Constraints, _stretch, solved
+from camgen.machine.model import Clutch, Turning, placed
 
 THETA = np.sort(np.random.default_rng(5).uniform(0, math.tau, 60))
 
@@ -100,6 +119,28 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
                 np.testing.assert_allclose(np.sqrt(moved), shares[joint.name], rtol=1e-4, atol=1e-5, err_msg=joint.name)
 
 
+@pytest.mark.parametrize("right", [(9, 3), (9, 3, 2)])
+def test_systems_that_have_no_numbers_have_no_solution(right: tuple[int, ...]) -> None:
+    """nan or inf in a matrix or on its right, each by itself; the others are solved as if alone."""
+    rng = np.random.default_rng(2)
+    matrices, wanted = rng.normal(size=(9, 3, 3)), rng.normal(size=right)
+    sides = np.einsum("nij,nj...->ni...", matrices, wanted)
+    matrices[1, 0, 2], matrices[4, 2, 2] = np.nan, np.inf
+    sides[3, 0], sides[4, 1] = np.nan, -np.inf
+    found = solved(matrices, sides)
+    lost = np.isnan(found).reshape(9, -1)
+    assert lost.all(axis=1).tolist() == lost.any(axis=1).tolist() == [k in (1, 3, 4) for k in range(9)]
+    np.testing.assert_allclose(found[~lost[:, 0]], wanted[~lost[:, 0]], atol=1e-12)
+    np.testing.assert_array_equal(solved(matrices[5:], sides[5:]), found[5:])
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1), (2, 2)])
+def test_a_stretch_is_the_largest_singular_value(shape: tuple[int, int]) -> None:
+    matrices = np.random.default_rng(8).normal(size=(50, *shape))
+    matrices[0], matrices[1], matrices[2] = 0.0, 1.0, np.eye(*shape)
+    np.testing.assert_allclose(_stretch(matrices), np.linalg.svd(matrices, compute_uv=False)[:, 0], rtol=1e-12, atol=1e-15)
+
+
 def displaced(joint: object, h: complex) -> object:
     """The joint with a small displacement, mm or rad."""
     if isinstance(joint, Pin):
@@ -111,6 +152,99 @@ def displaced(joint: object, h: complex) -> object:
         return replace(joint, phase=joint.phase + h.real)
     assert isinstance(joint, Cam)
     return replace(joint, rest=joint.rest + h.real)
+
+
+# ---- slopes and bends, by differences ----------------------------------------------------------------------------------
+
+
+def indexed() -> Machine:
+    """A wheel that a clutch turns, a carriage driven along it, and on that a pusher which a cam on the wheel lifts."""
+    bodies = (Body("arm"), Body("wheel"), Body("carriage"), Body("pusher"))
+    joints = (
+        Pin("O", Place(GROUND, 2 + 1j), Place("arm")), Pin("W", Place(GROUND, 2 + 1j), Place("wheel", 0.5j)),
+        Clutch("clutch", "arm", "wheel", Wave(0.3, 0.2), lambda theta: np.where(np.cos(theta) > 0, 0.1, np.nan)),
+        Slide("rail", Place("wheel", 3 - 2j), Place("carriage", 1 + 1j), angle=0.4, turn=0.2),
+        Slide("stem", Place("carriage", 1j), Place("pusher", 2 + 0j), angle=-0.7, turn=0.1),
+        Cam("lift", "wheel", "pusher", Wave(1, 4, 2, 0.3), slide="stem", phase=0.2, rest=5.0, closure="force"),
+    )  # fmt: skip
+    drives = Drive("motor", "arm", Wave(0.1, 0.6)), Drive("ram", "carriage", Wave(30, 9), slide="rail")
+    start = {body.name: Pose(complex(3 * k, 2 - k), 0.3 * k) for k, body in enumerate(bodies)}
+    pen = Output("pen", Path(Place("pusher", 4j)))
+    outputs = Output("way", Along("rail")), Output("turn", Angle("pusher", "wheel"), "rad"), pen
+    return Machine(bodies, joints, drives, start, outputs=outputs)
+
+
+ALL = {**CHAINS, "wedge": wedge, "indexed": indexed}
+
+
+def anywhere(system: Constraints, n: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Poses at which nothing is closed, angles and rates."""
+    rng = np.random.default_rng(11)
+    q = system.start + rng.normal(size=(n, system.width)) * np.minimum(system.unit, 4)
+    return q, rng.uniform(0, 6, n), rng.normal(size=(n, system.width))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_slopes_and_bends_of_conditions_are_those_of_their_values(name: str) -> None:
+    """At poses that are not closed, by central differences: along each pose, along theta, and twice along a straight way."""
+    system = Constraints(ALL[name]())
+    q, theta, rates = anywhere(system)
+    h = 1e-6
+    _, slopes, bends = system.evaluate(q, theta, rates)
+    size = np.abs(slopes).max() + np.abs(bends).max()
+    for k, unit in enumerate(np.eye(system.width)):
+        change = (system.evaluate(q + h * unit, theta)[0] - system.evaluate(q - h * unit, theta)[0]) / (2 * h)
+        np.testing.assert_allclose(slopes[:, :, k], change, atol=1e-8 * size)
+        assert system.holds[np.abs(change).max(axis=0) > 1e-6, k].all()
+    drift = (system.evaluate(q, theta + h)[0] - system.evaluate(q, theta - h)[0]) / (2 * h)
+    driven = [system.rows[drive.name].start for drive in system.machine.drives]
+    np.testing.assert_allclose(system.drift(theta)[:, driven], drift[:, driven], atol=1e-8 * size)
+    h = 1e-3
+    ahead, here, back = (system.evaluate(q + rates * t, theta + t)[0] for t in (h, 0.0, -h))
+    free = np.isclose(drift, system.drift(theta)).all(axis=0)  # a clutch's own law is no drive's
+    np.testing.assert_allclose(bends[:, free], ((ahead - 2 * here + back) / h**2)[:, free], atol=1e-5 * size)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_slopes_of_outputs_and_what_their_places_do_are_those_of_their_values(name: str) -> None:
+    machine = ALL[name]()
+    system = Constraints(machine)
+    q, _, _ = anywhere(system)
+    h = 1e-6
+    for output in machine.outputs:
+        value, gradient = system.output(output.name, q)
+        for k, unit in enumerate(np.eye(system.width)):
+            change = (system.output(output.name, q + h * unit)[0] - system.output(output.name, q - h * unit)[0]) / (2 * h)
+            slope = gradient[:, 0, k] + 1j * gradient[:, 1, k] if gradient.shape[1] == 2 else gradient[:, 0, k]
+            np.testing.assert_allclose(slope, change, atol=1e-7 * system.size)
+        for place, *ways in system.by_place(output.name, q):
+            for way, slope in zip((h, 1j * h), ways, strict=True):
+                moved = placed(output.of, lambda each, place=place, way=way: replace(each, at=each.at + way * (each is place)))
+                np.testing.assert_allclose(slope, (system.measured(moved, q)[0] - value) / h, atol=1e-6 * system.size)
+        places = len(system.by_place(output.name, q))
+        assert places == (1 if isinstance(output.of, Path) else len(output.of.of) if isinstance(output.of, Function) else 0)
+
+
+def test_forces_do_the_work_of_their_places() -> None:
+    """Generalised forces by the rates of the poses against force by speed, as differences tell it."""
+    system = Constraints(ram_machine())
+    q, _, rates = anywhere(system)
+    rng = np.random.default_rng(3)
+    force, h = rng.normal(size=len(q)) + 1j * rng.normal(size=len(q)), 1e-6
+    for body in system.bodies:
+        place, total = Place(body, 3 - 7j), np.zeros(q.shape)
+        system.press(total, place, q, force)
+        speed = (system.place(place, q + h * rates).where - system.place(place, q - h * rates).where) / (2 * h)
+        np.testing.assert_allclose((total * rates).sum(axis=1), np.real(force.conj() * speed), rtol=1e-6, atol=1e-6)
+    cam = next(joint for joint in system.machine.joints if isinstance(joint, Cam))
+    where = rng.normal(size=len(q)) * 30 + 9j
+    work = 0.0
+    for body, sign in ((cam.follower, 1), (cam.cam, -1)):
+        k = system.column[body]
+        at = (where - q[:, k] - 1j * q[:, k + 1]) * np.exp(-1j * q[:, k + 2])  # the place in the body's frame
+        ahead, back = ((z[:, k] + 1j * z[:, k + 1] + at * np.exp(1j * z[:, k + 2])) for z in (q + h * rates, q - h * rates))
+        work = work + sign * np.real(force.conj() * (ahead - back)) / (2 * h)
+    np.testing.assert_allclose((system.pressed(cam, q, where, force) * rates).sum(axis=1), work, rtol=1e-6, atol=1e-5)
 
 
 def test_a_wrong_hole_is_seen_at_the_output() -> None:
@@ -128,6 +262,52 @@ def test_beyond_a_dead_point_there_is_nothing() -> None:
     good = np.isfinite(closed.q).all(axis=1)
     assert good[0] and not good.all() and (np.diff(good.astype(int)) != 0).sum() == 1
     assert (np.isfinite(poses(stephenson_three(crank=8 + 7j), theta)[0]).all(axis=1) == good).all()
+
+
+@pytest.mark.parametrize("name", ["four-bar", "slider-crank", "Whitworth", "Klann"])
+def test_a_chain_is_followed_closely_on_its_branch(name: str) -> None:
+    """Guesses from steps of at most ten degrees are within a hundredth of what closes, with the sign of its determinant."""
+    system = Constraints(CHAINS[name]())
+    theta = np.linspace(-1, 2, 90)
+    guess, signs = _followed(system, theta)
+    closed = close(system, theta)
+    assert np.abs((guess - closed.q) / system.unit).max() < 0.01
+    np.testing.assert_array_equal(signs, np.linalg.slogdet(system.evaluate(closed.q, theta)[1])[0])
+
+
+@pytest.mark.parametrize("start, rate", [(1.0, 1.0), (-2.5, -2.0)])
+def test_a_parallelogram_stays_one_where_its_links_lie_in_line(start: float, rate: float) -> None:
+    """There both branches meet, and the determinant changes its sign; the rocker goes on as the crank does."""
+    machine = Machine(
+        (Body("crank"), Body("coupler"), Body("rocker")),
+        (Pin("O", Place(GROUND), Place("crank")), Pin("A", Place("crank", 20), Place("coupler")),
+         Pin("B", Place("coupler", 40), Place("rocker", 20)), Pin("C", Place(GROUND, 40), Place("rocker"))),
+        (Drive("motor", "crank", Turning(rate, start)),),
+        {"crank": Pose(0j, start), "coupler": Pose(20 * np.exp(1j * start), 0.0), "rocker": Pose(40 + 0j, start)},
+    )  # fmt: skip
+    theta = np.linspace(-3, 3, 83) / abs(rate)
+    system = Constraints(machine)
+    closed = close(system, theta)
+    np.testing.assert_allclose(closed.q[:, 8], start + rate * theta, atol=1e-9)
+    np.testing.assert_allclose(closed.q[:, 5], 0.0, atol=1e-9)
+    assert not _followed(system, theta)[1].any()  # what the sign is to be is not known beyond the first of them
+    near = np.linspace(-0.2, 0.2, 9)
+    assert np.ptp(_followed(system, near)[1]) == 0 and _followed(system, near)[1].all()
+
+
+def test_the_size_of_a_machine_is_its_largest_place() -> None:
+    """A drawn place, a point of a body or 1 mm: misfits count by it, so that a machine far off or tiny closes as well."""
+    for scale, shift in ((1.0, 0.0), (1.0, 500.0), (1e-3, 0.0)):
+        lengths = [scale * each for each in (40.0, 15.0, 45.0, 35.0)]
+        machine = four_bar(*lengths)
+        moved = {name: Pose(pose.place + shift, pose.angle) for name, pose in machine.start.items()}
+        points = tuple(replace(body, points={}) for body in machine.bodies)
+        system = Constraints(replace(machine, bodies=points, start=moved))
+        drawn_ = max(abs(part) for pose in moved.values() for part in (pose.place.real, pose.place.imag, pose.angle))
+        assert system.size == pytest.approx(max(1.0, drawn_))
+        np.testing.assert_array_equal(system.unit, [system.size, system.size, 1.0] * 3)
+        long = Constraints(replace(machine, bodies=(replace(machine.bodies[0], points={"x": 7777j}), *machine.bodies[1:])))
+        assert long.size == 7777.0
 
 
 def test_conditions_that_do_not_match_are_refused() -> None:

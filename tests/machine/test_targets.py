@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from camgen.machine import targets
-from camgen.machine.targets import Course, Dwell, Straight, Stroke, Through, TimeRatio
+from camgen.machine.targets import Course, Dwell, Straight, Stroke, Through, TimeRatio, Trace
 
 THETA = np.linspace(0, math.tau, 1441)
 PART = np.radians(np.linspace(-30, 50, 321))
@@ -81,6 +81,47 @@ def test_order_of_places() -> None:
     swapped = (around[0], around[2], around[1], around[3])
     assert Through(at=swapped, tolerance=1e-6).finding(ellipse(), "").ok
     assert not Through(at=swapped, **asked).finding(ellipse(), "").ok
+
+
+def test_a_path_as_a_whole_lies_nowhere_further_from_the_wanted_one() -> None:
+    """A square about the ellipse's circle: its corners are the farthest, and are no places of a grid along its sides."""
+    circle = Course(THETA, 20 * np.exp(1j * THETA), 20j * np.exp(1j * THETA), "mm", True)
+    square = ((20.0, 20.0), (-20.0, 20.0), (-20.0, -20.0), (20.0, -20.0), (20.0, 20.0))
+    far = 20 * (math.sqrt(2) - 1)
+    found = Trace(at=square, tolerance=8.0).finding(circle, "")
+    assert found.code == "PATH_ERROR" and not found.ok and far <= found.measured < far + 0.02
+    assert "of the wanted one" in found.message
+    assert Trace(at=square, tolerance=8.31).finding(circle, "").ok
+    inside = tuple((x * 0.5**0.5, y * 0.5**0.5) for x, y in square)  # now the path strays, between the corners
+    found = Trace(at=inside, tolerance=5.0).finding(circle, "")
+    bulge = 20 * (1 - math.sqrt(0.5))
+    assert not found.ok and bulge <= found.measured < bulge + 0.02 and "of the path" in found.message
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-4, 0.03, 3.0])
+def test_a_path_is_near_itself_to_what_its_chords_lose(tolerance: float) -> None:
+    corners = tuple((float(z.real), float(z.imag)) for z in ellipse().value)
+    found = Trace(at=corners, tolerance=tolerance).finding(ellipse(), "")
+    sag = 20 * (THETA[1] / 2) ** 2 / 2  # of the sharpest chord's height, at most
+    assert found.measured <= sag + max(2e-3 * tolerance, 4e-4)
+
+
+def test_a_cloud_has_no_order_and_no_lines() -> None:
+    places = [(20 * math.cos(t), 5 * math.sin(t)) for t in np.linspace(0, 6.2, 90)]
+    shuffled = tuple(places[37 * k % 90] for k in range(90))
+    assert Trace(at=shuffled, joined=False, tolerance=0.9).finding(ellipse(), "").ok
+    assert not Trace(at=shuffled, tolerance=0.9).finding(ellipse(), "").ok
+    away = Trace(at=(*shuffled, (0.0, 8.0)), joined=False, tolerance=0.9).finding(ellipse(), "")
+    assert away.measured == pytest.approx(3, abs=2e-3) and "(0, 8) of the wanted one" in away.message
+
+
+def test_sides_of_a_path_do_not_change_with_its_turn() -> None:
+    for turn in (0.0, 0.3, math.pi / 4, math.pi / 2):
+        length, width = targets.rectangle(ellipse().value * np.exp(1j * turn))
+        assert (length, width) == (pytest.approx(40, rel=1e-4), pytest.approx(10, rel=1e-4))
+        rounding = np.random.default_rng(1).normal(size=99) * 1e-14
+        line = (np.linspace(0, 40, 99) + 1j * rounding) * np.exp(1j * turn)
+        assert targets.rectangle(line) == (pytest.approx(40, rel=1e-9), pytest.approx(0, abs=1e-6))
 
 
 def test_straightness_of_an_arc_is_its_height() -> None:

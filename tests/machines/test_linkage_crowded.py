@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
+from test_linkage_slots import mends, with_change
 
+from camgen import load
 from camgen.errors import DesignError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
@@ -36,6 +38,30 @@ CAM = {
         {"kind": "rise", "span_deg": 180, "lift_deg": 15, "law": "cycloidal"},
         {"kind": "return", "span_deg": 180, "to_deg": 0, "law": "cycloidal"}]}],
     "output": [{"name": "out", "link": "arm"}], "layers": {"arm": 3, "crank_on_rocker": 2},
+}  # fmt: skip
+
+
+DRAG = {**DRAGGED, "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "B": [30, 48]},
+        "lengths": {"O-A": 40, "A-B": 45, "C-B": 50}}  # fmt: skip
+WHITWORTH = {
+    "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "D": [-45, 0], "E": [65, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "arm": ["C", "D", "E"]},
+    "slot": [{"pin": "A", "link": "arm", "along": ["C", "E"]}], "output": [{"name": "out", "link": "arm"}],
+}  # fmt: skip
+GROOVE = {  # a groove cam, as wide as its follower's pin is far off, and a four-bar on the same crank
+    "points": {"O": [0, 0], "A": [15, 0], "B": [60, 40], "D": [70, 0], "C": [-60, 0], "T": [-30, 25]},
+    "links": {"ground": ["O", "C", "D"], "crank": ["O", "A"], "rod": ["A", "B"], "rocker": ["D", "B"], "follower": ["C", "T"]},
+    "cam": [{**CAM["cam"][0], "follower": "follower", "closure": "groove"}], "output": [{"name": "out", "link": "rocker"}],
+}  # fmt: skip
+SCARCE = {  # on one plate the crank passes the pin of D, on two the head of its pin does: both a second plate and smaller heads
+    "points": {"O": [0, 0], "A": [19.1, 0], "D": [-17.1, 20.3], "F": [55.4, -20.3]},
+    "links": {"ground": ["O", "D"], "crank": ["O", "A"], "arm": ["D", "F"]},
+    "slot": [{"pin": "A", "link": "arm", "along": ["D", "F"]}], "output": [{"name": "out", "link": "arm"}],
+    "limits": {"transmission_angle_deg": 1},
+}  # fmt: skip
+BOUGHT = {  # no such long shoulder screws are sold
+    **DRAGGED, "points": {"O": [0, 0], "C": [70, 0], "A": [20, 0], "B": [55, 48]}, "lengths": {"A-B": 60, "C-B": 50},
+    "parts": {"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1},
 }  # fmt: skip
 
 
@@ -76,6 +102,48 @@ def test_a_link_that_may_is_bent_where_straight_ones_find_no_levels() -> None:
     assert any(note.startswith(f"Link rocker is bent by {abs(bow):g} mm, to the left") for note in machine.study().notes)
 
 
+@pytest.mark.parametrize(
+    ("tables", "told"),
+    [
+        (DRAG, "parts.plates = 2"), (WHITWORTH, "parts.plates = 2"), (GROOVE, "parts.plates = 2"),
+        ({**DRAG, "points": {**DRAG["points"], "C": [6, 0]}}, "parts.plates = 2"),  # both pivots under one head
+        ({**DRAG, "parts": {"plates": 2, "shaft": "interrupted"}}, 'parts.shaft = "through"'),
+        (SCARCE, "parts.plates = 2 and parts.head = 1"), (BOUGHT, 'parts.pin = "printed"'),
+        ({**WHITWORTH, "layers": {"arm": 1, "crank": 2}}, "leaving [layers] out and parts.plates = 2"),
+    ],
+)  # fmt: skip
+def test_no_cure_leads_in_circles(tables: dict[str, Any], told: str) -> None:
+    """Each that is named makes all parts; the first is as expected of the machine."""
+    with pytest.raises(DesignError) as caught:
+        validate(Linkage, spec(tables)).parts()
+    cures = mends(caught.value)
+    assert told in cures, caught.value.remedy
+    for words in cures:
+        assert load(with_change(spec(tables), words)).parts(), words
+
+
+def test_what_was_not_tried_is_called_a_guess() -> None:
+    """Two cranks on two plates whose pins do not clear each other: nothing mends them but other points."""
+    tables = {**SCARCE, "points": {**SCARCE["points"], "D": [-13, 14]}}
+    error = refusal(tables)
+    assert error.remedy.startswith("a guess: make room for ") and "mended by" not in error.remedy
+    assert error.remedy.endswith("two plates") and "tried in vain: all orders of the levels" in error.remedy
+
+
+def test_a_drag_link_stands_between_posts_beyond_all_that_turns(tmp_path: Path) -> None:
+    """On the shafts of both cranks none of the four bars passes; from the files: all findings hold, no body meets another."""
+    tables = spec(DRAG, parts={"plates": 2})
+    (tmp_path / "own.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
+    report = build(tmp_path / "own.toml", tmp_path, frozenset({"3mf"}))
+    assert report.ok and "INTERFERENCE" in {finding.code for finding in report.findings}
+    second = validate(Linkage, tables).bodies.layout.second
+    assert second is not None and second.cuts == {"O": 1, "C": 0}  # the crank on the lower plate, the rocker under the upper one
+    reach = max(40.0, 50.0 + 15.0)  # of either crank about its pivot, from O
+    for post in second.columns:
+        inside = min(40 + 4.6 - abs(post), 50 + 4.6 - abs(post - 15)) + 2.5 / 2 + 2 + 1.5
+        assert inside < 0 and abs(post) < 2 * reach, "beyond both circles, and no further out than need be"
+
+
 def test_cures_that_are_told_mend(tmp_path: Path) -> None:
     told = refusal(CROSSED).remedy.partition(";")[0].removeprefix("mended by ").split(", or by ")
     assert told[0] == "leaving [layers] out" and told[1].startswith("parts.rocker.bow = ")
@@ -93,8 +161,7 @@ def test_what_passes_right_over_a_shaft_is_told_to_be_elsewhere() -> None:
     error = refusal(DRAGGED)
     assert error.where.startswith("link rocker and shaft O") and error.value < 0.1
     assert "points.O elsewhere" in error.remedy and "lengths of link rocker" in error.remedy
-    assert error.remedy.startswith("mended by parts.plates = 2; else") and "smaller parts." not in error.remedy
-    assert "tried: all orders of the levels, heads over and under the plate, bows" in error.remedy
+    assert error.remedy.startswith("mended by parts.plates = 2; else a guess: make room") and "smaller parts." not in error.remedy
 
 
 def test_a_cams_disc_in_the_way_is_named_with_what_makes_it_smaller() -> None:
@@ -103,7 +170,7 @@ def test_a_cams_disc_in_the_way_is_named_with_what_makes_it_smaller() -> None:
     out = hinge + (tip - hinge) * complex(math.cos(math.radians(15)), -math.sin(math.radians(15)))
     assert error.where.startswith("cam crank on rocker and pin G")
     assert error.value == pytest.approx(45) and error.limit == pytest.approx(abs(out) - 6 + 4 + 0.2, abs=1e-3)
-    assert error.remedy.startswith("mended by leaving [layers] out; else make room for 2.4")
+    assert error.remedy.startswith("mended by leaving [layers] out") and "; else a guess: make room for 2.4" in error.remedy
     keys = "points.T nearer to its shaft", "smaller parts.pin_diameter or parts.head", "points.O elsewhere", "points.G elsewhere"
     assert all(said in error.remedy for said in keys)
     assert "parts.wall" not in error.remedy and "hub_diameter" not in error.remedy

@@ -104,7 +104,7 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
 
 def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
     machine = with_parts(root, pin="bearing")
-    steps = [(row[1], str(row[2])) for row in machine.steps().rows]
+    steps = [(row[1], str(row[3])) for row in machine.steps().rows]
     names = [name for name, _ in steps]
     assert names.count("bearing-mr85") >= 1
     poses = machine.poses(np.zeros(1))
@@ -112,7 +112,8 @@ def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
         under = [(poses[name][0].z, name) for name in ("crank", "coupler", "rocker")]
         link = max(each for each in under if each[0] < float(row[5]))[1]
         assert names.index(link) >= int(row[0]), link
-    assert all("pressed and glued in" in what for name, what in steps if name.startswith("pin-"))
+    assert all("pressed and glued into" in where for name, where in steps if name.startswith("pin-"))
+    assert all("pressed on bearing-mr85" in where for name, where in steps if name == "coupler")
     rows = {str(row[1]): row for row in parts_table(machine).rows}
     assert "5 x 8 x 2.5" in str(rows["bearing-mr85"][2]) and rows["bearing-mr85"][4] == ""
     assert "glue" in rows and str(rows["screw of the plate, from behind"][2]).startswith("M3, for a core hole of 2.5")
@@ -162,7 +163,8 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
         ({"pin": "bearing", "coupler": {"thickness": 2}}, DesignError, "thickness is 2 mm.*limit 3.5 mm.*MR85.*lip of 0.8"),
         ({"pin": "bearing", "pin_diameter": 4.5}, DesignError, "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8"),
         ({"pin": "shoulder", "pin_diameter": 14}, SpecError, "parts.pin_diameter.*at most 13"),
-        ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError, "shoulder screw.*parts.pins"),
+        ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError,
+         'shoulder screw.*mended by parts.pin = "printed"'),
         ({"hand_crank": 5}, SpecError, "parts.hand_crank.*at least 15 mm"),
         ({"hand_crank": 40, "shaft_length": 8}, SpecError, "parts.shaft_length.*at least 10 mm.*hand crank"),
         ({"hand_crank": 40, "motor": "nema-17", "shaft_diameter": 5}, SpecError, "parts.hand_crank.*nema-17 drives"),

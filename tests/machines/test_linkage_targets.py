@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomli_w
 from judged import wrong
@@ -65,21 +66,54 @@ def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None
     data = read(root / "specs" / "linkage.toml")
     least, most = (math.degrees(math.acos((70**2 + 50**2 - way**2) / (2 * 70 * 50))) for way in (40, 80))
     data["output"][1] |= {"stroke": {"value": most - least, "tolerance": 0.1}}
+    machine = validate(Linkage, data)
+    course = np.asarray(machine.run(np.linspace(0, math.tau, 361), 0)["pen"])
     data["output"][0] |= {"points": {"at": [[22, 52]], "tolerance": 1.0}}
+    data["output"][0] |= {"path": {"at": np.stack([course.real, course.imag], 1).tolist(), "tolerance": 0.05}}
     file = tmp_path / "own.toml"
     file.write_text(tomli_w.dumps(data), encoding="utf-8")
     report = build(file, tmp_path, frozenset({"dxf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     places = {code: [f.where for f in report.findings if f.code == code] for code in ("STROKE_ERROR", "PATH_ERROR")}
-    assert places["STROKE_ERROR"] == ["swing as designed", "linkage-*.dxf, swing"] and len(places["PATH_ERROR"]) == 2
+    assert places["STROKE_ERROR"] == ["swing as designed", "linkage-*.dxf, swing"] and len(places["PATH_ERROR"]) == 4
     shifted_hole(tmp_path / "linkage" / "linkage-rocker.dxf", 50 + 0j, -0.3)
     failed = {(f.code, f.where) for f in wrong(tmp_path / "linkage", "dxf")}
     assert ("STROKE_ERROR", "linkage-*.dxf, swing") in failed and ("STROKE_ERROR", "swing as designed") not in failed
+    assert ("PATH_ERROR", "linkage-*.dxf, pen") in failed and ("PATH_ERROR", "pen as designed") not in failed
+
+
+def test_a_path_as_a_whole_from_the_model() -> None:
+    """Its own course but for one corner that is 0.3 mm off."""
+    run = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}])).run(np.linspace(0, math.tau, 721), 0)
+    course = [[z.real, z.imag] for z in np.asarray(run["pen"]).tolist()]
+    pen = {"name": "pen", "point": "P"}
+    assert found({**pen, "path": {"at": course, "tolerance": 0.01}}, **HOEKEN)["PATH_ERROR"].ok
+    low = min(range(721), key=lambda k: course[k][1])
+    course[low][1] -= 0.3
+    off = found({**pen, "path": {"at": course, "tolerance": 0.01}}, **HOEKEN)["PATH_ERROR"]
+    assert not off.ok and off.measured == pytest.approx(0.3, abs=1e-3)
+
+
+def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
+    machine = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}]))
+    course = np.asarray(machine.run(np.linspace(0, math.tau, 721), 0)["pen"])
+    widths = [np.ptp((course * np.exp(1j * turn)).imag) for turn in np.linspace(0, math.pi, 2001)]
+    (asked,) = machine.asked()
+    assert asked.lash == pytest.approx(min(widths) / 4, rel=1e-3) and "smaller side" in asked.lash_of
+    (asked,) = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}], limits={"lash": 3.0})).asked()
+    assert (asked.lash, asked.lash_of) == (3.0, "limits.lash")
+    slider = {"points": {"O": [0, 0], "A": [10, 0], "B": [50, 0], "K": [20, 0], "R": [80, 0]},
+              "links": {"ground": ["O", "K", "R"], "crank": ["O", "A"], "rod": ["A", "B"], "ram": ["B"]},
+              "slide": [{"link": "ram", "along": ["K", "R"]}]}  # fmt: skip
+    (asked,) = validate(Linkage, spec(**slider, output=[{"name": "end", "point": "B"}])).asked()
+    assert asked.lash == pytest.approx(20 / 4, rel=1e-6) and "length" in asked.lash_of  # a line has one side: twice the crank
 
 
 @pytest.mark.parametrize(
     ("output", "path"),
     [
+        ({"link": "rocker", "path": {"at": [[1, 2], [3, 4]], "tolerance": 1}}, "output.0.path"),
+        ({"point": "P", "path": {"at": [[1, 2]], "tolerance": 1}}, "output.0.path.at"),
         ({"link": "rocker", "points": {"at": [[1, 2]], "tolerance": 1}}, "output.0.points"),
         ({"link": "rocker", "straightness": {"length": 3, "tolerance": 1}}, "output.0.straightness"),
         ({"point": "P", "dwell": {"span_deg": 3, "band": 1}}, "output.0.dwell"),

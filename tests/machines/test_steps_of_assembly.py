@@ -1,20 +1,32 @@
-"""Where each step of assembly puts its part, against what the spec says of joints and heights."""
+"""Where each step of assembly puts its part, against what the spec says of joints and heights; and of every machine that comes
+with camgen: what a step names is there by then, what is fixed is fixed on something that is there, no hole is left empty."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import cmath
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from camgen.geometry.outlines import Region, circle
-from camgen.machine.features import Mount, PartPose
-from camgen.machines.assembly import order
+from camgen import load, starters
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Region, circle
+from camgen.machine.features import Mark, Mount, PartPose, heights
+from camgen.machines.assembly import Fixing, order
+from camgen.machines.linkage.layout import Layout
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.catalogue import SCREWS
 from camgen.parts.part import Layer, Part
 from camgen.pipeline.jobs import read_mechanism
 
+PLAY = Fixing(0.1)
 
 @pytest.fixture(scope="module")
 def leg() -> Mechanism:
@@ -29,16 +41,19 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
     """Joints of the spec: A crank and both rods, B and D shoulder, E and F foot, C the ground's pin."""
     said = where(leg)
     assert said["upper_rod"] == "A over crank, B over shoulder" and said["link"] == "D over shoulder, F over foot"
-    assert said["hanger"] == "C on pin-1, E over foot" and said["lower_rod"] == "A over upper_rod, E over hanger"
-    through = "through B of upper_rod and shoulder; through D of link and shoulder; through F of link and foot"
-    assert said["pin-3"] == through
-    assert said["pin-2"] == "through A of lower_rod, upper_rod and crank; through E of lower_rod, hanger and foot"
+    assert said["lower_rod"] == "A over upper_rod, E over hanger"
+    assert said["hanger"] == "C pressed and glued on pin-1, E over foot"  # its head is under the plate
+    fixed = "through {} of {}, pressed and glued into {}"  # of a pin the lowest link
+    rows = [("B", "upper_rod", "shoulder"), ("D", "link", "shoulder"), ("F", "link", "foot")]
+    assert said["pin-3"] == "; ".join(fixed.format(*row) for row in rows)
+    rows = [("A", "lower_rod and upper_rod", "crank"), ("E", "lower_rod and hanger", "foot")]
+    assert said["pin-2"] == "; ".join(fixed.format(*row) for row in rows)
 
 
 def test_how_far_from_its_end_a_shaft_holds_each(leg: Mechanism) -> None:
     """By the undersides of the table: the shaft's at -15, collar's at -3.2, plate's at 0, crank's at 5.2 mm."""
     said, z = where(leg), {str(row[1]): float(str(row[5])) for row in leg.steps().rows}
-    for name, point in (("collar", ""), ("ground", "O "), ("crank", "O ")):
+    for name, point in (("collar", "pressed and glued "), ("ground", "O "), ("crank", "O pressed and glued ")):
         assert said[name].startswith(f"{point}on shaft, underside {z[name] - z['shaft']:.4g} mm from its lower end"), name
 
 
@@ -53,8 +68,214 @@ def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:
         }
 
         mounts = (Mount("pin", "ground", x), Mount("plate", "ground", 20, 0.0, True, 10.0))
-        rows = order((pin, plate), mounts, poses, ()).rows
+        rows = order((pin, plate), mounts, poses, (), PLAY).rows
         assert rows[1][3] == expected
     wide = replace(plate, layers=(Layer(Region(circle(0, 9), (circle(5, 4),)), 0, 2),))
     poses["pin"] = [PartPose(np.array([15 + 0j]), np.zeros(1), False, 0.0)]
-    assert order((pin, wide), mounts, poses, ()).rows[1][3] == ""  # far too wide to be held by it
+    assert order((pin, wide), mounts, poses, (), PLAY).rows[1][3] == ""  # far too wide to be held by it
+
+
+# ---- of every machine ------------------------------------------------------------------------------------------------
+
+BAR = {  # a drag link: both cranks turn over each other's pivot, so one hangs from the second plate
+    "mechanism": "linkage", "name": "drag", "drive": {"link": "crank"},
+    "points": {"O": [0, 0], "C": [10, 0], "A": [20, 0], "B": [20, 34]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
+    "output": [{"name": "out", "link": "rocker"}], "parts": {"plates": 2},
+}  # fmt: skip
+FAR = {  # a drag link as large as its frame lets posts stand only beyond all that turns
+    **BAR, "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "B": [30, 48]},
+    "lengths": {"O-A": 40, "A-B": 45, "C-B": 50},
+}  # fmt: skip
+WHITWORTH = {
+    "mechanism": "linkage", "name": "whitworth", "drive": {"link": "crank"},
+    "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "D": [-45, 0], "E": [65, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "arm": ["C", "D", "E"]},
+    "slot": [{"pin": "A", "link": "arm", "along": ["C", "E"]}], "output": [{"name": "out", "link": "arm"}],
+    "parts": {"plates": 2},
+}  # fmt: skip
+
+
+def started(name: str, **parts: Any) -> dict[str, Any]:
+    """The tables of a starter with some keys of [parts]."""
+    import tomllib
+
+    tables = tomllib.loads(starters.text(name))
+    tables["parts"] = {**tables.get("parts", {}), **parts}
+    return tables
+
+
+MORE = {
+    "drag link": BAR,
+    "drag link, far posts": FAR,
+    "drag link, dowels": {**BAR, "parts": {"plates": 2, "pin": "dowel"}},
+    "whitworth": WHITWORTH,
+    "whitworth, interrupted shaft": {**WHITWORTH, "points": {**WHITWORTH["points"], "C": [60, 0], "E": [-40, 0], "D": [70, 0]},
+                                     "parts": {"plates": 2, "shaft": "interrupted"}},
+    "scotch yoke, two plates": started("scotch-yoke", plates=2),
+    "dowels": started("linkage", pin="dowel"), "shoulder screws": started("linkage", pin="shoulder"),
+    "ball bearings": started("linkage", pin="bearing"), "two plates": started("linkage", plates=2),
+    "interrupted": started("linkage", plates=2, shaft="interrupted"), "hand crank": started("linkage", hand_crank=40),
+    "steel": started("walking-leg", shaft_made="steel"), "motor": started("linkage", motor="nema-17", base_thickness=6),
+    "two plates on a quick return": started("quick-return", plates=2),
+    "laser": {**started("four-bar", make="laser"), "laser": {"thickness": 3}},
+    "cam on a bench": started("disc-cam", make="machine"), "groove on a bench": started("groove", make="machine"),
+    "indexing cams on a bench": started("indexing-cam", make="machine"),
+}  # fmt: skip
+SPECS = sorted(path for part in (".", "gallery") for path in (starters.folder() / part).glob("*.toml") if path.stem != "coupon")
+MACHINES = [*(path.stem for path in SPECS), *MORE]
+
+
+@cache
+def built(name: str) -> Mechanism:
+    path = next((path for path in SPECS if path.stem == name), None)
+    return load(MORE[name]) if path is None else read_mechanism(path, [])
+
+
+@dataclass(frozen=True)
+class Ring:
+    """An edge of a copy that is round, wholly or but for a flat: axis, diameter, heights."""
+
+    copy: str
+    at: complex
+    diameter: float
+    low: float
+    high: float
+
+    def goes_through(self, hole: Ring, play: float) -> bool:
+        common = min(self.high, hole.high) - max(self.low, hole.low)
+        fits = self.copy != hole.copy and -0.05 < hole.diameter - self.diameter < play
+        return fits and common > 1e-6 and abs(self.at - hole.at) < 0.3
+
+
+def round_edge(contour: Contour) -> tuple[complex, float] | None:
+    """Centre and diameter of what is round by three quarters of its facets' corners."""
+    ring = facet_contour(contour, 1e-4)
+    off = np.abs(ring - ring.mean())
+    for _ in range(20):  # a flat moves the mean: the circle through most corners
+        on = np.abs(off - np.median(off)) < 0.02
+        rows = np.column_stack([2 * ring[on].real, 2 * ring[on].imag, np.ones(on.sum())])
+        x, y, _ = np.linalg.lstsq(rows, np.abs(ring[on]) ** 2, rcond=None)[0] if on.sum() > 2 else (0, 0, 0)
+        off = np.abs(ring - complex(x, y))
+    return (complex(x, y), 2 * float(np.median(off))) if np.mean(np.abs(off - np.median(off)) < 1e-3) > 0.75 else None
+
+
+def edges(machine: Mechanism) -> tuple[list[Ring], list[Ring]]:
+    """Holes and outlines of all copies of a machine at theta = 0."""
+    parts, poses, number = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1)), Counter[str]()
+    found: tuple[list[Ring], list[Ring]] = [], []
+    for mount in machine.mounts():
+        part, number[mount.part] = parts[mount.part], number[mount.part] + 1
+        pose, copy = poses[part.name][number[part.name] - 1], f"{part.name}-{number[part.name]}"
+        for layer in part.layers:
+            for kind, contours in zip(found, (layer.region.holes, [layer.region.outer]), strict=True):
+                for edge in filter(None, map(round_edge, contours)):
+                    own = -edge[0].conjugate() if pose.flipped else edge[0]
+                    at = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * own
+                    kind.append(Ring(copy, at, edge[1], *heights(pose, part.thickness, layer.z0, layer.z1)))
+    return found
+
+
+def part_of(copy: str) -> str:
+    return copy.rpartition("-")[0]
+
+
+def steps(machine: Mechanism) -> Iterator[tuple[int, str, str, set[str]]]:
+    """Number, where it goes, what it is, and the copies that it lays on."""
+    table = machine.steps()
+    for row, laid in zip(table.rows, table.copies, strict=True):
+        yield int(str(row[0])), str(row[3]), str(row[2]), set(laid)
+
+
+def misnamed(machine: Mechanism) -> list[str]:
+    """Steps that name a part which is not there by then."""
+    every, there, found = {part.name for part in machine.parts()}, set[str](), list[str]()
+    for count, where, _, laid in steps(machine):
+        said = set(re.findall(r"[\w-]+", where)) & every
+        found += [f"step {count}: {part}" for part in said if part not in there]
+        there |= set(map(part_of, laid))
+    return found
+
+
+def unfixed(machine: Mechanism) -> list[str]:
+    """What is tight and not said to be fixed when the later of both comes, and what is said to be and is not."""
+    holes, outlines = edges(machine)
+    press, slide = machine.print.press_clearance, machine.print.slide_clearance
+    made = {part.name: part.made for part in machine.parts()}
+    rings = {ring.part for each in machine.features() for ring in getattr(each, "rings", ())}
+    tight: set[frozenset[str]] = set()
+    for hole in holes:
+        for outline in (each for each in outlines if each.goes_through(hole, (press + slide) / 2)):
+            bought = made[part_of(hole.copy)] == made[part_of(outline.copy)] == "bought"
+            if not bought and part_of(hole.copy) not in rings:
+                tight.add(frozenset((hole.copy, outline.copy)))
+    found, there = list[str](), set[str]()
+    for count, where, _, laid in steps(machine):
+        said = {part for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
+                for part in re.findall(r"[\w-]+", clause) if part in made}  # fmt: skip
+        wanted = {part_of(other) for pair in tight for copy in pair & laid for other in pair - {copy} if other in there}
+        found += [f"step {count}: {sorted(said)} for {sorted(wanted)}"] if said != wanted else []
+        there |= laid
+    return found
+
+
+def empty(machine: Mechanism) -> list[Ring]:
+    """Holes for a pin or a shaft of the machine, by their size, through which none goes. Left out are pens, what a motor that is
+    bought reaches into, and pockets over a screw's hole, which are as wide by chance."""
+    holes, outlines = edges(machine)
+    slide = max(machine.print.slide_clearance, machine.print.press_clearance) + 1e-3
+    slender = [each for each in outlines if re.search(r"pin|shaft|dowel|axle", part_of(each.copy))]
+    sizes = {round(each.diameter, 6) for each in slender}
+    meant = [hole for hole in holes if any(0 <= hole.diameter - size + 1e-6 <= slide for size in sizes)]
+    screws = [hole for hole in holes if any(abs(hole.diameter - screw.clearance) < 1e-3 for screw in SCREWS.values())]
+    meant = [hole for hole in meant if not any(each.copy == hole.copy and abs(each.at - hole.at) < 1e-3 for each in screws)]
+    poses, left = machine.poses(np.zeros(1)), list[tuple[str, complex]]()
+    for feature in machine.features():
+        pin = getattr(feature, "pin", None)
+        eyes = [feature.eye] if isinstance(feature, Mark) else [feature.a, feature.b] if pin and pin.part is None else []
+        left += [(eye.part, complex(pose.place[0] + cmath.exp(1j * float(pose.angle[0])) * eye.at))
+                 for eye in eyes for pose in poses[eye.part]]  # fmt: skip
+    meant = [hole for hole in meant if not any(part_of(hole.copy) == part and abs(hole.at - at) < 1e-3 for part, at in left)]
+    return [hole for hole in meant if not any(each.goes_through(hole, 1.0) for each in outlines)]
+
+
+@pytest.mark.parametrize("name", [name for name in MACHINES if name != "uniform-swing"])  # it has steps in words of its own
+def test_what_a_step_names_is_there_and_what_it_fixes_is_held(name: str) -> None:
+    assert not misnamed(built(name))
+    assert not unfixed(built(name))
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_no_hole_for_a_pin_is_left_empty(name: str) -> None:
+    assert not empty(built(name))
+
+
+def test_damaged_steps_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second plate's row first, the last two rows swapped, and a pin said to be pressed into what it only goes through."""
+    machine, table = load(BAR), load(BAR).steps()
+    rows, copies = list(table.rows), list(table.copies)
+    plate = next(k for k, row in enumerate(rows) if row[1] == "second-plate")
+    damaged = replace(table, rows=[rows[plate], *rows[:plate], *rows[plate + 1 :]],
+                      copies=[copies[plate], *copies[:plate], *copies[plate + 1 :]])  # fmt: skip
+    loose = [(*row[:3], str(row[3]).replace("through A of coupler", "pressed into A of coupler"), *row[4:]) for row in rows]
+    assert loose != rows
+    for wrong, check in ((damaged, misnamed), (damaged, unfixed), (replace(table, rows=loose), unfixed)):
+        monkeypatch.setattr(type(machine), "steps", lambda _, wrong=wrong: wrong)
+        assert check(machine)
+
+
+def test_a_hole_without_its_pin_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The pin of C hangs from the second plate: a hole for it in the ground plate stays empty."""
+    machine = load(BAR)
+    assert "hole C" not in str(machine.parts()[0].notes)
+    monkeypatch.setattr(Layout, "in_first", lambda *_: True)
+    assert {(hole.copy, round(hole.at.real, 6), round(hole.at.imag, 6)) for hole in empty(load(BAR))} == {("ground-1", 10, 0)}
+
+
+def test_a_pin_that_hangs_is_fixed_when_its_plate_comes() -> None:
+    rows = {str(row[1]): (k, str(row[2]), str(row[3])) for k, row in enumerate(load(BAR).steps().rows)}
+    (pin,) = (name for name, (_, _, where) in rows.items() if name.startswith("pin") and where.startswith("by itself"))
+    assert rows[pin][0] < rows["rocker"][0] < rows["second-plate"][0] and "C on " + pin in rows["rocker"][2]
+    assert f"C pressed and glued on {pin}" in rows["second-plate"][2]
+    notes = " ".join(load(BAR).study().notes)
+    assert "Its pin C stands head down, under what turns on it" in notes

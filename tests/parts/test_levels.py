@@ -9,25 +9,26 @@ import pytest
 
 from camgen.errors import DesignError
 from camgen.geometry.convex import distance
+from camgen.parts import level_rules as lr
 from camgen.parts import levels as lv
 
 THETA = np.linspace(0, math.tau, 360, endpoint=False)
 STILL = np.ones(len(THETA))
 
 
-def four_bar() -> tuple[list[lv.Band], list[lv.Axis]]:
+def four_bar() -> tuple[list[lr.Band], list[lr.Axis]]:
     a = 20 * np.exp(1j * THETA)
     d = 70 - a
     far = np.abs(d)
     x = (far**2 + 60**2 - 50**2) / (2 * far)
     b = a + d / far * (x + 1j * np.sqrt(60**2 - x**2))
     bands = [
-        lv.Band("crank", np.array([0 * STILL, a]), 5), lv.Band("coupler", np.array([a, b]), 5),
-        lv.Band("rocker", np.array([70 * STILL, b]), 5),
+        lr.Band("crank", np.array([0 * STILL, a]), 5), lr.Band("coupler", np.array([a, b]), 5),
+        lr.Band("rocker", np.array([70 * STILL, b]), 5),
     ]  # fmt: skip
     axes = [
-        lv.Axis("O", ("crank",), 0j * STILL, 4, True, 0), lv.Axis("A", ("crank", "coupler"), a, 4),
-        lv.Axis("B", ("coupler", "rocker"), b, 4), lv.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
+        lr.Axis("O", ("crank",), 0j * STILL, 4, True, 0), lr.Axis("A", ("crank", "coupler"), a, 4),
+        lr.Axis("B", ("coupler", "rocker"), b, 4), lr.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
     ]  # fmt: skip
     return bands, axes
 
@@ -76,15 +77,15 @@ def test_spans_of_what_meets_never_share_a_level() -> None:
     for band in bands:
         for axis in axes:
             if band.name not in axis.links and distance(band.corners, axis.place[None]).min() < band.radius + axis.radius:
-                (low, high), (at, _) = lv.span(axis, found), lv.span(band, found)
+                (low, high), (at, _) = lr.span(axis, found), lr.span(band, found)
                 assert at < low or at > high
 
 
 @pytest.mark.parametrize("over, level", [(0, 2), (1, 3), (2, 4)])
 def test_what_passes_a_cover_lies_over_it(monkeypatch: pytest.MonkeyPatch, over: int, level: int) -> None:
     """A wall takes so many levels over its link on level 1; what crosses it lies on the next one, by both searches."""
-    bands = [lv.Band("runner", np.array([0 * STILL, 10 * STILL]), 2), lv.Band("other", np.array([5j * STILL, 30j * STILL]), 2)]
-    walls = [lv.Wall("cover", np.array([5j * STILL]), 3, "runner", "", over)]
+    bands = [lr.Band("runner", np.array([0 * STILL, 10 * STILL]), 2), lr.Band("other", np.array([5j * STILL, 30j * STILL]), 2)]
+    walls = [lr.Wall("cover", np.array([5j * STILL]), 3, "runner", "", over)]
     for _ in range(2):
         assert lv.levels(bands, [], THETA, 0.2, {"runner": 1}, walls) == {"runner": 1, "other": level}
         monkeypatch.setattr(lv, "search", lambda *_: None)
@@ -93,18 +94,18 @@ def test_what_passes_a_cover_lies_over_it(monkeypatch: pytest.MonkeyPatch, over:
 def test_a_pin_in_the_way_is_named() -> None:
     """A link between two ground pivots that both reach higher than it may lie."""
     bands, axes = four_bar()
-    post = lv.Axis("T", ("rocker",), 20 + 0j * STILL, 4, True)  # in the crank's and coupler's way
+    post = lr.Axis("T", ("rocker",), 20 + 0j * STILL, 4, True)  # in the crank's and coupler's way
     with pytest.raises(DesignError, match=r"distance of what cannot pass.*T") as caught:
         lv.levels(bands, [*axes, post], THETA, 0.2, {"rocker": 3, "crank": 1, "coupler": 2})
     assert caught.value.limit > caught.value.value
 
 
-def crossed() -> tuple[list[lv.Band], list[lv.Axis]]:
+def crossed() -> tuple[list[lr.Band], list[lr.Axis]]:
     """Two links on one pin of the ground, and a third right across it."""
     pin = 0j * STILL
-    bands = [lv.Band("low", np.array([pin, pin + 30]), 5), lv.Band("high", np.array([pin, pin - 30]), 5),
-             lv.Band("across", np.array([pin + 20j, pin - 20j]), 5)]  # fmt: skip
-    return bands, [lv.Axis("C", ("low", "high"), pin, 4, True, far=True)]
+    bands = [lr.Band("low", np.array([pin, pin + 30]), 5), lr.Band("high", np.array([pin, pin - 30]), 5),
+             lr.Band("across", np.array([pin + 20j, pin - 20j]), 5)]  # fmt: skip
+    return bands, [lr.Axis("C", ("low", "high"), pin, 4, True, far=True)]
 
 
 def test_a_pin_between_two_plates_leaves_out_where_a_link_passes() -> None:
@@ -121,8 +122,72 @@ def test_a_pin_between_two_plates_leaves_out_where_a_link_passes() -> None:
 
 def test_a_shaft_that_must_stand_on_the_lower_plate_is_in_the_way() -> None:
     bands, (axis,) = crossed()
-    shaft = lv.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=axis.links)
+    shaft = lr.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=axis.links)
     with pytest.raises(DesignError, match="cannot pass.*across and C"):
         lv.levels(bands, [shaft], THETA, 0.2, {"low": 2, "high": 3, "across": 1})
-    apart = lv.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=("low",), high=("high",))
+    apart = lr.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=("low",), high=("high",))
     assert lv.levels(bands, [apart], THETA, 0.2, over=[("high", "low")]) == {"low": 1, "across": 2, "high": 3}
+
+
+def beside(far: bool = True) -> tuple[list[lr.Band], list[lr.Axis]]:
+    """Two links, each on a pin of the ground, which stand 3 mm apart: no plate has room for the heads of both."""
+    one, other = 0j * STILL, 3 + 0j * STILL
+    bands = [lr.Band("low", np.array([one, one - 30]), 5), lr.Band("high", np.array([other, other + 30]), 5)]
+    return bands, [lr.Axis("O", ("low",), one, 4, True, far=far, low=("low",) if far else ()),
+                   lr.Axis("C", ("high",), other, 4, True, far=far)]  # fmt: skip
+
+
+def test_pins_side_by_side_are_held_by_a_plate_each() -> None:
+    """O, a shaft, by the lower one, so C by the upper one, its head under its link and over the other's."""
+    found = lv.levels(*beside(), THETA, 0.2)
+    assert found is not None and found["high"] >= found["low"] + 2  # a level for the head of C
+    assert lv.cuts(*beside(), (), 0.2, found) == {"O": found["low"], "C": 0}
+    with pytest.raises(DesignError, match="cannot pass.*(O and C|C and O|low and C|high and O)"):
+        lv.levels(*beside(far=False), THETA, 0.2)
+
+
+def test_a_pin_beside_a_motors_own_shaft_hangs_from_the_upper_plate() -> None:
+    """That shaft goes through the lower plate alone."""
+    bands, (shaft, pin) = beside()
+    axes = [lr.Axis("O", ("low",), shaft.place, 4, True), pin]
+    found = lv.levels(bands, axes, THETA, 0.2)
+    assert found is not None and lv.cuts(bands, axes, (), 0.2, found) == {"C": 0}
+
+
+def running(far: bool, across: complex = 1j) -> tuple[list[lr.Band], list[lr.Axis], list[lr.Opening]]:
+    """Two pins that run to and fro in slots through the origin, each there when the other is at its end."""
+    one, other = 20 * np.cos(THETA) + 0j, 20 * np.sin(THETA) * across
+    bands = [lr.Band("a", np.array([one, one + 9]), 3), lr.Band("b", np.array([other, other + 9 * across]), 3)]
+    places = {"P": ("a", one), "Q": ("b", other)}
+    axes = [lr.Axis(f"pin {name}", (link,), at, 4, True, far=far, runs=True) for name, (link, at) in places.items()]
+    ends = [np.array([-20 * way * STILL, 20 * way * STILL]) for way in (1, across)]
+    return bands, axes, [lr.Opening(f"slot {k}", ends[k], 3.0, axis.name) for k, axis in enumerate(axes)]
+
+
+def test_slots_that_cross_are_in_a_plate_each() -> None:
+    bands, axes, openings = running(True)
+    found = lv.levels(bands, axes, THETA, 0.2, openings=openings)
+    assert found is not None
+    ends = lv.cuts(bands, axes, (), 0.2, found, openings)
+    assert sorted(ends) == ["pin P", "pin Q"] and min(ends.values()) == 0 < max(ends.values())
+    with pytest.raises(DesignError, match="slot 0 and slot 1"):
+        lv.levels(*running(False)[:2], THETA, 0.2, openings=running(False)[2])
+
+
+def test_slots_on_one_line_are_one() -> None:
+    """So neither is in the way of the other; their pins, at its ends a quarter of a turn apart, would meet."""
+    bands, axes, openings = running(False, 1 + 0j)
+    apart = [bands[0], lr.Band("b", bands[1].corners + 60, 3)]
+    pins = [axes[0], lr.Axis("pin Q", ("b",), axes[1].place + 60, 4, True, runs=True)]
+    joined = [openings[0], lr.Opening("slot 1", openings[1].corners + 35, 3.0, "pin Q")]
+    assert lv.levels(apart, pins, THETA, 0.2, openings=joined) == {"a": 1, "b": 1}
+    aside = [openings[0], lr.Opening("slot 1", openings[1].corners + 35 + 1j, 3.0, "pin Q")]
+    assert lv.levels(apart, pins, THETA, 0.2, openings=aside, explain=False) is None
+
+
+def test_a_pin_in_a_slot_ends_in_one_plate() -> None:
+    """Nothing is in its way: in the lower one, and it does not go through to the upper."""
+    bands, axes, openings = running(True)
+    alone = bands[:1], axes[:1], openings[:1]
+    found = lv.levels(alone[0], alone[1], THETA, 0.2, openings=alone[2])
+    assert found == {"a": 1} and lv.cuts(alone[0], alone[1], (), 0.2, found, alone[2]) == {"pin P": 1}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import time
 from pathlib import Path
 
@@ -68,11 +69,14 @@ def test_a_point_goes_with_its_own_hole(rod: str) -> None:
     assert row[3] == pytest.approx(3 * math.sqrt(2) * found.sizes.place, rel=1e-9)  # along both axes
 
 
-def test_all_waves_together_have_their_size() -> None:
-    """Averaged over the outline, the variance of all waves is that of one error; a bore off centre is e . n."""
+@pytest.mark.parametrize("waves", [range(2, 5), range(2, 13), range(7, 8)])
+def test_all_waves_together_have_their_size(waves: range) -> None:
+    """Of independent waves k the covariance of two places is the mean of cos(k (a - b)), so the variance of all is that of one
+    error; a bore off centre is e . n."""
     angle = np.linspace(0, math.tau, 361)[:-1]
-    shapes = waviness(40 * np.exp(1j * angle), np.exp(1j * angle))
-    assert np.sum(shapes[3:] ** 2, axis=0) == pytest.approx(np.ones(360))
+    shapes = waviness(40 * np.exp(1j * angle), np.exp(1j * angle), waves)
+    alike = np.mean([np.cos(k * (angle[:, None] - angle)) for k in waves], axis=0)
+    assert np.allclose(shapes[3:].T @ shapes[3:], alike, atol=1e-12) and np.allclose(np.diag(alike), 1)
     assert np.allclose(shapes[1] + 1j * shapes[2], np.exp(1j * angle)) and np.all(shapes[0] == 1)
 
 
@@ -133,6 +137,35 @@ def test_sizes_of_a_printer() -> None:
     assert usual.hole == pytest.approx(0.2 / 3) and usual.offset == pytest.approx(0.1 / 3)
     own = read_mechanism(SPECS / "disc-cam.toml", ["print.size_error=0.06", "print.place_error=0.01", "print.form_error=0"])
     assert sizes_of(own.resolved()) == Sizes(0.03, 0.0, 0.01, 0.06)
+
+
+def test_orders_of_the_waves_are_a_key_and_said() -> None:
+    """Waves of 2 to 12 a turn: the median is 0.133 where that of 2 to 4 is 0.124, as worked out elsewhere."""
+    few, many = (tolerance(SPECS / "disc-cam.toml", settings, 20_000, 1, 0) for settings in ((), ("print.form_orders=[2, 12]",)))
+    medians = [report.numbers["lift_error_50_percent_mm"] for report in (few, many)]
+    assert medians[1] / medians[0] == pytest.approx(0.133 / 0.124, rel=0.02)
+    assert any("2 to 4 waves a turn" in note for note in few.notes) and any("2 to 12 waves" in note for note in many.notes)
+    without = tolerance(SPECS / "disc-cam.toml", ("print.form_error=0.0",), 100, 1, 0)
+    assert not any("waves a turn" in note for note in without.notes)
+    fine = spread_of(read_mechanism(SPECS / "disc-cam.toml", ["print.form_orders=[30, 30]"]).resolved())
+    assert len(fine.theta) > 12 * 30 and sum(mode.kind == "form" for mode in fine.modes) == 2
+
+
+def test_the_share_of_copies_stands_above_each_quantile() -> None:
+    report = tolerance(SPECS / "disc-cam.toml", (), 4_000, 7, 0)
+    (table,) = [each for each in report.tables if each.title == "Largest error over the motion"]
+    errors = np.sort(copies_of(spread("disc-cam"), 4_000, 7).errors["lift"])
+    for head, value in list(zip(table.columns, table.rows[0], strict=True))[2:]:
+        share = float(head.partition(" %")[0]) / 100
+        assert np.mean(errors <= float(str(value))) == pytest.approx(share, abs=1e-3)
+    assert "95 % of copies" in table.columns
+
+
+@pytest.mark.parametrize(("orders", "said"), [("[5, 3]", "the least first"), ("[1, 3]", "form_orders.0"), ("[2]", "form_orders"),
+                                              ("[2, 31]", "form_orders.1"), ("[2.5, 3]", "form_orders.0")])  # fmt: skip
+def test_orders_that_are_none(orders: str, said: str) -> None:
+    with pytest.raises(SpecError, match=re.escape(said)):
+        read_mechanism(SPECS / "disc-cam.toml", [f"print.form_orders={orders}"])
 
 
 def test_a_hundred_thousand_pairs_in_a_second() -> None:

@@ -10,7 +10,7 @@ from camgen.machine.features import Eye, Faces, Feature, Mount, PinEyes, SlideFa
 from camgen.machine.model import GROUND
 from camgen.parts.catalogue import SCREWS, Bought, fastener, nut, turning_text
 from camgen.parts.hardware import plate
-from camgen.parts.part import Layer, Part, hull
+from camgen.parts.part import Held, Layer, Part, hull
 
 if TYPE_CHECKING:
     from camgen.machines.eccentric_drive.mechanism import EccentricDrive
@@ -45,7 +45,10 @@ def body_plate(drive: EccentricDrive) -> Part:
         layers.append(Layer(rail, p.body_thickness, height))
     return Part(
         "body", "Body plate with guide", tuple(layers), centres=(0j, *screws),
-        notes=("the motor's collar sits in the hole at the origin, from below", "the corners' holes are for mounting"),
+        notes=(
+            Held("the motor's collar sits in the hole at the origin, from below; two long screws draw it and the motor bar on"),
+            "the corners' holes are for mounting",
+        ),
         min_wall=drive.allowed.min_wall,
     )  # fmt: skip
 

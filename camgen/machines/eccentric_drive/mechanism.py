@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -36,13 +36,15 @@ from camgen.machines.loads.counterweights import Counterweight, ShaftWeight, fou
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw
 from camgen.parts.hardware import headed, plate
-from camgen.parts.part import Layer, Part, hull
+from camgen.parts.part import Held, Layer, Part, hull
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
 
 class EccentricDrive(Mechanism):
     """Spec and answers of an eccentric drive; the output is the slider's way from its outermost place, mm."""
+
+    fixed: ClassVar[str] = "pressed"
 
     geometry: Geometry
     motor: Motor
@@ -171,7 +173,7 @@ class EccentricDrive(Mechanism):
         if self.counterweight is None:
             return None
         hub = self.bore / 2 + max(self.making.strap_wall, self.allowed.min_wall)
-        note = "press and glue on the motor's shaft above the keeper washer, across from the disc's thick side as drawn"
+        note = Held("press and glue on the motor's shaft above the keeper washer, across from the disc's thick side as drawn")
         return ShaftWeight(
             self, self.counterweight, "disc", self.own_parts, self.own_mounts, hub, circle(0j, self.bore / 2),
             self.making.rod_thickness, self.allowed.min_wall, note,
@@ -199,11 +201,11 @@ class EccentricDrive(Mechanism):
         disc = Part(
             "disc", "Eccentric disc", (Layer(keeper, 0.0, p.flange), Layer(rim, p.flange, p.flange + disc_height)),
             centres=(0j, complex(g.eccentricity)), min_wall=wall, cut=1,
-            notes=("press on the motor's shaft, flange below", "cut from sheet, the flange is a second washer"),
+            notes=(Held("press on the motor's shaft, flange below"), "cut from sheet, the flange is a second washer"),
         )  # fmt: skip
         washer = Part(
             "washer", "Keeper washer", (Layer(keeper, 0.0, p.flange),), centres=(0j,),
-            notes=("press on the shaft above the disc, in line with its flange",), min_wall=wall,
+            notes=(Held("press on the shaft above the disc, in line with its flange"),), min_wall=wall,
         )  # fmt: skip
         outline = hull([(0j, self._strap_radius), (complex(g.rod), self._eye_radius)])
         eyes = (circle(0j, (g.eccentric_diameter + slide) / 2), circle(complex(g.rod), (p.pin_diameter + slide) / 2))
@@ -302,7 +304,8 @@ class EccentricDrive(Mechanism):
         """Plate over the wire at the slider's head; its origin is its middle."""
         _, length, screw = self.head
         half = complex(length / 2 - 0.2, max(self.making.slider_width / 2, screw.imag + self.rim))
-        return self._bored("clamp", "Wire clamp", rectangle(-half, half), screw.imag, self.making.rod_thickness)
+        note = Held("screws and nuts hold it on the needle's wire")
+        return self._bored("clamp", "Wire clamp", rectangle(-half, half), screw.imag, self.making.rod_thickness, 0.0, (note,))
 
     def _cover(self) -> Part:
         middle = self.rail[2]

@@ -17,7 +17,7 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
 from camgen.parts.catalogue import SCREWS, Bought, fastener
 from camgen.parts.hardware import plate
-from camgen.parts.part import Layer, Part
+from camgen.parts.part import Held, Layer, Part
 from camgen.study import Sketch
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class NeedleTube:
         layers = (Layer(whole, 0.0, floor), *(Layer(each, floor, lid) for each in beside), Layer(whole, lid, self.height))
         return Part(
             NAME, "Tube of the needle", layers, centres=(-1j * self.aside, 1j * self.aside), min_wall=wall,
-            notes=(f"the needle's wire slides in its bore, {self._bore:g} square", "two screws hold it on the body"),
+            notes=(f"the needle's wire slides in its bore, {self._bore:g} square", Held("two screws hold it on the body")),
         )  # fmt: skip
 
     def mount(self) -> Mount:

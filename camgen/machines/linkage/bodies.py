@@ -42,7 +42,7 @@ from camgen.machines.linkage.wheels import touched
 from camgen.machines.loads.weights import solid
 from camgen.parts.catalogue import Bought, nut, screw_for
 from camgen.parts.hardware import spacer
-from camgen.parts.part import Layer, Part, d_bore, hull
+from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.set_screws import SetScrewHub
 
 _ABOUT = {
@@ -151,9 +151,7 @@ class Bodies:
             flat = layout.profile(point, link)
             if flat is not None:
                 holes[f"hole {point}"] = flat.moved(1, z)
-        for point, (low, high) in layout.slots_of(link).items():
-            radius = (layout.turning(point) + self.fits.slide_clearance) / 2
-            holes[f"slot {point}"] = hull([(low, radius), (high, radius)])
+        holes |= layout.slot_holes(link, layout.slots_of(link).keys())
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
@@ -168,6 +166,7 @@ class Bodies:
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
         fixed = [point for point in layout.points_of(link) if point in layout.pivots and layout.pressed_in(point) == link]
+        fixed = [point for point in fixed if link != GROUND or layout.in_first(point)]
         return [f"{listed('hole', fixed)} for {'a pin' if len(fixed) == 1 else 'pins'} pressed in tight"] if fixed else []
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------

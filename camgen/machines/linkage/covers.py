@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle
+from camgen.machines.linkage.changes import Change, Unmade
 from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.parts.catalogue import CORE_HOLES, HEAD_ROOM, SCREWS, Bought, Screw
 from camgen.parts.hardware import plate
-from camgen.parts.part import Layer, Part, hull
+from camgen.parts.part import Held, Layer, Part, hull
 from camgen.spec import Print
 
 _THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold
@@ -67,7 +68,7 @@ class Cover:
         return Part(
             "cover", "Cover of a guide", (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
             centres=tuple(own), min_wall=min_wall,
-            notes=(f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk",),
+            notes=(Held(f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk"),),
         )  # fmt: skip
 
     def bought(self, covers: int) -> list[Bought]:
@@ -91,10 +92,11 @@ def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:
             radius = (screw.head + HEAD_ROOM) / 2 + 1.25 * max(min_wall, 2 * fits.nozzle)
             return Cover(screw, length, radius, levels, thickness, grip)
     needed = CORE_HOLES[_THREADS[-1]] + 2 * min_wall
-    raise DesignError(
+    error = DesignError(
         "parts.rail_width", sizes.rail_width, needed, "mm", "screws of the covers",
-        "make the rails wider and as high as half a screw's diameter, or set parts.cover = false",
+        "make the rails wider and as high as half a screw's diameter",
     )  # fmt: skip
+    raise Unmade(error, "rails without covers", Change("parts.cover = false", {"cover": False}))
 
 
 def drilled(rail: Ends, width: float, screws: Sequence[complex], core: float) -> Region:

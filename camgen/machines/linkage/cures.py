@@ -1,30 +1,44 @@
-"""What mends links that find no levels: in words by their keys, and tried on the layout, the least change first.
+"""What mends links that find no levels, or parts that cannot be made: in words by their keys, and tried, the least change first.
 
     bow        of a link with two hubs, by what it lacks, twice and four times that, to either side; unasked, unless the spec has
                it straight
     slimmer    that link's hubs, the head that is in the way, the pin or shaft
     smaller    pins, heads and walls all alike
-    plates     a second one, which lets pins be in two stubs, and a shaft that is interrupted
+    plates     a second one, which lets pins be in two stubs, a shaft that is interrupted or goes through, or one plate alone
+
+What is named as mending was made: the spec with that change has all its parts. All else that is said is called a guess.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import islice, zip_longest
-from typing import Any
 
 from camgen.errors import DesignError
-from camgen.machine.run import Run
+from camgen.machines.linkage.changes import Change, Unmade
 from camgen.machines.linkage.joined import GROUND
 from camgen.machines.linkage.layout import Layout
-from camgen.parts.levels import Axis, Band, Crowded
+from camgen.parts.level_rules import Axis, Band, Crowded, Unlaid
 
-Search = Callable[[Layout, Run, bool], dict[str, int] | None]
+BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths
 _BOWS = (1.1, 2.0, 4.0)  # of the room that is lacking
 _SMALLER = (0.8, 0.6)  # of all sizes
 _MOST = 3  # cures that are told
+_WIDEST = 1e5  # mm, bow that is worth a try
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Changes of one kind, from slight to great, of which the first that mends is told.
+
+    name: what is said to have been tried; frame: whether links may be short of room again, elsewhere.
+    """
+
+    name: str
+    changes: Sequence[Change]
+    frame: bool = False
 
 
 def slimmer(layout: Layout, link: str) -> tuple[str, str]:
@@ -43,20 +57,42 @@ def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     return f"a smaller parts.{'shaft' if point in layout.shafts else 'pin'}_diameter or parts.head", move
 
 
-def cured(layout: Layout, run: Run, refused: Crowded, search: Search, tried: list[str]) -> str:
-    """The remedy: what was found to mend it, which keys may, and what was tried."""
-    found = (next((said for said, other in kind if _lies(other, run, search)), "") for kind in _changed(layout, refused))
-    mends = list(islice(filter(None, found), _MOST))
-    tries = f"; tried: {', '.join(tried)}, bows, slimmer and smaller parts, two plates"
-    return f"mended by {', or by '.join(mends)}; else {refused.remedy}{tries}" if mends else f"{refused.remedy}{tries}"
+def with_cures(
+    layout: Layout, refused: DesignError, makes: Callable[[Change], bool], why_not: Callable[[Change], DesignError | None],
+    attempts: Iterable[str],
+) -> DesignError:  # fmt: skip
+    """The error with what mends it, as `makes` finds; its own remedy as a guess after that, or what was tried in vain.
+
+    why_not: why a change does not mend it; attempts: what was tried before.
+    """
+    kinds = list(_kinds(layout, refused))
+    mends = _first(kinds, makes)
+    for change in (change for kind in kinds if kind.frame and not mends for change in kind.changes):
+        again, other = why_not(change), change.of(layout)
+        more = () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
+        mends += _first([replace(kind, changes=[change.also(each) for each in kind.changes]) for kind in more], makes)
+    if not isinstance(refused, Unlaid | Unmade):  # what it asks for is no guess
+        return refused.mended(f"mended by {', or by '.join(mends)}; else {refused.remedy}") if mends else refused
+    remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
+    guess = f"a guess: {remedy}" if remedy else ""
+    if mends:
+        return refused.mended(f"mended by {', or by '.join(mends)}{f'; else {guess}' if guess else ''}")
+    vain = f"tried in vain: {', '.join([*attempts, *dict.fromkeys(kind.name for kind in kinds)])}"
+    return refused.mended("; ".join(filter(None, (guess, vain))))
+
+
+def _first(kinds: Iterable[Kind], makes: Callable[[Change], bool]) -> list[str]:
+    """In words the first change of each kind that mends, of the first kinds that do."""
+    found = (next((change.words for change in kind.changes if makes(change)), "") for kind in kinds)
+    return list(islice(filter(None, found), _MOST))
 
 
 def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
     """Layouts in which one of the two that cannot pass is bent, from slight to wide; of links whose bow the spec leaves open."""
-    ways = (_bent(layout, link, refused.needed - refused.distance) for link in _bendable(layout, refused)
+    ways = (_bent(link, refused.needed - refused.distance) for link in _bendable(layout, refused)
             if layout.sizes.shape(link).bow is None)  # fmt: skip
     for bows in zip_longest(*ways):
-        yield from (each[1] for each in bows if each is not None)
+        yield from (each.of(layout) for each in bows if each is not None)
 
 
 def _links(refused: Crowded) -> list[str]:
@@ -70,56 +106,58 @@ def _bendable(layout: Layout, refused: Crowded) -> list[str]:
             if len(layout.hubs(link)) == 2 and not layout.sizes.shape(link).bow and link not in layout.guides]  # fmt: skip
 
 
-def _lies(layout: Layout, run: Run, search: Search) -> bool:
-    """Whether levels are found soon, the heads of the plate's pins over or under it."""
-    try:
-        return any(search(each, run, False) is not None for each in layout.heads())
-    except DesignError:
-        return False
-
-
-def _changed(layout: Layout, refused: Crowded) -> Iterator[Iterable[tuple[str, Layout]]]:
-    """Layouts with a change each, and the change in words; of each kind of change from slight to great."""
-    s, short = layout.sizes, refused.needed - refused.distance
+def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
+    """Kinds of changes that may mend it."""
+    s = layout.sizes
     if layout.given:
-        yield [("leaving [layers] out", replace(layout, given={}))]
-    yield from (_bent(layout, link, short) for link in _bendable(layout, refused) if s.shape(link).bow is not None)
+        yield Kind("other levels", [Change("leaving [layers] out", free=True)], True)
+    yield from _of_room(layout, refused)
+    if isinstance(refused, Unmade):
+        yield Kind(refused.kind, [refused.change])
+    if s.of_sheet:
+        return
+    if s.pin in BOUGHT:
+        yield Kind("pins that are printed", [Change('parts.pin = "printed"', {"pin": "printed"})])
+    if s.plates == 1:
+        two = [Change("parts.plates = 2", {"plates": 2})]
+        if s.shaft == "through":
+            two.append(Change('parts.plates = 2 and parts.shaft = "interrupted"', {"plates": 2, "shaft": "interrupted"}))
+        yield Kind("two plates", two, True)
+    else:
+        yield Kind("one plate", [Change("parts.plates = 1", {"plates": 1})], True)
+    if s.shaft == "interrupted":
+        through = [Change('parts.shaft = "through"', {"shaft": "through"})]
+        if s.plates == 1:
+            through.append(Change('parts.shaft = "through" and parts.plates = 2', {"shaft": "through", "plates": 2}))
+        yield Kind("a shaft that goes through", through, True)
+    elif s.plates > 1:
+        yield Kind("an interrupted shaft", [Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})], True)
+
+
+def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
+    """What makes room for two things, where they cannot pass."""
+    if not isinstance(refused, Crowded):
+        return
+    s, short = layout.sizes, refused.needed - refused.distance
+    for link in _bendable(layout, refused):
+        if s.shape(link).bow is not None:
+            yield Kind("bows", list(_bent(link, short)))
     for link in (link for link in _links(refused) if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None):
         wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
-        yield [(f"parts.{link}.hub_diameter = {wide:g}", _with(layout, {link: {"hub_diameter": wide}}))]
+        yield Kind("slimmer parts", [Change(f"parts.{link}.hub_diameter = {wide:g}", {link: {"hub_diameter": wide}})])
     least = layout.min_wall + layout.fits.slide_clearance / 2 + 0.05  # of a head: a spacer's wall
     share = s.head - short / max(1, sum(isinstance(thing, Axis) for thing in (refused.a, refused.b)))
     head = math.floor(10 * share) / 10
     if head >= least:
-        yield [(f"parts.head = {head:g}", _with(layout, {"head": head}))]
+        yield Kind("slimmer parts", [Change(f"parts.head = {head:g}", {"head": head})])
     sizes = ({key: round(factor * getattr(s, key), 2) for key in ("pin_diameter", "wall", "head")} for factor in _SMALLER)
     if s.pin == "printed":
-        yield [(" and ".join(f"parts.{key} = {size:g}" for key, size in each.items()), _with(layout, each))
-               for each in sizes if each["wall"] >= layout.min_wall and each["head"] >= least]  # fmt: skip
-    if s.plates == 1:
-        yield _with_two_plates(layout)
+        smaller = [Change(" and ".join(f"parts.{key} = {size:g}" for key, size in each.items()), each)
+                   for each in sizes if each["wall"] >= layout.min_wall and each["head"] >= least]  # fmt: skip
+        yield from [Kind("smaller parts", smaller)] if smaller else []
 
 
-def _with_two_plates(layout: Layout) -> Iterator[tuple[str, Layout]]:
-    """A layout with a second plate, then with an interrupted shaft too."""
-    yield "parts.plates = 2", _with(layout, {"plates": 2})
-    webbed = _with(layout, {"plates": 2, "shaft": "interrupted"})
-    if webbed.webs and layout.sizes.shaft == "through":
-        yield 'parts.plates = 2 and parts.shaft = "interrupted"', webbed
-
-
-_WIDEST = 1e5  # mm, bow that is worth a try
-
-
-def _bent(layout: Layout, link: str, short: float) -> Iterator[tuple[str, Layout]]:
+def _bent(link: str, short: float) -> Iterator[Change]:
     """A link with bows, to either side, from slight to wide."""
     for bow in (float(f"{side * factor * short:.2g}") for factor in _BOWS for side in (1, -1) if factor * short < _WIDEST):
-        yield f"parts.{link}.bow = {bow:g}", _with(layout, {link: {"bow": bow}})
-
-
-def _with(layout: Layout, changes: Mapping[str, Any]) -> Layout:
-    """The layout with other sizes; of a link some keys."""
-    table = layout.sizes.model_dump(exclude_none=True)
-    for key, value in changes.items():
-        table[key] = {**table.get(key, {}), **value} if isinstance(value, dict) else value
-    return replace(layout, sizes=type(layout.sizes).model_validate(table))
+        yield Change(f"parts.{link}.bow = {bow:g}", {link: {"bow": bow}})

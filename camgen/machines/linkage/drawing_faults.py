@@ -189,7 +189,7 @@ def _output_faults(drawing: Drawing) -> Iterable[Fault]:
 
 
 def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fault]:
-    of_a_link = [key for key in ("points", "straightness") if output.link is not None and getattr(output, key)]
+    of_a_link = [key for key in ("points", "path", "straightness") if output.link is not None and getattr(output, key)]
     of_a_point = [key for key in ("dwell", "time_ratio", "function") if output.point is not None and getattr(output, key)]
     yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link") for key in of_a_link)
     yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path") for key in of_a_point)

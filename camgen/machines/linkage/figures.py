@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.findings import Finding
+from camgen.errors import listed
+from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import four_bar
+from camgen.machine.features import Asked
 from camgen.machine.landmarks import double_points
-from camgen.machine.reach import four_bar_lengths, transmission
+from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import Course, Through, time_ratio
+from camgen.machine.targets import Course, Through, Trace, time_ratio
+from camgen.machines.free_play import accepted
 from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
@@ -120,24 +123,31 @@ def _path_of(name: str, first: str = "p") -> str:
 
 
 def _wanted_places(linkage: Linkage, name: str) -> list[tuple[str, Floats, Floats]]:
-    """Of a path the places that it shall pass, how far off each it may be, and from each the way to where it passes it."""
-    through = next((each.points for each in linkage.wanted if each.name == name), None)
-    if through is None:
-        return []
-    course = dict(zip((each.name for each in linkage.wanted), courses(linkage), strict=True))[name]
-    places, met = np.array(through.places), through.met(course)
-    passed = course.at(np.array([theta for theta, _ in met])) if met else places
-    found = [("wanted", places), (f"within {through.tolerance:g} mm", _one_line(_within(through))),
-             ("missed by", _one_line(np.column_stack([places, passed])))]  # fmt: skip
+    """Of a path the places that it shall pass, or the line that it shall draw, how far off it may be, and by how much it is."""
+    pairs = zip(linkage.wanted, courses(linkage), strict=True)
+    wanted, course = next((wanted, course) for wanted, course in pairs if wanted.name == name)
+    found = list[tuple[str, Points]]()
+    if wanted.points is not None:
+        places, met = np.array(wanted.points.places), wanted.points.met(course)
+        passed = course.at(np.array([theta for theta, _ in met])) if met else places
+        found += [("wanted", places), (f"within {wanted.points.tolerance:g} mm", _one_line(_within(wanted.points))),
+                  ("missed by", _one_line(np.column_stack([places, passed])))]  # fmt: skip
+    if wanted.path is not None:
+        apart = wanted.path.apart(course)
+        found.append(("wanted path" if wanted.path.joined else "wanted", np.array(wanted.path.places)))
+        found.append((f"within {wanted.path.tolerance:g} mm of it", _one_line(_within(wanted.path))))
+        found.append(("farthest apart", np.array([apart.place, apart.foot])))
     return [(label, z.real, z.imag) for label, z in found]
 
 
-def _within(through: Through) -> list[Points]:
-    """Outlines of all that is no farther from the places than the path may be, (n,) complex mm each."""
+def _within(wanted: Through | Trace) -> list[Points]:
+    """Outlines of all that is no farther from what is wanted than the path may be, (n,) complex mm each."""
     import shapely
 
-    z = np.array(through.places)
-    near = shapely.union_all(shapely.buffer(shapely.points(z.real, z.imag), through.tolerance, quad_segs=6))
+    z = np.array(wanted.places)
+    joined = isinstance(wanted, Trace) and wanted.joined
+    goal = shapely.linestrings(z.real, z.imag) if joined else shapely.points(z.real, z.imag)
+    near = shapely.union_all(shapely.buffer(goal, wanted.tolerance, quad_segs=6))
     return [shapely.get_coordinates(ring) @ np.array([1, 1j]) for ring in shapely.get_parts(shapely.boundary(near))]
 
 
@@ -178,6 +188,27 @@ def targets(linkage: Linkage) -> list[Finding]:
         for wanted, course in zip(linkage.wanted, courses(linkage), strict=True)
         for target in wanted.targets
     ]
+
+
+def asked(linkage: Linkage) -> tuple[Asked, ...]:
+    """What is asked of each output: its targets, and the play that is borne."""
+    found = []
+    for wanted, course in zip(linkage.wanted, courses(linkage), strict=True):
+        lash, of = accepted(course, linkage.allowed.lash, linkage.allowed.lash_deg)
+        found.append(Asked(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
+    return tuple(found)
+
+
+def transmission_angles(linkage: Linkage) -> list[Finding]:
+    """How near each loop comes to a fold, on the model as designed."""
+    return [
+        at_least(
+            "TRANSMISSION_ANGLE", math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
+            linkage.allowed.transmission_angle_deg, "deg", f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+            "least over the motion; at 0 the chain folds and may go on either way",
+        )
+        for fold in folds(linkage.chain, *linkage.range)
+    ]  # fmt: skip
 
 
 def _forces(linkage: Linkage, theta: Floats) -> Study:
@@ -246,10 +277,12 @@ def paths(linkage: Linkage) -> tuple[Sketch, ...]:
     run = linkage.run(np.linspace(*linkage.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
     found = [Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs]
-    asked = [(each.name, each.points) for each in linkage.wanted if each.points is not None]
-    for name, through in asked:
-        dot = float(np.ptp(np.array(through.places).real) + np.ptp(np.array(through.places).imag)) / 250
-        found.append(Sketch(f"{name}: wanted", _within(through), [(z, max(dot, SAME_POINT)) for z in through.places]))
+    asked = [(each.name, goal) for each in linkage.wanted for goal in (each.points, each.path) if goal is not None]
+    for name, goal in asked:
+        dot = float(np.ptp(np.array(goal.places).real) + np.ptp(np.array(goal.places).imag)) / 250
+        line = isinstance(goal, Trace) and goal.joined
+        strokes = [*_within(goal), *([np.array(goal.places)] if line else [])]
+        found.append(Sketch(f"{name}: wanted", strokes, [] if line else [(z, max(dot, SAME_POINT)) for z in goal.places]))
     return tuple(found)
 
 

@@ -1,6 +1,7 @@
 """What meets what in a linkage of parts: pivots, shafts and what rides on them, wheels, springs, pens.
 
     pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
+    channel  a slot of the ground; its pin ends in the plate that has it, and is fixed in the link next to that
     shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
     rider    what sits on a pin or shaft beside the links: rollers, wheels
 """
@@ -38,8 +39,9 @@ class Stretched:
 
 @dataclass(frozen=True)
 class Second:
-    """The plate over all links. cuts: by the point of each pin and shaft of the ground that is two stubs, the highest level of
-    the one on the lower plate, 0 where all hangs from this one; columns: places of the posts; highest: level that is taken."""
+    """The plate over all links. cuts: by the point of each pin and shaft that does not go through from plate to plate, the
+    highest level of its stub on the lower one, 0 where all hangs from this one; columns: places of the posts; highest: level
+    that is taken."""
 
     cuts: Mapping[str, int]
     columns: tuple[complex, ...]
@@ -156,6 +158,10 @@ class Joined:
         """The last web, which turns in the second plate."""
         return [*self.webs, self.driven][max(0, len(self.webs) - 1)]
 
+    def thrown(self, point: str) -> list[str]:
+        """Webs that the pin or shaft of a point joins, from below."""
+        return [link for link in self.pivots.get(point, ()) if link in self.webs and link != self.slotted_link(point)]
+
     @cached_property
     def slides(self) -> dict[str, m.Slide]:
         """The slide of each link that slides."""
@@ -171,6 +177,15 @@ class Joined:
         if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
             raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own")
         return found
+
+    def slotted_link(self, point: str) -> str:
+        """The link with the slot in which a point's pin runs, "" where it runs in none."""
+        return self.slots[point].guide.body if point in self.slots else ""
+
+    @cached_property
+    def channels(self) -> set[str]:
+        """Points whose pins run in slots of the ground."""
+        return {point for point in self.slots if self.slotted_link(point) == GROUND}
 
     @cached_property
     def tips(self) -> list[Tip]:

@@ -82,7 +82,8 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
                 pin = Eye(_pin_of(layout, mounts, point, fixed, b if a == fixed else a), 0j, layout.turning(point), True)
             if isinstance(joint, m.Slot):
                 middle = sum(layout.slots_of(b)[point]) / 2
-                walls = Faces(part_name(b), middle, joint.angle, layout.hole(point, b))
+                part = SECOND if b == GROUND and layout.in_second(point) else part_name(b)
+                walls = Faces(part, middle, joint.angle, layout.hole(point, b))
                 found.append(SlotFaces(joint.name, walls, _eye(layout, point, a), pin))
             else:
                 held = (layout.bearing_in(point, link) for link in (a, b))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -18,6 +18,7 @@ from camgen.machines.linkage.collars import collar, levels_over
 from camgen.machines.linkage.covers import Cover, cover
 from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
 from camgen.machines.linkage.joined import GROUND, Joined, Stretched
+from camgen.machines.linkage.slotted import Slotted, one_by_one
 from camgen.machines.linkage.wheels import NOSE, Tip, pivot
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
@@ -48,7 +49,7 @@ class Layout(Joined):
         "keyed" of what joins webs."""
         if point in self.shafts:
             return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
-        if any(link in self.webs for link in self.pivots.get(point, ())):
+        if self.thrown(point):
             return "keyed"
         found = self.sizes.pins.get(point, self.sizes.pin)
         return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
@@ -109,7 +110,7 @@ class Layout(Joined):
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
         if point in self.shafts:
             return levels_over(self, point, self._least), 0
-        if sum(link in self.webs for link in self.pivots[point]) > 1:
+        if len(self.thrown(point)) > 1:
             return 0, 0
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least
@@ -124,7 +125,7 @@ class Layout(Joined):
 
     def between_plates(self, point: str) -> bool:
         """Whether a second plate can hold the far end of what stands on the ground at a point."""
-        if self.sizes.plates < 2 or self.pivots[point][0] != GROUND:
+        if self.sizes.plates < 2 or not (self.pivots[point][0] == GROUND or point in self.channels):
             return False
         if point in self.shafts:
             return self.shafts[point] in self.webs or not self.on_motor(point, GROUND)
@@ -139,6 +140,10 @@ class Layout(Joined):
         at = self.cut(point)
         return self.second is not None and self.between_plates(point) and (at is None or at < self.on(point)[-1][0])
 
+    def in_first(self, point: str) -> bool:
+        """Whether the plate under level 1 holds what stands on the ground at a point, or a stub of it."""
+        return self.cut(point) != 0 or point in self.shafts
+
     def far_hole(self, point: str) -> float:
         """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
         return self.turning(point) + (self.fits.slide_clearance if point in self.shafts else self.fits.press_clearance)
@@ -148,7 +153,7 @@ class Layout(Joined):
         s, fit = self.sizes, self.fits.press_clearance
         if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
             return d_bore(s.shaft_diameter + fit, s.shaft_flat)
-        return d_bore(s.pin_diameter + fit, self.key_depth) if link in self.webs and self.kind(point) == "keyed" else None
+        return d_bore(s.pin_diameter + fit, self.key_depth) if link in self.thrown(point) and point not in self.shafts else None
 
     @property
     def key_depth(self) -> float:
@@ -170,6 +175,9 @@ class Layout(Joined):
         if point in self.shafts:
             return self.shafts[point]
         links = self.pivots[point]  # never the last where that has a slot, for it lies over the others
+        if point in self.channels:
+            next_to_plate = max if self.in_second(point) else min
+            return next_to_plate(links[:-1], key=lambda link: self.level[link])
         if point in self.under_plate:
             return max(links, key=lambda link: self.level[link])
         return links[0] if links[0] == GROUND else min(links, key=lambda link: self.level[link])
@@ -193,7 +201,10 @@ class Layout(Joined):
 
     def fit(self, point: str, link: str) -> float:
         """Diametral fit of a link's hole at a point, mm."""
-        fixed = link == self.pressed_in(point) or link in self.webs or self.on_motor(point, link) or self.kind(point) == "bearing"
+        if link == self.slotted_link(point):
+            return self.fits.slide_clearance
+        held = link in self.thrown(point) or self.on_motor(point, link) or self.kind(point) == "bearing"
+        fixed = held or link == self.pressed_in(point)
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
@@ -220,6 +231,16 @@ class Layout(Joined):
                 found[point] = (joint.guide.at + (low - _ROOM) * way, joint.guide.at + (high + _ROOM) * way)
         return found
 
+    def slot_width(self, point: str) -> float:
+        """Of the slot in which a point's pin runs, mm."""
+        return self.turning(point) + self.fits.slide_clearance
+
+    def slot_holes(self, link: str, points: Collection[str]) -> dict[str, Contour]:
+        """Holes of a link's slots for the pins of these points."""
+        ways = {point: ends for point, ends in self.slots_of(link).items() if point in points}
+        slots = (Slotted(*ends, self.slot_width(point) / 2, point) for point, ends in ways.items())
+        return {f"slot {slot.name}": slot.contour for slot in one_by_one(slots, self.min_wall)}
+
     def round_hubs(self, link: str) -> list[tuple[complex, float]]:
         """Hubs of a link, those at the ends of its slots too: place in its axes and radius."""
         hubs = [(z, self.hub(point, link)) for point, z in self.points_of(link).items()]
@@ -241,6 +262,10 @@ class Layout(Joined):
     def noses(self, link: str) -> list[Tip]:
         """Knives and faces of a link."""
         return [tip for tip in self.tips if not tip.rolls and tip.joint.follower == link]
+
+    def channels_in(self, second: bool) -> dict[str, tuple[complex, complex]]:
+        """Both ends of a pin's way in each slot of the second plate, or of the plate under level 1, by the pin's point."""
+        return {point: ends for point, ends in self.slots_of(GROUND).items() if self.in_second(point) == second}
 
     @property
     def _nose(self) -> float:

@@ -19,23 +19,23 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
-from camgen.errors import DesignError, Fault, listed
-from camgen.findings import Finding, NotJudged, at_least
+from camgen.errors import DesignError, Fault
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
 from camgen.machine.joining import Module, joined
-from camgen.machine.reach import folds, refuse_folds, refuse_partial
+from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import stroke
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, sheets, spring_sketches, spring_steps, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.bodies import Bodies
+from camgen.machines.linkage.changes import Change
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.joints import pivot_of
@@ -44,6 +44,7 @@ from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.sizes import Name, Parts
 from camgen.machines.linkage.stacking import lacking, laid
+from camgen.machines.linkage.trials import with_cures
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -56,20 +57,12 @@ from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Output, unknown
+from camgen.spec import Output, unknown, validate
 from camgen.study import Sketch, Study, Table, together
 
-_LASH = 0.25  # of an output's stroke, free play that is borne unless the spec says otherwise
 _OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
 _LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
-
-
-def _one_drive(value: object) -> object:
-    """A list of drives is told for what it is."""
-    if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
-    return value
 
 
 class Linkage(Mechanism):
@@ -80,7 +73,7 @@ class Linkage(Mechanism):
     points: t.Points
     links: t.Links
     lengths: t.Lengths = Field({}, description='mm, exact distances of two points of one link, "A-B"')
-    drive: Annotated[t.Drive, BeforeValidator(_one_drive)]
+    drive: t.OneDrive
     slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = ()
     slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
     gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = ()
@@ -299,7 +292,23 @@ class Linkage(Mechanism):
 
     @cached_property
     def _balanced(self) -> tuple[Bodies, complex]:
-        """The bodies, and the moment that all that turns with a balanced crank is to have, complex g mm."""
+        """The bodies, and the moment that all that turns with a balanced crank is to have, complex g mm; DesignError with what
+        mends it, where a change is found that does."""
+        try:
+            assert self._laid[0].parts
+        except DesignError as refused:
+            raise with_cures(refused, self._layout, self.run(self.course(_SAMPLES), 0), self._parts_with) from None
+        return self._laid
+
+    def _parts_with(self, change: Change) -> Sequence[Part]:
+        """Those of the spec so changed, on the same chain, by no further cures; DesignError or SpecError where it has none."""
+        other = validate(type(self), change.tables(self._whole_spec()))
+        vars(other)["chain"] = self.chain
+        vars(other)["_balanced"] = other._laid
+        return other.parts()
+
+    @cached_property
+    def _laid(self) -> tuple[Bodies, complex]:
         run = self.run(self.course(_SAMPLES), 0)
         if self.counterweight is None:
             return Bodies(laid(self._layout, run)), 0j
@@ -345,7 +354,7 @@ class Linkage(Mechanism):
         """The same with its levels, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
-        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "modules", "sprung"}
+        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "_laid", "modules", "sprung"}
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -384,12 +393,7 @@ class Linkage(Mechanism):
 
     @cached_property
     def _asked(self) -> tuple[Asked, ...]:
-        found = []
-        for wanted, course in zip(self.wanted, figures.courses(self), strict=True):
-            given = self.allowed.lash if course.unit == "mm" else self.allowed.lash_deg
-            lash = _LASH * stroke(course) if given is None else given
-            found.append(Asked(wanted.name, lash=math.radians(lash) if course.unit == "deg" else lash, targets=wanted.targets))
-        return tuple(found)
+        return figures.asked(self)
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws, springs."""
@@ -399,15 +403,7 @@ class Linkage(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Targets by the model as designed, and how near each loop comes to a fold."""
-        low, high = self.range
-        found = figures.targets(self)
-        for fold in folds(self.chain, low, high):
-            angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
-            found.append(at_least(
-                "TRANSMISSION_ANGLE", angle, self.allowed.transmission_angle_deg, "deg",
-                f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
-                "least over the motion; at 0 the chain folds and may go on either way",
-            ))  # fmt: skip
+        found = [*figures.targets(self), *figures.transmission_angles(self)]
         found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
         return [*found, *self._pressed.findings, *(finding for each in self.modules for finding in each.limits())]
 
@@ -447,4 +443,3 @@ class Linkage(Mechanism):
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
         return together([figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)])
-

@@ -19,6 +19,7 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
+from camgen.machines.linkage.changes import Change, Unmade
 from camgen.machines.linkage.joined import GROUND
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
@@ -26,7 +27,7 @@ from camgen.machines.linkage.stubs import Stub
 from camgen.machines.linkage.webs import keyed_pin
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel, next_dowel
 from camgen.parts.hardware import headed, plate, spacer
-from camgen.parts.part import Layer, Part, d_bore, hull, rod
+from camgen.parts.part import Held, Layer, Part, d_bore, hull, rod
 
 _HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
 KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
@@ -53,8 +54,10 @@ def refuse(layout: Layout) -> None:
         if bearing is None:
             sold = ", ".join(f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()}))
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
-            remedy = f"use a bore of the bearings there are: {sold}"
-            raise DesignError(key, layout.turning(point), 0, "mm", f"pin {point}", remedy)
+            remedy, wanted = f"use a bore of the bearings there are: {sold}", layout.turning(point)
+            error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
+            near = min((each.bore for each in BEARINGS.values()), key=lambda bore: abs(bore - wanted))
+            raise Unmade(error, "the nearest bore", Change(f"{key} = {near:g}", {key.partition(".")[2]: near}))
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
             least, key = bearing.width, "parts.base_thickness"
             remedy = f"make it at least the width of a bearing {bearing.name}"
@@ -62,7 +65,9 @@ def refuse(layout: Layout) -> None:
                 least, key = least_thickness(layout, bearing), f"parts.{link}.thickness"
                 remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
             if layout.thickness(link) < least:
-                raise DesignError(key, layout.thickness(link), least, "mm", f"pin {point}", remedy)
+                error = DesignError(key, layout.thickness(link), least, "mm", f"pin {point}", remedy)
+                size = {"base_thickness": least} if shaft else {link: {"thickness": least}}
+                raise Unmade(error, "a thicker one", Change(f"{key} = {least:g}", size))
 
 
 def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
@@ -108,13 +113,17 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         return rod("pin", "Pin", s.pin_diameter, whole, notes=notes), mount
     length = dowel(s.pin_diameter, whole)
     if length < whole - s.base_thickness / 2:
-        raise DesignError(
+        raise _as_printed(point, DesignError(
             "length of the dowel", length, whole - s.base_thickness / 2, "mm", f"pin {point}",
-            f'change parts.thickness or parts.base_thickness, or make parts.pins.{point} "printed"',
-            _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
-        )  # fmt: skip
+            "change parts.thickness or parts.base_thickness", _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
+        ))  # fmt: skip
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",)
     return replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought"), mount
+
+
+def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
+    """An error of a pin that is bought, which a pin of another kind may mend."""
+    return Unmade(error, f"a pin that is {kind}", Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}}))
 
 
 def _unsold(diameter: float, least: float, most: float, point: str) -> str:
@@ -133,9 +142,10 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     length, least, most = _dowel_length(layout, grip)
     if not least <= length <= most:
         remedy = f"change {s.thick_key} or parts.pin_diameter"
-        remedy += ": thin dowels are sold shorter" if s.of_sheet else f', or make parts.pins.{point} "printed"'
+        remedy += ": thin dowels are sold shorter" if s.of_sheet else ""
         said = _unsold(s.pin_diameter, least, most, point)
-        raise DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy, said)
+        error = DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy, said)
+        raise error if s.of_sheet else _as_printed(point, error)
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
@@ -176,10 +186,11 @@ def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float)
     screw, s, at = layout.sizes.shoulder, layout.sizes, layout.at(body, point)
     length, room = screw.length(grip), layout.head_room(point) - screw.height
     if not grip <= length <= grip + room:
-        raise DesignError(
+        kind = "dowel" if s.of_sheet else "printed"
+        raise _as_printed(point, DesignError(
             "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
-            f'change {s.thick_key}, or make parts.pins.{point} "{"dowel" if s.of_sheet else "printed"}"',
-        )  # fmt: skip
+            f"change {s.thick_key}",
+        ), kind)  # fmt: skip
     discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
     layers, z = [], 0.0
     for wide, high in discs:
@@ -216,8 +227,8 @@ def bearing_name(bearing: Bearing) -> str:
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
     title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
-        said = "pressed in so that, seen from above, the ring can only turn counter-clockwise on its shaft"
-        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", said]
+        said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
+        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said]
     ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
     return replace(ring, notes=tuple(notes), made="bought")
 

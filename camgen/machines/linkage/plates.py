@@ -10,13 +10,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise, product
+from itertools import count, pairwise, product
 
 import numpy as np
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, listed
 from camgen.geometry.convex import distance
-from camgen.geometry.outlines import Contour, circle
+from camgen.geometry.outlines import Contour, Points, circle
 from camgen.machine.features import Mount
 from camgen.machines.linkage.joined import Sleeve
 from camgen.machines.linkage.layout import GROUND, Layout
@@ -24,11 +24,13 @@ from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.levels import Axis, Band, Wall, ways
-from camgen.parts.part import Layer, Part, d_bore, hull
+from camgen.parts.level_rules import Axis, Thing, ways
+from camgen.parts.part import Held, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
-_STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points
+_STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points at first
+_MOST_STEPS = 250  # from the middle outwards; of a machine that is larger they are longer
+_AT_ONCE = 256  # places that are tried together
 _EVERY = 8  # samples of the motion: posts need no finer ones
 _LEAST = 2.0  # posts' diameters between two of them
 
@@ -39,49 +41,67 @@ def post_radius(sizes: Parts) -> float:
 
 
 def columns(
-    things: Sequence[Band | Axis | Wall], corners: Sequence[complex], radius: float, gap: float,
+    things: Sequence[Thing], corners: Sequence[complex], radius: float, gap: float,
     kept: Sequence[tuple[complex, float]] = (),
 ) -> tuple[complex, ...]:  # fmt: skip
     """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
-    round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet. DesignError where there are
-    none."""
+    round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet.
+
+    They are looked for within _BEYOND of that box, then twice as far out, and so on: beyond what moves there is room.
+    """
     low = complex(min(z.real for z in corners), min(z.imag for z in corners))
     high = complex(max(z.real for z in corners), max(z.imag for z in corners))
+    courses = [((thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY], thing.radius) for thing in things]
+    needed = [(course, wide + radius + gap + ways(course)) for course, wide in courses]
+
+    def free(places: Points) -> np.ndarray:
+        """Which of the places nothing meets, (n,) bool."""
+        clear = np.ones(len(places), bool)
+        for z, keeps in kept:
+            clear &= np.abs(places - z) > radius + keeps + gap
+        for course, least in needed:
+            left, n = np.flatnonzero(clear), course.shape[1]
+            apart = distance(np.tile(course, len(left)), np.repeat(places[left], n)[None])
+            clear[left] = np.all(apart.reshape(-1, n) >= least, axis=1)
+        return clear
+
+    for beyond in (_BEYOND * 2**k for k in count()):
+        found: list[complex] = []
+        for corner, quarter in _quarters(low, high, beyond):
+            apart = np.all([np.abs(quarter - other) > 2 * _LEAST * radius for other in found] or [np.isfinite(quarter)], axis=0)
+            near = quarter[apart][np.argsort(np.abs(quarter[apart] - corner), kind="stable")]
+            tries = (near[k : k + _AT_ONCE] for k in range(0, len(near), _AT_ONCE))
+            place = next((complex(some[clear][0]) for some in tries if (clear := free(some)).any()), None)
+            if place is None:
+                break
+            found.append(place)
+        else:
+            break
+    return tuple(found)
+
+
+def _quarters(low: complex, high: complex, beyond: float) -> Iterator[tuple[complex, Points]]:
+    """Corners of a box, and the places that are tried in its quarters, no further than so much beyond it, mm; (n,) each."""
     middle, half = (low + high) / 2, (high - low) / 2
-    x, y = (_STEP * np.arange(-k, k + 1) for k in (int((part + _BEYOND) // _STEP) for part in (half.real, half.imag)))
-    places = (middle + x[:, None] + 1j * y[None, :]).ravel()
-    free = np.ones(len(places), bool)
-    for z, keeps in kept:
-        free &= np.abs(places - z) > radius + keeps + gap
-    for thing in things:
-        course = (thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY]
-        needed = thing.radius + radius + gap + ways(course)
-        left, n = np.flatnonzero(free), course.shape[1]
-        apart = distance(np.tile(course, len(left)), np.repeat(places[left], n)[None])
-        free[left] = np.all(apart.reshape(-1, n) >= needed, axis=1)
-    found: list[complex] = []
+    reach = half.real + beyond, half.imag + beyond
+    step = max(_STEP, max(reach) / _MOST_STEPS)
+    x, y = (step * np.arange(-k, k + 1) for k in (int(each // step) for each in reach))
+    off = (x[:, None] + 1j * y[None, :]).ravel()
     for sx, sy in product((-1, 1), (-1, 1)):
         corner = complex(high.real if sx > 0 else low.real, high.imag if sy > 0 else low.imag)
-        off = places - middle
-        there = free & (off.real * sx >= 0) & (off.imag * sy >= 0)
-        there &= np.all([np.abs(places - other) > 2 * _LEAST * radius for other in found] or [there], axis=0)
-        if not there.any():
-            raise DesignError(
-                "places for the posts of the second plate", len(found), 4, "", f"within {_BEYOND:g} mm of the ground's points",
-                "leave parts.plates = 2 out, or draw the ground's points further apart",
-            )  # fmt: skip
-        near = np.where(there, np.abs(places - corner), np.inf)
-        found.append(complex(places[int(np.argmin(near))]))
-    return tuple(found)
+        yield corner, middle + off[(off.real * sx >= 0) & (off.imag * sy >= 0)]
 
 
 def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str]) -> Part:
     """The plate under level 1; collar: radius of those of shafts, mm."""
     s = layout.sizes
-    points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots}
+    points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots and layout.in_first(name)}
     holes = {f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()}
     hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
     hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
+    channels = layout.channels_in(False)
+    holes |= layout.slot_holes(GROUND, channels.keys())
+    hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     radius, under = s.mount_diameter / 2, collar + s.mount_diameter  # a screw's head beside the collar
     face, motor = s.face, points[layout.shaft_of(layout.driven)]
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
@@ -129,6 +149,9 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
     hubs: list[tuple[complex, float]] = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
+    channels = layout.channels_in(True)
+    holes |= layout.slot_holes(GROUND, channels.keys())
+    hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     more, under, below = _screwed(layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand")
     for stand in (stand for stand in layout.stands if stand.merged is not None):
         assert stand.merged is not None
@@ -149,7 +172,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
         SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
-        notes=(f"screwed on {len(posts)} posts, over all", *notes), points=tuple(points.items()),
+        notes=(Held(f"screwed on {len(posts)} posts, over all"), *notes), points=tuple(points.items()),
     )  # fmt: skip
     yield part, Mount(SECOND, GROUND, z=ceiling)
     post = spacer("post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall)
@@ -217,10 +240,27 @@ def steps(layout: Layout) -> list[str]:
     if layout.second is not None:
         points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
         hanging = [point for point in points if layout.cut(point) is not None and point not in layout.shafts]
-        first = f"First press its pins {', '.join(hanging)} through the links that turn on them. " if hanging else ""
-        found.append(f"The second plate goes on last: {first}Then lay it on the posts, so that {', '.join(points)} find their "
-                     "holes, and draw the screws tight crosswise.")  # fmt: skip
+        told = []
+        if hanging:
+            one = len(hanging) == 1
+            told.append(f"Its {listed('pin', hanging)} {'stands' if one else 'stand'} head down, under what turns on "
+                        f"{'it: hold its head' if one else 'them: hold their heads'} from below while the plate is pressed "
+                        f"and glued on {'it' if one else 'them'}.")  # fmt: skip
+        places = [*([f"{', '.join(points)} find their holes"] if points else []),
+                  *(f"pin {point} its slot" for point in layout.channels_in(True))]  # fmt: skip
+        so = f", so that {' and '.join(places)}," if places else ""
+        told.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
+        found.append(" ".join(["The second plate goes on last.", *told]))
     return found
+
+
+def motor_holes(layout: Layout) -> list[tuple[complex, float]]:
+    """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
+    face, point = layout.sizes.face, layout.shaft_of(layout.driven)
+    if face is None:
+        return []
+    at, wide = layout.at(GROUND, point), (face.screw.head + HEAD_ROOM) / 2
+    return [(at, layout.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
 
 
 def _depth(sizes: Parts) -> float:

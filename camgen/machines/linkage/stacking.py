@@ -13,13 +13,14 @@ from camgen.errors import DesignError
 from camgen.geometry.convex import hull_corners
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.cures import bent, cured, slimmer, slimmer_pin
+from camgen.machines.linkage.cures import bent, slimmer, slimmer_pin
 from camgen.machines.linkage.guides import STEMS
 from camgen.machines.linkage.joined import GROUND, Second
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.linkage.pins import refuse, tall
-from camgen.machines.linkage.plates import columns, post_radius
-from camgen.parts.levels import Axis, Band, Crowded, Wall, cuts, levels, span
+from camgen.machines.linkage.plates import columns, motor_holes, post_radius
+from camgen.parts.level_rules import Axis, Band, Crowded, Opening, Thing, Wall, span
+from camgen.parts.levels import cuts, levels
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -29,17 +30,12 @@ def laid(layout: Layout, run: Run) -> Layout:
     under the plate where that saves a level. Where none can be laid, a link is bent; else DesignError of the first layout.
     """
     refuse(layout)
-    ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
-    strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
-    tries = [
-        replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
-        for stems in product(*map(layout.stems_of, layout.slides))
-    ]
+    tries = _with_stems(layout, run)
     for explain in (False, True):
         refused: DesignError | None = None
-        for tried in tries:
+        for choice in tries:
             try:
-                best = _lowest(tried, run, explain)
+                best = _lowest(choice, run, explain)
             except DesignError as error:
                 refused = refused or error
                 continue
@@ -48,14 +44,51 @@ def laid(layout: Layout, run: Run) -> Layout:
     assert refused is not None
     if not isinstance(refused, Crowded):
         raise refused
-    for tried in bent(tries[0], refused):
+    for choice in bent(tries[0], refused):
         with suppress(DesignError):
-            best = _lowest(tried, run, False)
+            best = _lowest(choice, run, False)
             if best is not None:
                 return covered(best, run)
-    ways_tried = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
-    ways_tried += [f"rails {', '.join(STEMS)}"] if len(tries) > 1 else []
-    raise refused.mended(cured(tries[0], run, refused, found_levels, ways_tried))
+    raise refused
+
+
+def _with_stems(layout: Layout, run: Run) -> list[Layout]:
+    """The layout with the strokes of its slots and slides, by all choices of their stems."""
+    ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
+    strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
+    return [
+        replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
+        for stems in product(*map(layout.stems_of, layout.slides))
+    ]
+
+
+def attempts(layout: Layout) -> list[str]:
+    """What `laid` has tried where it refuses, in words."""
+    found = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
+    return [*found, *([f"rails {', '.join(STEMS)}"] if layout.slides else []), "bows"]
+
+
+def first_choice(layout: Layout, run: Run) -> Layout:
+    """The layout with the strokes of its slots and slides, and the first choice of their stems."""
+    return _with_stems(layout, run)[0]
+
+
+def has_levels(layout: Layout, run: Run) -> bool:
+    """Whether levels are found soon for a layout as `first_choice` gives it."""
+    with suppress(DesignError):
+        refuse(layout)
+        return _lowest(layout, run, False) is not None
+    return False
+
+
+def refusal(layout: Layout, run: Run) -> DesignError | None:
+    """Why no levels are found for such a layout; None where they are."""
+    try:
+        refuse(layout)
+        _lowest(layout, run, True)
+    except DesignError as error:
+        return error
+    return None
 
 
 def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
@@ -82,6 +115,12 @@ class Things:
     axes: list[Axis]
     walls: list[Wall]
     over: list[tuple[str, str]]
+    openings: list[Opening]
+
+    @property
+    def every(self) -> list[Thing]:
+        """All of them."""
+        return [*self.bands, *self.axes, *self.walls, *self.openings]
 
 
 def covered(layout: Layout, run: Run) -> Layout:
@@ -89,10 +128,9 @@ def covered(layout: Layout, run: Run) -> Layout:
     if layout.sizes.plates < 2:
         return layout
     t, gap = things(layout, run), layout.fits.slide_clearance
-    ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level).items()}
-    every: list[Band | Axis | Wall] = [*t.bands, *t.axes, *t.walls]
-    places = columns(every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
-    return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in every)))
+    ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()}
+    places = columns(t.every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
+    return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in t.every)))
 
 
 def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
@@ -101,7 +139,7 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
     Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
     """
     t, gap = things(layout, run), layout.fits.slide_clearance
-    return levels(t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, searched=explain)
+    return levels(t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, explain, t.openings)
 
 
 def things(layout: Layout, run: Run) -> Things:
@@ -156,22 +194,24 @@ def things(layout: Layout, run: Run) -> Things:
         moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
         upper = layout.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
         hanging = tuple(link for link in moving if link in layout.webs and link != shaft) if shaft is not None else ()
-        if shaft is not None or point in layout.slots:
+        thrown = layout.thrown(point)
+        if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not thrown):
             over += [(upper, link) for link in moving if link not in (upper, *hanging)]
         held = (*moving, *layout.riders.get(point, ()))
         loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
         over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
         if shaft is not None and layout.webs.get(shaft):
             over += [(shaft, rider) for rider in layout.riders.get(point, ())]
-        elif any(link in layout.webs for link in moving):  # what turns on a throw lies between its webs
-            low, *high = (link for link in moving if link in layout.webs)
+        elif thrown:  # what turns on a throw, or runs on it, lies between its webs
+            low, *high = thrown
             between = [link for link in held if link not in layout.webs]
             over += [(link, low) for link in between] + [(web, link) for web in high for link in between]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
         low_ends = () if shaft is None else tuple(link for link in held if link not in hanging)
-        axes.append(Axis(name, held, place, wide, links[0] == GROUND, *layout.beyond(point), *slimmer_pin(layout, point),
-                         layout.between_plates(point), low_ends, hanging))  # fmt: skip
+        runs = layout.slotted_link(point) == GROUND
+        axes.append(Axis(name, held, place, wide, links[0] == GROUND or runs, *layout.beyond(point), *slimmer_pin(layout, point),
+                         layout.between_plates(point), low_ends, hanging, runs))  # fmt: skip
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body
@@ -187,7 +227,21 @@ def things(layout: Layout, run: Run) -> Things:
             walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
         over += [(link, on)] if on != GROUND else []
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
-    return Things(bands, axes, walls, over)
+    return Things(bands, axes, walls, over, _openings(layout, run.theta.size))
+
+
+def _openings(layout: Layout, count: int) -> list[Opening]:
+    """Slots and other wide holes of the ground, at so many samples."""
+    found = []
+    for point, ends in layout.slots_of(GROUND).items():
+        corners, half = np.repeat(np.array(ends)[:, None], count, axis=1), layout.slot_width(point) / 2 + layout.min_wall / 2
+        move = f"another line of the slot of points.{point}"
+        found.append(Opening(f"slot of pin {point}", corners, half, f"pin {point}", move=move))
+    motor = layout.shaft_of(layout.driven)
+    for z, radius in motor_holes(layout):
+        centre, half = np.full((1, count), z), radius + layout.min_wall / 2
+        found.append(Opening("hole for the motor", centre, half, f"shaft {motor}", move=f"points.{motor} elsewhere"))
+    return found
 
 
 def lacking(layout: Layout) -> DesignError | None:

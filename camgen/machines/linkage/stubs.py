@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camgen.machines.linkage.layout import Layout
 
@@ -27,14 +27,27 @@ def stubs(layout: Layout, point: str) -> list[Stub]:
     levels = layout.on(point)
     held = [(low, top) for _, low, top in levels]
     if layout.second is None or not layout.between_plates(point):
-        return [Stub(held)]
+        return [_inside(layout, point, Stub(held))]
     end, at = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness), layout.cut(point)
     if at is None:
         return [Stub([*held, end], far=True)]
     low = [each for each, (level, *_) in zip(held, levels, strict=True) if level <= at]
     high = held[len(low) :]
     found = [Stub(low)] if len(low) > 1 else []  # more than the plate
-    return [*found, Stub([*high, end], far=True, hangs=True)] if high else found
+    found += [Stub([*high, end], far=True, hangs=True)] if high else []
+    return [_inside(layout, point, stub) for stub in found]
+
+
+def _inside(layout: Layout, point: str, stub: Stub) -> Stub:
+    """A pin that runs in a slot of a plate ends a play inside it, so that it rubs on nothing behind; any other stub is itself."""
+    if point not in layout.channels:
+        return stub
+    play, (low, *between, high) = layout.fits.slide_clearance, stub.held
+    if stub.hangs:
+        high = high[0], high[1] - play
+    else:
+        low = low[0] + play, low[1]
+    return replace(stub, held=[low, *between, high])
 
 
 def in_upper(layout: Layout, point: str, link: str) -> bool:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio
+from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio, Trace
 from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import Bears
 from camgen.machines.pairs import Air
@@ -68,6 +68,16 @@ class Drive(Record):
         except SpecError as error:
             return list(error.faults)
         return []
+
+
+def _one_drive(value: object) -> object:
+    """A list of drives is told for what it is."""
+    if isinstance(value, list | tuple):
+        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
+    return value
+
+
+OneDrive = Annotated[Drive, BeforeValidator(_one_drive)]
 
 
 class Slide(Record):
@@ -144,6 +154,7 @@ class Wanted(Record):
     link: Name | None = Field(None, description="a link: its angle, or its place along its slide")
     stroke: Stroke | None = None
     points: Through | None = None
+    path: Trace | None = None
     straightness: Straight | None = None
     dwell: Dwell | None = None
     time_ratio: TimeRatio | None = None
@@ -152,7 +163,7 @@ class Wanted(Record):
     @property
     def targets(self) -> tuple[Target, ...]:
         """What is wanted of it by value."""
-        every = (self.stroke, self.points, self.straightness, self.dwell, self.time_ratio, self.function)
+        every = (self.stroke, self.points, self.path, self.straightness, self.dwell, self.time_ratio, self.function)
         return tuple(target for target in every if target is not None)
 
 
@@ -200,7 +211,9 @@ class Limits(Bears):
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
     pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = Field(45.0, description="deg, greatest of each cam")
     lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
-        None, description="mm, free play of an output by all joints' play; a quarter of its stroke unless given"
+        None,
+        description="mm, free play of an output by all joints' play; a quarter of its stroke, or of a path's smaller side, "
+        "unless given",
     )
     lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(None, description="deg, the same of an angle")
     min_wall: Length = Field(0.8, description="mm")

@@ -1,0 +1,33 @@
+"""What mends a spec that cannot be made, tried on the spec itself: no change is said to mend it that does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from camgen.errors import DesignError, SpecError
+from camgen.machine.run import Run
+from camgen.machines.linkage import cures
+from camgen.machines.linkage.changes import Change
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.stacking import attempts, first_choice, has_levels, refusal
+from camgen.parts.level_rules import Crowded
+from camgen.parts.part import Part
+
+
+def with_cures(refused: DesignError, layout: Layout, run: Run, parts: Callable[[Change], Sequence[Part]]) -> DesignError:
+    """The error with what mends it, as far as that is found.
+
+    run: samples over the whole motion; parts: those of the spec with a change, DesignError or SpecError where it has none.
+    """
+    first = first_choice(layout, run)
+
+    def makes(change: Change) -> bool:
+        try:
+            return has_levels(change.of(first), run) and bool(parts(change))
+        except (DesignError, SpecError):
+            return False
+
+    def why_not(change: Change) -> DesignError | None:
+        return refusal(change.of(first), run)
+
+    return cures.with_cures(first, refused, makes, why_not, attempts(first) if isinstance(refused, Crowded) else ())

@@ -1,0 +1,254 @@
+"""What is laid on levels, what of it meets, and which rules a choice of levels keeps: see `levels`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.convex import distance
+from camgen.geometry.outlines import Floats, Points
+
+_ONE_LINE = 1e-6  # mm, by which slots that are one may lie beside each other
+_WAY = 1.1  # of a chord: the way between two samples
+
+
+@dataclass(frozen=True)
+class Band:
+    """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
+
+    on: name of its level, where several bands share one; below: how many levels under it are taken too; slim, move: which keys
+    do so, for messages. Equal, as axes, walls and rules are, to what takes the same levels wherever it lies.
+    """
+
+    name: str
+    corners: Points = field(compare=False)
+    radius: float = field(compare=False)
+    on: str = ""
+    below: int = 0
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
+
+    @property
+    def level(self) -> str:
+        """Name of its level."""
+        return self.on or self.name
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
+
+    links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
+    link; under: the same of what is under its lowest; far: whether there is a second plate over all, low, high: links that
+    must be on the lower, on the upper one of two stubs; runs: whether it is a pin that runs in a slot of one plate.
+    """
+
+    name: str
+    links: tuple[str, ...]
+    place: Points = field(compare=False)
+    radius: float = field(compare=False)
+    ground: bool = False
+    over: int = 1
+    under: int = 0
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
+    far: bool = False
+    low: tuple[str, ...] = ()
+    high: tuple[str, ...] = ()
+    runs: bool = False
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A hole of a plate of the ground that is wider than what its axis takes of it: a slot in which a pin runs, a motor's boss.
+
+    corners: both ends of its middle line, (2, n) complex mm, or its centre, (1, n); radius: half of what it takes of the plate
+    across, half of a wall included, mm; axis: the name of that axis. Two slots on one line are one.
+    """
+
+    name: str
+    corners: Points = field(compare=False)
+    radius: float = field(compare=False)
+    axis: str
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm.
+
+    over: how many levels it takes over that link too.
+    """
+
+    name: str
+    corners: Points = field(compare=False)
+    radius: float = field(compare=False)
+    link: str
+    on: str = ""
+    over: int = 0
+    slim: str = field(default="", compare=False)
+    move: str = field(default="", compare=False)
+
+
+Thing = Band | Axis | Wall | Opening
+
+
+class Unlaid(DesignError):
+    """No levels are free of collisions."""
+
+
+class Crowded(Unlaid):
+    """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
+    need, and how many more such pairs there are. The remedy names keys that make them slimmer, where half as thick would do, or
+    move them."""
+
+    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int) -> None:
+        self.a, self.b, self.distance, self.needed, self.theta, self.more = a, b, distance, needed, theta, more
+        others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
+        said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
+        keys = [*(each.slim for each in (a, b) if distance >= needed / 2), *(each.move for each in (a, b))]
+        mends = list(dict.fromkeys(filter(None, keys)))
+        super().__init__(
+            "distance of what cannot pass on any level", distance, needed, "mm", said,
+            f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Two things that meet, so that they share no level: the distance of their middles at least (mm, at sample k), the needed."""
+
+    a: Thing
+    b: Thing
+    distance: float = field(compare=False)
+    needed: float = field(compare=False)
+    k: int = field(compare=False)
+
+
+def ways(corners: Points) -> Floats:
+    """Half of how far a body may come from each sample towards the next or the last one, (n,) mm."""
+    steps = np.abs(np.diff(corners, axis=1, append=corners[:, :1])).max(axis=0)
+    return np.asarray(_WAY / 2 * np.maximum(steps, np.roll(steps, 1)))
+
+
+@dataclass(frozen=True)
+class _Way:
+    """A thing over the motion: its corners, (k, n) complex mm, the disc about their mean, and half of its steps, (n,) mm."""
+
+    thing: Thing
+    corners: Points
+    centre: Points
+    reach: Floats
+    step: Floats
+
+
+def _way(thing: Thing) -> _Way:
+    corners = thing.place[None] if isinstance(thing, Axis) else thing.corners
+    centre = corners.mean(axis=0)
+    return _Way(thing, corners, centre, np.abs(corners - centre).max(axis=0), ways(corners))
+
+
+def _meets(one: _Way, other: _Way, gap: float) -> Rule | None:
+    """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
+    a, b = one.thing, other.thing
+    if isinstance(a, Opening) and isinstance(b, Opening):
+        if a.axis == b.axis or (min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0])):
+            return None
+    elif isinstance(a, Opening) or isinstance(b, Opening):
+        return None  # its axis passes by whatever else stands on the ground, or moves
+    elif isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
+        return None
+    elif isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
+        return None
+    needed, steps = a.radius + b.radius + gap, one.step + other.step
+    if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
+        return None  # not even their discs, as of most links of a long chain
+    between = distance(one.corners, other.corners) - steps
+    k = int(np.argmin(between))
+    if between[k] >= needed:
+        return None
+    return Rule(a, b, max(0.0, float(between[k])), needed, k)
+
+
+def in_line(one: Points, other: Points) -> bool:
+    """Whether two slots, both ends of their middle lines, (2,) complex mm, lie on one line."""
+    way = one[1] - one[0]
+    return bool(np.all(np.abs(((other - one[0]) * way.conjugate()).imag) <= _ONE_LINE * abs(way)))
+
+
+def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
+    """Lowest and highest level that a thing takes."""
+    if isinstance(thing, Band):
+        return level[thing.level] - thing.below, level[thing.level]
+    if isinstance(thing, Wall):
+        return level.get(thing.on, 0) + 1, level[thing.link] + thing.over
+    if isinstance(thing, Opening):
+        return 0, 0
+    held = [level[link] for link in thing.links]
+    return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
+
+
+def rules_of(things: Sequence[Thing], gap: float) -> list[Rule]:
+    """Those of all pairs that meet."""
+    ways = [_way(thing) for thing in things]
+    return [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
+
+
+def cut(axis: Axis, rules: Sequence[Rule], level: Mapping[str, int]) -> int | None:
+    """Highest level of the lower stub of an axis between two plates, such that most of its rules hold; None: it goes through."""
+    spans = [span(other, level) for rule in rules for other in _others(rule, axis)]
+    if not spans and not axis.high:
+        return None
+    held = [level[link] for link in axis.links]
+    least = max((level[link] for link in axis.low), default=0)
+    most = min((level[link] for link in axis.high), default=max(held) + 1)
+    ways = sorted(at for at in {0, *held} if least <= at < most)
+
+    def passing(at: int) -> int:
+        low, high = _gap(axis, at, level)
+        return sum(low < one and other < high for one, other in spans)
+
+    return max(ways, key=passing)
+
+
+def _others(rule: Rule, axis: Axis) -> list[Thing]:
+    return [other for one, other in ((rule.a, rule.b), (rule.b, rule.a)) if one is axis]
+
+
+def _gap(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[float, float]:
+    """Between which levels an axis lets others pass, both taken, whose lower stub ends so high."""
+    higher = [value for link in axis.links if (value := level[link]) > at]
+    none = 0 if axis.low else -1
+    return at + axis.over if at else none, min(higher) - axis.over if higher else math.inf
+
+
+def plates_of(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[bool, bool]:
+    """Whether the lower plate holds an axis whose lower stub ends so high, and whether the upper one does."""
+    held = [level[link] for link in axis.links]
+    return bool(axis.low) or any(value <= at for value in held), any(value > at for value in held)
+
+
+def kept(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
+    """Whether two things share no level; ends: the cuts of axes between two plates."""
+    a, b = rule.a, rule.b
+    if isinstance(a, Opening) and isinstance(b, Opening):
+        return bool(ends.get(a.axis, 1)) != bool(ends.get(b.axis, 1))
+    if isinstance(a, Axis) and isinstance(b, Axis) and a.far and b.far:
+        cut_a, cut_b = ends[a.name], ends[b.name]
+        if cut_a is None or cut_b is None:
+            return False
+        (low_a, high_a), (low_b, high_b) = _gap(a, cut_a, level), _gap(b, cut_b, level)
+        apart = not any(one and other for one, other in zip(plates_of(a, cut_a, level), plates_of(b, cut_b, level), strict=True))
+        return apart and low_a < high_b and low_b < high_a
+    for axis in (thing for thing in (a, b) if isinstance(thing, Axis) and thing.far):
+        at, (one, other) = ends[axis.name], span(_others(rule, axis)[0], level)
+        low, high = (math.inf, 0) if at is None else _gap(axis, at, level)
+        return low < one and other < high
+    (a0, a1), (b0, b1) = span(a, level), span(b, level)
+    return a1 < b0 or b1 < a0
