@@ -127,7 +127,7 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
 
 @contextmanager
 def _any_size(library: Any) -> Iterator[None]:
-    """Let Pillow open a picture of any size, whose pixels it does not read yet: `_grey` says how many it has, and are too many."""
+    """Let Pillow open a picture of any size, whose pixels it does not read yet: `_grey` says where it has too many."""
     kept, library.MAX_IMAGE_PIXELS = library.MAX_IMAGE_PIXELS, None
     try:
         yield
