@@ -41,7 +41,10 @@ def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Seq
     points: list[tuple[float, float]] = []
     heading: Sequence[str] = ()
     faults = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    lines = text.splitlines()
+    if len(lines) > _MOST_LINES:  # that end otherwise than those that were counted
+        raise FileError(path, f"has {len(lines):,} lines, {_MOST_LINES:,} at most are read of a table of {columns}")
+    for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         wide = re.split(r"[;\t]", line)

@@ -83,9 +83,11 @@ LARGE = "dial-table"  # of 29 parts, which are made alone; the rest of the galle
 MADE = [
     ("gallery/automaton", ("output.step=true", "output.cutter_radius=3", "output.profile_step_deg=5")),
     ("gallery/beak", ("files.step=true",)),
+    ("gallery/elliptic-trammel", ("files.step=true",)),
     ("gallery/four-bar", ("files.step=true",)),
     ("gallery/four-bar", ("laser.thickness=3", "parts.make='laser'")),
     ("gallery/groove", ("output.step=true",)),
+    ("gallery/scotch-yoke", ("files.step=true",)),
     ("gallery/valve", ("output.step=true",)),
     ("uniform-swing", tuple(CAMS)),
 ]
